@@ -17,13 +17,14 @@ static const struct {
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
 void bw_eigensolver_options_default(bw_eigensolver_options *options) {
-  *options = (bw_eigensolver_options){
-      .kind = BW_EIGENSOLVER_AUTO, .inner_tolerance = 1e-10, .inner_iterations = 2000};
+  *options = (bw_eigensolver_options){.kind = BW_EIGENSOLVER_AUTO};
 }
 
 static void eigensolver_destroy(void *object) {
-  bw_release(((bw_eigensolver *)object)->options.preconditioner);
-  bw_free(object);
+  bw_eigensolver *solver = object;
+  bw_release(solver->options.preconditioner);
+  bw_release(solver->options.inner);
+  bw_free(solver);
 }
 
 static size_t eigensolver_bytes(const void *object) {
@@ -32,6 +33,31 @@ static size_t eigensolver_bytes(const void *object) {
 }
 
 static const bw_kind eigensolver_kind = {"eigensolver", eigensolver_destroy, eigensolver_bytes};
+
+/* A factor over all processes, or conjugate gradients with multigrid over them. */
+static bool serves_slepc(const bw_solver *inner) {
+  const bw_solver *m = inner;
+  if (inner->options.kind == BW_SOLVER_PCG)
+    m = inner->options.preconditioner;
+  return m && m->options.backend == BW_BACKEND_PETSC &&
+         m->options.kind == (m == inner ? BW_SOLVER_CHOLESKY : BW_SOLVER_AMG);
+}
+
+static bw_status check_inner(bw_context *context, const bw_eigensolver_options *options) {
+  char text[BW_SOLVER_TEXT];
+  const bw_solver *inner = options->inner;
+  if (!inner || (options->kind == BW_EIGENSOLVER_SLEPC && serves_slepc(inner)))
+    return BW_OK;
+  bw_solver_describe(inner, text);
+  if (options->kind != BW_EIGENSOLVER_SLEPC)
+    return bw_fail(context, BW_INVALID, "the eigensolver %s has no inner systems: leave %s out",
+                   kinds[options->kind].name, text);
+  return bw_fail(
+      context, BW_INVALID,
+      "the solver %s does not serve SLEPc: give cholesky, or pcg with amg, of the backend "
+      "petsc",
+      text);
+}
 
 bw_status bw_eigensolver_create(bw_context *context, const bw_eigensolver_options *given,
                                 bw_eigensolver **out) {
@@ -44,12 +70,6 @@ bw_status bw_eigensolver_create(bw_context *context, const bw_eigensolver_option
   if (options.basis < 0 || options.basis > 100000)
     return bw_fail(context, BW_INVALID, "a basis of %d vectors: 0 to 100000 expected",
                    options.basis);
-  if (!(options.inner_tolerance > 0 && options.inner_tolerance < 1))
-    return bw_fail(context, BW_INVALID, "the inner tolerance is %g; it must lie between 0 and 1",
-                   options.inner_tolerance);
-  if (options.inner_iterations < 1)
-    return bw_fail(context, BW_INVALID, "%d inner iterations: at least 1 expected",
-                   options.inner_iterations);
   const bw_solver *m = options.preconditioner;
   bool serves = m && options.kind == BW_EIGENSOLVER_LOBPCG &&
                 m->options.backend == BW_BACKEND_AUTO &&
@@ -58,12 +78,16 @@ bw_status bw_eigensolver_create(bw_context *context, const bw_eigensolver_option
     return bw_fail(context, BW_INVALID,
                    "LOBPCG takes the preconditioners two_level and amg of the engine, and other "
                    "eigensolvers take none");
+  bw_status status = check_inner(context, &options);
+  if (status != BW_OK)
+    return status;
   bw_eigensolver *solver = BW_NEW0(context, bw_eigensolver, 1);
   if (!solver)
     return BW_MEMORY;
   bw_object_init(solver, &eigensolver_kind);
   solver->options = options;
   bw_retain(m);
+  bw_retain(options.inner);
   *out = solver;
   return BW_OK;
 }

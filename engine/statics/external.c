@@ -212,20 +212,13 @@ done:
   return status;
 }
 
-/* How SLEPc solves its inner systems. */
-static bw_solver inner_of(const bw_eigensolver *solver) {
-  if (!solver || !solver->options.inner_pcg)
-    return (bw_solver){.options = {.kind = BW_SOLVER_CHOLESKY, .backend = BW_BACKEND_PETSC}};
-  return (bw_solver){.options = {.kind = BW_SOLVER_PCG,
-                                 .tolerance = solver->options.inner_tolerance,
-                                 .max_iterations = solver->options.inner_iterations}};
-}
-
 bw_status bw_modes_external(bw_context *context, const bw_model *model,
                             const bw_modes_options *options, bw_modes **modes) {
   bw_status status = BW_OK;
   bw_modes_options opts;
-  const bw_solver inner = inner_of(options ? options->solver : NULL);
+  static const bw_solver factor = {
+      .options = {.kind = BW_SOLVER_CHOLESKY, .backend = BW_BACKEND_PETSC}};
+  const bw_solver *inner = options && options->solver ? options->solver->options.inner : NULL;
   equations e = {0};
   bw_external_modes found = {0};
   bwi_eigen_result result = {0};
@@ -239,7 +232,7 @@ bw_status bw_modes_external(bw_context *context, const bw_model *model,
     goto done;
   }
   BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
-  BW_TRY(open_system(context, model, true, &inner, &e));
+  BW_TRY(open_system(context, model, true, inner ? inner : &factor, &e));
   status = registered->modes(context, &opts, &found);
   e.open = status == BW_OK;
   result = (bwi_eigen_result){

@@ -273,6 +273,7 @@ void lbw_push_report(lua_State *L, const bw_solver_report *report);
  * table. */
 const void *lbw_object_option(lua_State *L, int index, const char *function, const char *key,
                               const lbw_class *class, const char *expected);
+#define LBW_SOLVER_EXPECTED "a solver of bw.solver, or \"auto\""
 /* The option "solver", an eigensolver in the second, and the option "lp", read so. */
 const bw_solver *lbw_solver_option(lua_State *L, int index, const char *function);
 const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char *function);

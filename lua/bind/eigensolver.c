@@ -50,20 +50,16 @@ static int eigensolver_lobpcg(lua_State *L) {
   return create(L, &options);
 }
 
-/* eigensolver.slepc{inner, tolerance, max_iterations} */
+/* eigensolver.slepc{inner} */
 static int eigensolver_slepc(lua_State *L) {
-  static const lbw_option list[] = {
-      {"inner", LBW_OTHER, 0},
-      {"tolerance", LBW_REAL, offsetof(bw_eigensolver_options, inner_tolerance)},
-      {"max_iterations", LBW_INT, offsetof(bw_eigensolver_options, inner_iterations)},
-      {NULL, LBW_OTHER, 0}};
-  static const char *const inner[] = {"cholesky", "pcg", NULL};
+  static const lbw_option list[] = {{"inner", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
   bw_eigensolver_options options;
   bw_eigensolver_options_default(&options);
   options.kind = BW_EIGENSOLVER_SLEPC;
   lua_settop(L, 1);
   lbw_options(L, 1, "eigensolver.slepc", list, &options);
-  options.inner_pcg = lbw_word_option(L, 1, "eigensolver.slepc", "inner", inner, 0) == 1;
+  options.inner = (const bw_solver *)lbw_object_option(L, 1, "eigensolver.slepc", "inner",
+                                                       &lbw_solver_class, LBW_SOLVER_EXPECTED);
   return create(L, &options);
 }
 
@@ -76,10 +72,10 @@ const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char
 static int solver_tostring(lua_State *L) {
   const bw_eigensolver *solver = self(L);
   const bw_eigensolver_options *options = &solver->options;
-  char text[120];
-  if (options->kind == BW_EIGENSOLVER_SLEPC)
-    snprintf(text, sizeof text, "eigensolver slepc, inner systems by %s",
-             options->inner_pcg ? "conjugate gradients" : "a factor");
+  char text[BW_SOLVER_TEXT + 60], inner[BW_SOLVER_TEXT];
+  bw_solver_describe(options->inner, inner);
+  if (options->inner)
+    snprintf(text, sizeof text, "eigensolver slepc, inner systems by %s", inner);
   else if (options->preconditioner)
     snprintf(text, sizeof text, "eigensolver %s, preconditioner %s", bw_eigensolver_name(solver),
              bw_solver_word(options->preconditioner->options.kind));

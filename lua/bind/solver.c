@@ -118,7 +118,7 @@ static int solver_jacobi(lua_State *L) {
 
 const bw_solver *lbw_solver_option(lua_State *L, int index, const char *function) {
   return (const bw_solver *)lbw_object_option(L, index, function, "solver", &lbw_solver_class,
-                                              "a solver of bw.solver, or \"auto\"");
+                                              LBW_SOLVER_EXPECTED);
 }
 
 bool lbw_solver_is_external(const bw_solver *solver) {

@@ -82,8 +82,9 @@ function eigensolver_module.lobpcg(options) end
 ---The Krylov-Schur method of SLEPc, on all processes that mpirun started (docs/howto_cluster.md). It takes a model, and not
 ---the modes of the Laplacian.
 ---```lua
----local solver = bw.eigensolver.slepc {inner = "pcg"}
----print(solver) -- eigensolver slepc, inner systems by conjugate gradients
+---local multigrid = bw.solver.amg {backend = "petsc"}
+---local solver = bw.eigensolver.slepc {inner = bw.solver.pcg {preconditioner = multigrid}}
+---print(solver) -- eigensolver slepc, inner systems by pcg (amg (petsc))
 ---```
 ---@param options? bw.EigensolverSlepcOptions how its inner systems are solved
 ---@return bw.Eigensolver solver the description
@@ -91,6 +92,4 @@ function eigensolver_module.slepc(options) end
 
 ---How SLEPc solves its inner systems.
 ---@class bw.EigensolverSlepcOptions
----@field inner? "cholesky"|"pcg" a factor by MUMPS, with a count of the eigenvalues; or conjugate gradients with multigrid, without one. Default: "cholesky"
----@field tolerance? number (-) relative residual of inner solutions. Range: above 0, below 1. Default: 1e-10
----@field max_iterations? integer (count) of conjugate gradients. Range: at least 1. Default: 2000
+---@field inner? bw.Solver|"auto" of the backend "petsc": `bw.solver.cholesky`, a factor by MUMPS, with a count of the eigenvalues; or `bw.solver.pcg` with `bw.solver.amg`, without one. Default: "auto", the factor

@@ -14,9 +14,10 @@ describe("eigensolvers", function()
   it("are descriptions that print and close", function()
     assert.equal("eigensolver lanczos", tostring(bw.eigensolver.lanczos()))
     assert.equal("eigensolver arpack, 60 basis vectors", tostring(bw.eigensolver.arpack {basis = 60}))
-    assert.equal("eigensolver slepc, inner systems by a factor", tostring(bw.eigensolver.slepc {}))
-    assert.equal("eigensolver slepc, inner systems by conjugate gradients",
-      tostring(bw.eigensolver.slepc {inner = "pcg", tolerance = 1e-8, max_iterations = 10}))
+    assert.equal("eigensolver slepc", tostring(bw.eigensolver.slepc {}))
+    local multigrid = bw.solver.amg {backend = "petsc"}
+    assert.equal("eigensolver slepc, inner systems by pcg (amg (petsc), tolerance 1e-08)",
+      tostring(bw.eigensolver.slepc {inner = bw.solver.pcg {preconditioner = multigrid, tolerance = 1e-8}}))
     local solver = bw.eigensolver.arpack {}
     assert.equal("arpack", solver.name)
     solver:close()
@@ -124,7 +125,10 @@ describe("eigensolvers", function()
     check.raises("a basis of -3 vectors", bw.eigensolver.arpack, {basis = -3})
     check.raises("did you mean 'basis'?", bw.eigensolver.lanczos, {bases = 3})
     check.raises("'inner'", bw.eigensolver.slepc, {inner = "lu"})
-    check.raises("inner tolerance is 2", bw.eigensolver.slepc, {tolerance = 2})
+    for _, bad in ipairs {bw.solver.cholesky(), bw.solver.pcg(), bw.solver.jacobi()} do
+      check.raises("does not serve SLEPc: give cholesky, or pcg with amg", bw.eigensolver.slepc, {inner = bad})
+    end
+    check.raises("unknown option 'tolerance'", bw.eigensolver.slepc, {tolerance = 2})
     check.raises("too small for 15 modes: at least 31 expected", part.modes, part,
       {solver = bw.eigensolver.lanczos {basis = 20}})
     check.raises("Laplacian", part.modes, part, {laplacian = true, solver = bw.eigensolver.slepc {}})

@@ -30,11 +30,9 @@ typedef struct bw_eigensolver_options {
                 and 48, or twice the modes and 20; otherwise at least the modes and 16, or 2 */
   const bw_solver *preconditioner; /* LOBPCG, retained: BW_SOLVER_TWO_LEVEL, for quadratic elements,
                                       or BW_SOLVER_AMG, the engine's; default NULL: as said there */
-  bool inner_pcg; /* SLEPC: its inner systems by conjugate gradients with algebraic multigrid, where
-                     none counts the eigenvalues; default false: by a factor over all processes */
-  double inner_tolerance; /* (-) SLEPC: relative residual of inner systems; default 1e-10, above 0
-                             and below 1 */
-  int inner_iterations;   /* SLEPC: of conjugate gradients, at most; default 2000, 1 or more */
+  const bw_solver *inner; /* SLEPC, retained: of its inner systems, of the backend BW_BACKEND_PETSC:
+                             BW_SOLVER_CHOLESKY, or BW_SOLVER_PCG with algebraic multigrid, where
+                             none counts the eigenvalues; default NULL: the former */
 } bw_eigensolver_options;
 BW_API void bw_eigensolver_options_default(bw_eigensolver_options *options);
 
@@ -43,8 +41,8 @@ typedef struct bw_eigensolver {
   bw_object object;
   bw_eigensolver_options options; /* as given, or the default */
 } bw_eigensolver;
-/* `options` may be NULL. BW_INVALID for numbers outside their ranges, and another preconditioner.
- */
+/* `options` may be NULL. BW_INVALID for numbers outside their ranges, another preconditioner, and an
+ * inner solver that does not serve. */
 BW_API bw_status bw_eigensolver_create(bw_context *context, const bw_eigensolver_options *options,
                                        bw_eigensolver **solver);
 /* "auto", "lanczos", "arpack", "lobpcg" or "slepc": static. NULL is automatic. */

@@ -26,38 +26,49 @@ static bw_model *body(bw_context *context, int order, bool fixed) {
   return model;
 }
 
-static bw_status statics(bw_context *context, const bw_model *model, bw_solver_kind method,
-                         bw_static **result) {
-  bw_solver *amg = NULL, *solver = NULL;
+/* A factor, or conjugate gradients with multigrid, over the processes. */
+static bw_status solver_of(bw_context *context, bw_solver_kind kind, bw_solver **solver) {
+  bw_solver *amg = NULL;
   bw_solver_options options = {.kind = BW_SOLVER_AMG, .backend = BW_BACKEND_PETSC};
   bw_status status = bw_solver_create(context, &options, &amg);
   if (status == BW_OK) {
-    options = method == BW_SOLVER_PCG
+    options = kind == BW_SOLVER_PCG
                   ? (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = amg}
                   : (bw_solver_options){.backend = BW_BACKEND_PETSC};
-    status = bw_solver_create(context, &options, &solver);
+    status = bw_solver_create(context, &options, solver);
   }
+  bw_release(amg);
+  return status;
+}
+
+static bw_status statics(bw_context *context, const bw_model *model, bw_solver_kind kind,
+                         bw_static **result) {
+  bw_solver *solver = NULL;
+  bw_status status = solver_of(context, kind, &solver);
   if (status == BW_OK) {
     const bw_statics_options opts = {.inertia_relief = true, .solver = solver};
     status = bw_statics(context, model, NULL, &opts, result);
   }
-  bw_release(amg);
   bw_release(solver);
   return status;
 }
 
-static bw_status modes_of(bw_context *context, const bw_model *model, bw_solver_kind method,
+static bw_status modes_of(bw_context *context, const bw_model *model, bw_solver_kind kind,
                           bw_modes **modes) {
+  bw_solver *inner = NULL;
+  bw_eigensolver *solver = NULL;
   bw_eigensolver_options options;
   bw_eigensolver_options_default(&options);
   options.kind = BW_EIGENSOLVER_SLEPC;
-  options.inner_pcg = method == BW_SOLVER_PCG;
-  bw_eigensolver *solver = NULL;
-  bw_status status = bw_eigensolver_create(context, &options, &solver);
+  bw_status status = solver_of(context, kind, &inner);
+  options.inner = inner;
+  if (status == BW_OK)
+    status = bw_eigensolver_create(context, &options, &solver);
   const bw_modes_options opts = {
       .count = 2, .tolerance = 1e-8, .sturm = true, .seed = 1, .solver = solver};
   if (status == BW_OK)
     status = bw_modes_of_model(context, model, NULL, &opts, NULL, modes);
+  bw_release(inner);
   bw_release(solver);
   return status;
 }

@@ -155,7 +155,8 @@ for order = 1, 2 do
   end)
 end
 case("modes by conjugate gradients", function()
-  same_modes(fixed(1), {solver = bw.eigensolver.slepc {inner = "pcg"}, count = 4})
+  same_modes(fixed(1), {solver = bw.eigensolver.slepc {
+    inner = bw.solver.pcg {preconditioner = bw.solver.amg {backend = "petsc"}}}, count = 4})
 end)
 case("rotated modes", function()
   local mesh = check.beam({8, 2, 2}, 1)
