@@ -264,11 +264,14 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
                    "a tolerance of %g and a lag of at most %d solutions: above 0, and 0 or more, "
                    "expected",
                    options.tolerance, options.max_lag);
-  if (options.solver && options.solver->options.kind != BW_EIGENSOLVER_LOBPCG &&
-      options.solver->options.kind != BW_EIGENSOLVER_AUTO)
+  const bw_eigensolver_options *e = options.solver ? &options.solver->options : NULL;
+  if (e &&
+      ((e->kind != BW_EIGENSOLVER_LOBPCG && e->kind != BW_EIGENSOLVER_AUTO) || e->preconditioner))
     return bw_fail(context, BW_INVALID,
-                   "the eigensolver %s does not serve plates that follow an outline: give lobpcg",
-                   bw_eigensolver_name(options.solver));
+                   "the eigensolver %s%s does not serve plates that follow an outline: give lobpcg "
+                   "without further options",
+                   bw_eigensolver_name(options.solver),
+                   e->preconditioner ? " with a preconditioner" : "");
   int block = options.modes + GUARDS;
   double *vector = BW_NEW0(context, double, (block + PAST * options.modes) * n),
          *value = BW_NEW(context, double, block), *frequency = BW_NEW(context, double, block),

@@ -363,8 +363,7 @@ static bool other_way(const statics *s, bw_status status) {
   if (s->way == BY_TWO_LEVEL)
     return (status == BW_CONVERGENCE && has_memory(s, &system->two_level->prediction)) ||
            status == BW_SINGULAR;
-  return status == BW_MEMORY &&
-         (bwi_two_level_applies(system) || system->dof_map->rigid_mode_count == 0);
+  return status == BW_MEMORY;
 }
 
 /* By two-level PCG or, on linear elements, by PCG with multigrid. */

@@ -65,7 +65,8 @@ describe("a metallophone bar", function()
       assert.is_true(bar.report.bytes > 0 and bar.report.residual <= 1e-4)
       assert.is_truthy(tostring(bar):find(tostring(bar.report), 1, true))
     end
-    for _, bad in ipairs {bw.eigensolver.lanczos {}, bw.eigensolver.arpack {}} do
+    for _, bad in ipairs {bw.eigensolver.lanczos {}, bw.eigensolver.arpack {},
+      bw.eigensolver.lobpcg {preconditioner = bw.solver.amg()}} do
       check.raises("does not serve plates that follow an outline: give lobpcg", bar_of, 0.2, 0.03, nil,
         {solver = bad})
     end

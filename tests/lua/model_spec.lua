@@ -268,7 +268,10 @@ describe("a model", function()
     for order, name in ipairs {"amg", "two_level"} do -- a small part without memory for a factor
       local small = bw.model {mesh = bw.mesh.box {cells = {4, 4, 4}, order = order}, material = part.material}
       small:fix(small.mesh.boundary:below(1, 0)):gravity {0, 0, -9.81}
-      local done = assert(small:solve {memory_limit = 1e4}).report
+      if order == 1 then -- also one that can move freely
+        small:clear_supports():clear_loads():load {on = small.mesh.boundary:below(1, 0), force = {1e3, 2e3, 0}}
+      end
+      local done = assert(small:solve {memory_limit = 1e4, inertia_relief = true}).report
       assert.same({"pcg", name, "there is no memory for a factor"},
         {done.solver, done.preconditioner, done.reason})
     end

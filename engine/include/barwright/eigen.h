@@ -41,8 +41,8 @@ typedef struct bw_eigensolver {
   bw_object object;
   bw_eigensolver_options options; /* as given, or the default */
 } bw_eigensolver;
-/* `options` may be NULL. BW_INVALID for numbers outside their ranges, another preconditioner, and an
- * inner solver that does not serve. */
+/* `options` may be NULL. BW_INVALID for numbers outside their ranges, another preconditioner, and
+ * an inner solver that does not serve. */
 BW_API bw_status bw_eigensolver_create(bw_context *context, const bw_eigensolver_options *options,
                                        bw_eigensolver **solver);
 /* "auto", "lanczos", "arpack", "lobpcg" or "slepc": static. NULL is automatic. */
