@@ -96,7 +96,7 @@ static void predict_levels(const bw_incremental_system *incremental, double tole
   if (!inner->two_level)
     follow = BWI_TWO_LEVEL_BEGIN * one;
   else if (!inner->two_level_known)
-    follow = bwi_two_level_flops(inner->two_level) / bwi_cost_flops_per_second(32) +
+    follow = bwi_coarse_seconds(inner->two_level->coarse) +
              (216 + 6 * 72.0) * (double)pattern->block_count / BWI_COST_BYTES_PER_SECOND;
   double seen = inner->two_level_ratio[cost->near];
   double factor = seen > 0 ? seen : cost->near ? NEAR : 1;

@@ -6,8 +6,21 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/cost.h"
 #include "base/dense.h"
+#include "linear/amg.h"
 #include "linear/rigid_space.h"
+
+/* A solution by the factor, and by multigrid with its setup, are compared for so many of them. */
+#define SOLUTIONS 24.0
+/* The same solution with multigrid in place of the factor takes more iterations, each of which
+ * costs several of multigrid's. */
+#define MORE_ITERATIONS 1.15
+#define FINE_OVER_COARSE 14.0
+/* Bytes that a cycle reads and writes, and that the setup does, for a block of two corners
+ * (measured). */
+#define CYCLE_BYTES 250.0
+#define SETUP_BYTES 8000.0
 
 struct bwi_coarse {
   bw_object object;
@@ -18,9 +31,13 @@ struct bwi_coarse {
   bw_mesh *mesh;       /* linear, on the corners, of the shape last followed */
   bw_block_pattern *pattern;
   double *stiffness;
-  bw_dof_map dof_map;     /* of the corners: what the factor and its fields read of one */
+  bw_dof_map dof_map;     /* of the corners: what factor, multigrid and fields read of one */
   int32_t *unknown;       /* count x 3: 0 where there is one, else -1 */
   bwi_rigid_space *rigid; /* of the corners; NULL where the supports leave no mode free */
+  double flops, entries;  /* of the factor; 0: not counted yet */
+  int32_t unknowns;
+  bool iterative; /* by a cycle of multigrid, which takes the place of the factor */
+  bwi_amg *amg;   /* or NULL */
   bwi_symbolic *symbolic;
   bwi_elimination_reach *reach; /* the whole of it: refactorised in place */
   bwi_factor *factor;
@@ -35,11 +52,15 @@ static void coarse_destroy(void *object) {
   bw_release(c->reach);
   bw_release(c->symbolic);
   bw_release(c->rigid);
+  bw_release(c->amg);
   bw_free(c->corner);
   bw_free(c->parent);
   bw_free(c->stiffness);
   bw_free(c->dof_map.frame_of);
   bw_free(c->dof_map.frame);
+  bw_free(c->dof_map.state);
+  bw_free(c->dof_map.rigid_mode);
+  bw_free(c->dof_map.rigid_mode_start);
   bw_free(c->unknown);
   bw_free(c);
 }
@@ -48,11 +69,24 @@ static void coarse_destroy(void *object) {
 static size_t coarse_bytes(const void *object) {
   const bwi_coarse *c = object;
   size_t blocks = c->pattern ? (size_t)c->pattern->block_count : 0;
-  return sizeof *c + (size_t)c->count * (9 * sizeof(double) + 5 * sizeof(int32_t)) +
-         2 * (size_t)c->fine->node_count * sizeof(int32_t) + blocks * 9 * sizeof(double) +
-         bw_bytes(c->mesh) + bw_bytes(c->pattern) + bw_bytes(c->symbolic) + bw_bytes(c->reach) +
-         bw_bytes(c->factor) + bw_bytes(c->rigid);
+  return sizeof *c + (size_t)c->count * (9 * sizeof(double) + 5 * sizeof(int32_t) + 3) +
+         2 * (size_t)c->fine->node_count * sizeof(int32_t) +
+         (c->stiffness ? blocks * 9 * sizeof(double) : 0) + bw_bytes(c->amg) + bw_bytes(c->mesh) +
+         bw_bytes(c->pattern) + bw_bytes(c->symbolic) + bw_bytes(c->reach) + bw_bytes(c->factor) +
+         bw_bytes(c->rigid);
 }
+
+/* The DOF map is a part of the coarse space: nothing is its own. */
+static void part_destroy(void *object) {
+  (void)object;
+}
+
+static size_t part_bytes(const void *object) {
+  (void)object;
+  return 0;
+}
+
+static const bw_kind part_kind = {"DOF map of corners", part_destroy, part_bytes};
 
 static const bw_kind coarse_kind = {"coarse space", coarse_destroy, coarse_bytes};
 
@@ -109,6 +143,7 @@ bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse
   if (!c)
     return BW_MEMORY;
   bw_object_init(c, &coarse_kind);
+  bw_object_init(&c->dof_map, &part_kind);
   c->fine = bw_retain(mesh);
   c->corner = BW_NEW(context, int32_t, mesh->node_count);
   c->parent = BW_NEW(context, int32_t, 2 * (size_t)mesh->node_count);
@@ -119,11 +154,11 @@ bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse
   find_parents(c);
   BW_TRY(make_mesh(context, c));
   BW_TRY(bw_block_pattern_create(context, c->mesh, &c->pattern));
-  c->stiffness = BW_NEW(context, double, 9 * c->pattern->block_count);
   c->dof_map.frame_of = BW_NEW(context, int32_t, c->count);
+  c->dof_map.state = BW_NEW(context, uint8_t, 3 * (size_t)c->count);
   c->dof_map.frame = BW_NEW(context, double, 9 * (size_t)c->count);
   c->unknown = BW_NEW(context, int32_t, 3 * (size_t)c->count);
-  if (!c->stiffness || !c->dof_map.frame_of || !c->dof_map.frame || !c->unknown)
+  if (!c->dof_map.state || !c->dof_map.frame_of || !c->dof_map.frame || !c->unknown)
     status = BW_MEMORY;
 done:
   if (status == BW_OK)
@@ -190,6 +225,34 @@ static void number_corners(bwi_coarse *c, const bw_dof_map *dof_map) {
         for (int d = 0; d < 3; d++)
           c->unknown[3 * (int64_t)k + d] = -1;
     }
+  for (int64_t k = 0; k < 3 * (int64_t)c->count; k++)
+    c->dof_map.state[k] = c->unknown[k] < 0 ? BW_DOF_PRESCRIBED : BW_DOF_UNKNOWN;
+}
+
+/* Rigid-body modes by the bodies of the corners' mesh, whose numbers are others. */
+static bw_status number_modes(bw_context *context, bwi_coarse *c, const bw_dof_map *dof_map) {
+  bw_dof_map *own = &c->dof_map;
+  int32_t bodies = c->mesh->component_count, count = 0;
+  bw_free(own->rigid_mode);
+  bw_free(own->rigid_mode_start);
+  own->rigid_mode = BW_NEW0(context, bw_rigid_mode, dof_map->rigid_mode_count + 1);
+  own->rigid_mode_start = BW_NEW0(context, int32_t, bodies + 1);
+  own->rigid_mode_count = 0;
+  if (!own->rigid_mode || !own->rigid_mode_start)
+    return BW_MEMORY;
+  for (int32_t k = 0, body = 0; k < c->count && body < bodies; k++) {
+    if (c->mesh->component[k] != body) /* bodies come in the order of their first corners */
+      continue;
+    int32_t fine = c->fine->component[c->corner[k]];
+    for (int32_t m = dof_map->rigid_mode_start[fine]; m < dof_map->rigid_mode_start[fine + 1];
+         m++) {
+      own->rigid_mode[count] = dof_map->rigid_mode[m];
+      own->rigid_mode[count++].component = body;
+    }
+    own->rigid_mode_start[++body] = count;
+  }
+  own->rigid_mode_count = count;
+  return BW_OK;
 }
 
 /* Isostatic constraints where supports leave rigid-body modes free. Where there are none, the
@@ -216,18 +279,34 @@ done:
   return status;
 }
 
-static bw_status update_symbolic(bw_context *context, bwi_coarse *c) {
-  bw_status status = BW_OK;
-  bwi_order *order = NULL;
-  uint8_t *take = NULL;
-  if (c->symbolic && bwi_symbolic_fits(c->symbolic, 3, c->unknown))
-    return BW_OK;
+/* Whether one solution with cycles of multigrid costs less than with a factor, by count. */
+static bool multigrid_is_better(const bwi_coarse *c) {
+  double blocks = (double)c->pattern->block_count;
+  double factor = c->flops / bwi_cost_flops_per_second(32) +
+                  SOLUTIONS * 2 * sizeof(float) * c->entries / BWI_COST_BYTES_PER_SECOND;
+  double cycle = CYCLE_BYTES * blocks / BWI_COST_BYTES_PER_SECOND;
+  double amg = SETUP_BYTES * blocks / BWI_COST_BYTES_PER_SECOND +
+               SOLUTIONS * MORE_ITERATIONS * cycle +
+               SOLUTIONS * (MORE_ITERATIONS - 1) * FINE_OVER_COARSE * cycle;
+  return amg < factor;
+}
+
+static void release_factor(bwi_coarse *c) {
   bw_release(c->factor);
   bw_release(c->reach);
   bw_release(c->symbolic);
   c->factor = NULL;
   c->reach = NULL;
   c->symbolic = NULL;
+}
+
+static bw_status update_symbolic(bw_context *context, bwi_coarse *c) {
+  bw_status status = BW_OK;
+  bwi_order *order = NULL;
+  uint8_t *take = NULL;
+  if (c->iterative || (c->symbolic && bwi_symbolic_fits(c->symbolic, 3, c->unknown)))
+    return BW_OK;
+  release_factor(c);
   take = BW_NEW0(context, uint8_t, c->count);
   if (!take)
     return BW_MEMORY;
@@ -235,7 +314,9 @@ static bw_status update_symbolic(bw_context *context, bwi_coarse *c) {
     take[k] = c->unknown[3 * k] >= 0 || c->unknown[3 * k + 1] >= 0 || c->unknown[3 * k + 2] >= 0;
   BW_TRY(bwi_order_create(context, c->pattern, take, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, c->unknown, &c->symbolic));
-  BW_TRY(bwi_elimination_reach_create_whole(context, c->symbolic, &c->reach));
+  c->flops = c->symbolic->flops;
+  c->entries = (double)c->symbolic->panel[c->symbolic->order->super_count];
+  c->unknowns = c->symbolic->unknowns;
 done:
   bw_free(take);
   bw_release(order);
@@ -244,9 +325,15 @@ done:
 
 bw_status bwi_coarse_count(bw_context *context, bwi_coarse *c, const bw_dof_map *dof_map) {
   bw_status status = BW_OK;
+  bool first = c->flops == 0;
   number_corners(c, dof_map);
+  BW_TRY(number_modes(context, c, dof_map));
   BW_TRY(constrain_modes(context, c, dof_map));
   BW_TRY(update_symbolic(context, c));
+  if (first && multigrid_is_better(c)) {
+    c->iterative = true;
+    release_factor(c);
+  }
 done:
   return status;
 }
@@ -254,15 +341,18 @@ done:
 static bw_status factor_in(bw_context *context, bwi_coarse *c, const bwi_kernels *kernels) {
   const bwi_matrix matrix = {
       .pattern = c->pattern, .stiffness = c->stiffness, .dof_map = &c->dof_map};
-  bw_status status;
+  bw_status status = BW_OK;
   if (c->factor && c->factor->kernels == kernels)
     status = bwi_factor_update(context, c->factor, &matrix, NULL, NULL, NULL);
   else {
     bw_release(c->factor);
     c->factor = NULL;
+    if (!c->reach)
+      BW_TRY(bwi_elimination_reach_create_whole(context, c->symbolic, &c->reach));
     status =
         bwi_factor_create_in(context, c->symbolic, &matrix, c->reach, kernels, &c->factor, NULL);
   }
+done:
   if (status != BW_OK) {
     bw_release(c->factor);
     c->factor = NULL;
@@ -321,6 +411,24 @@ done:
   return status;
 }
 
+/* Multigrid, unless the matrix is not one for it. */
+static bw_status update_amg(bw_context *context, bwi_coarse *c) {
+  const bwi_matrix matrix = {
+      .pattern = c->pattern, .stiffness = c->stiffness, .dof_map = &c->dof_map};
+  bw_release(c->amg);
+  c->amg = NULL;
+  bw_status status = bwi_amg_create(context, &matrix, &c->amg);
+  if (status == BW_OK) {
+    bw_free(c->stiffness);
+    c->stiffness = NULL;
+  } else if (status == BW_SINGULAR || status == BW_LIMIT) {
+    bw_clear_failure(context);
+    c->iterative = false;
+    status = update_symbolic(context, c);
+  }
+  return status;
+}
+
 bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *model,
                             const bw_dof_map *dof_map, bool *usable) {
   bw_status status = BW_OK;
@@ -334,10 +442,19 @@ bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *
     memcpy(node + 3 * k, model->mesh->node + 3 * (int64_t)c->corner[k], 3 * sizeof *node);
   BW_TRY(bw_mesh_moved(context, c->mesh, node, &moved));
   bw_release(c->mesh);
-  c->mesh = moved;
+  c->dof_map.mesh = c->mesh = moved;
   BW_TRY(bwi_coarse_count(context, c, dof_map));
+  if (!c->stiffness)
+    c->stiffness = BW_NEW(context, double, 9 * c->pattern->block_count);
+  if (!c->stiffness) {
+    status = BW_MEMORY;
+    goto done;
+  }
   BW_TRY(bw_stiffness(context, c->pattern, c->mesh, model->material, c->stiffness));
-  status = update_factor(context, c);
+  if (c->iterative)
+    BW_TRY(update_amg(context, c));
+  if (!c->iterative)
+    status = update_factor(context, c);
   *usable = status == BW_OK;
   if (status == BW_SINGULAR) {
     bw_clear_failure(context);
@@ -353,7 +470,10 @@ bw_status bwi_coarse_solve(bw_context *context, const bwi_coarse *c, int64_t cou
   const bwi_field_layout plain = {3, 1, 3 * (int64_t)c->count};
   if (c->rigid)
     BW_TRY(bwi_rigid_space_project(context, c->rigid, &plain, (int)count, x));
-  BW_TRY(bwi_solve_fields(context, c->factor, &c->dof_map, count, x, x));
+  if (c->iterative)
+    BW_TRY(bwi_amg_apply(context, c->amg, count, x, x));
+  else
+    BW_TRY(bwi_solve_fields(context, c->factor, &c->dof_map, count, x, x));
   if (c->rigid)
     BW_TRY(bwi_rigid_space_project(context, c->rigid, &plain, (int)count, x));
 done:
@@ -369,17 +489,34 @@ const int32_t *bwi_coarse_parents(const bwi_coarse *c) {
 }
 
 double bwi_coarse_bytes(const bwi_coarse *c) {
+  if (c->amg)
+    return bwi_amg_pass_bytes(c->amg);
   return c->factor ? 2 * (double)bwi_factor_bytes(c->factor) : 0;
 }
 
+double bwi_coarse_seconds(const bwi_coarse *c) {
+  if (c->iterative)
+    return SETUP_BYTES * (double)c->pattern->block_count / BWI_COST_BYTES_PER_SECOND;
+  return c->flops / bwi_cost_flops_per_second(32);
+}
+
+double bwi_coarse_pass_bytes(const bwi_coarse *c) {
+  return c->iterative ? CYCLE_BYTES * (double)c->pattern->block_count
+                      : 2 * sizeof(float) * c->entries;
+}
+
+bool bwi_coarse_iterative(const bwi_coarse *c) {
+  return c->iterative;
+}
+
 double bwi_coarse_flops(const bwi_coarse *c) {
-  return c->symbolic ? c->symbolic->flops : 0;
+  return c->flops;
 }
 
 double bwi_coarse_entries(const bwi_coarse *c) {
-  return c->symbolic ? (double)c->symbolic->panel[c->symbolic->order->super_count] : 0;
+  return c->entries;
 }
 
 int32_t bwi_coarse_unknowns(const bwi_coarse *c) {
-  return c->symbolic ? c->symbolic->unknowns : 0;
+  return c->unknowns;
 }

@@ -50,11 +50,11 @@ static bwi_cost_prediction predict(const bw_system *system, const bwi_coarse *co
   cost.factor_bytes = MORE_ENTRIES * wider * wider * bwi_coarse_entries(coarse) * sizeof(double);
   cost.factor = cost.factor_flops / bwi_cost_flops_per_second(64) +
                 4 * cost.factor_bytes / BWI_COST_BYTES_PER_SECOND + ORDER_BLOCK * blocks;
-  double bytes = bwi_smoother_bytes((int64_t)blocks) + 8 * bwi_coarse_entries(coarse);
+  double bytes = bwi_smoother_bytes((int64_t)blocks) + bwi_coarse_pass_bytes(coarse);
   cost.one_iteration = BWI_TWO_LEVEL_PASS * bytes / BWI_COST_BYTES_PER_SECOND;
   cost.pcg =
       (BWI_TWO_LEVEL_BEGIN + 1 + BWI_TWO_LEVEL_RATE * log(2 / BWI_REFINE_TO)) * cost.one_iteration +
-      bwi_coarse_flops(coarse) / bwi_cost_flops_per_second(32);
+      bwi_coarse_seconds(coarse);
   return cost;
 }
 

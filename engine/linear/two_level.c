@@ -228,7 +228,3 @@ double bwi_two_level_bytes(const bwi_two_level *l) {
   return bwi_smoother_bytes(l->smoother->pattern->block_count - l->smoother->count) +
          bwi_coarse_bytes(l->coarse);
 }
-
-double bwi_two_level_flops(const bwi_two_level *l) {
-  return bwi_coarse_flops(l->coarse);
-}

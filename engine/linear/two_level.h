@@ -62,10 +62,8 @@ bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, con
 /* The equations of a shape. *usable is false where they are not positive definite. */
 bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *two_level, const bw_model *model,
                                const bw_dof_map *dof_map, const double *stiffness, bool *usable);
-/* Bytes that an iteration reads for up to BWI_SMOOTHER_SIDES right-hand sides; operations of
- * following a shape. */
+/* Bytes that an iteration reads for up to BWI_SMOOTHER_SIDES right-hand sides. */
 double bwi_two_level_bytes(const bwi_two_level *two_level);
-double bwi_two_level_flops(const bwi_two_level *two_level);
 
 /* Room for `width` fields side by side (bwi_smoother_width). */
 bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *two_level, int width);

@@ -249,7 +249,9 @@ static bw_status by_two_level(statics *s) {
     report->predicted_cost = system->two_level->prediction.pcg;
     report->rival_cost = system->two_level->prediction.factor;
   }
-  report->flops = made ? 0 : bwi_coarse_flops(system->two_level->coarse);
+  report->flops = made || bwi_coarse_iterative(system->two_level->coarse)
+                      ? 0
+                      : bwi_coarse_flops(system->two_level->coarse);
   report->bytes = (double)bw_bytes(system->two_level->preconditioner);
   report->reused = made;
 done:

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The coarse space of linear elements: what it represents it solves to the digits of floats. */
-#include "linear/coarse.h"
+#include "linear/system_two_level.h"
 
 #include "base/dense.h"
 #include "incremental_bar.h"
@@ -148,10 +148,112 @@ static void no_memory(void **state) {
   bar_clear(&b);
 }
 
+/* ---- multigrid in place of the factor -------------------------------------------------------- */
+
+/* A cube of n x n x n cubes, or a bar of four of them, fixed at one end or afloat. */
+static bw_model *thick_body(bw_context *context, int length, int n, bool afloat) {
+  bw_mesh *mesh = body_box(context, length, 1, 1, length * n, n, n, 2);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  const double pull[3] = {1e6, 2e6, 3e6};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  bw_selection *root = face(context, mesh, 0, 0), *tip = face(context, mesh, 0, length);
+  if (!afloat)
+    check_ok(context, bw_model_fix(context, model, root));
+  check_ok(context, bw_model_force(context, model, tip, pull));
+  bw_release(root);
+  bw_release(tip);
+  bw_release(material);
+  bw_release(mesh);
+  return model;
+}
+
+/* Statics by two-level PCG over multigrid and by a factor; the same bits on any number of threads.
+ * Returns iterations. */
+static int compare_with_factor(bw_context *context, const bw_model *model, bool afloat) {
+  bw_solver *pcg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG});
+  bw_solver *cholesky = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_CHOLESKY});
+  bw_statics_options options = {.solver = cholesky, .inertia_relief = afloat};
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  bw_static *direct = NULL, *found[2];
+  check_ok(context, bw_statics(context, model, NULL, &options, &direct));
+  options.solver = pcg;
+  for (int threads = 1; threads <= 2; threads++) {
+    check_ok(context, bw_set_threads(context, threads));
+    check_ok(context, bw_statics(context, model, NULL, &options, &found[threads - 1]));
+  }
+  assert_true(bwi_coarse_iterative(found[0]->system->two_level->coarse));
+  assert_true(found[0]->report.flops == 0);
+  check_near(difference(found[0]->displacement, direct->displacement, size), 0, 1e-8);
+  check_near(found[0]->energy / direct->energy, 1, 1e-8);
+  assert_memory_equal(found[0]->displacement, found[1]->displacement,
+                      (size_t)size * sizeof(double));
+  int iterations = found[0]->report.iterations;
+  bw_release(found[0]);
+  bw_release(found[1]);
+  bw_release(direct);
+  bw_release(pcg);
+  bw_release(cholesky);
+  return iterations;
+}
+
+static void multigrid_below(void **state) {
+  bw_context *context = check_context(state);
+  const int size[3][2] = {{1, 12}, {1, 15}, {3, 9}};
+  for (int k = 0; k < 3; k++) {
+    bool afloat = k % 2 == 1;
+    bw_model *model = thick_body(context, size[k][0], size[k][1], afloat);
+    assert_in_range(compare_with_factor(context, model, afloat), 15, 32);
+    bw_release(model);
+  }
+}
+
+/* Allocations that fail one after the other, thinned out, and a request to stop. */
+static void multigrid_fails(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = thick_body(context, 1, 13, true);
+  bw_dof_map *dof_map = NULL;
+  bwi_coarse *coarse = NULL;
+  bool usable = false, passed = false;
+  check_ok(context, bw_dof_map_create(context, model, &dof_map));
+  check_ok(context, bwi_coarse_create(context, model->mesh, &coarse)); /* and the threads */
+  check_ok(context, bwi_coarse_follow(context, coarse, model, dof_map, &usable));
+  bw_release(coarse);
+  coarse = NULL;
+  int64_t before = bw_live_blocks();
+  for (int64_t n = 1; !passed; n += 11) {
+    bw_fail_allocation(n, true);
+    bw_status status = bwi_coarse_create(context, model->mesh, &coarse);
+    if (status == BW_OK)
+      status = bwi_coarse_follow(context, coarse, model, dof_map, &usable);
+    bw_fail_allocation(0, false);
+    passed = status == BW_OK;
+    assert_true(passed || status == BW_MEMORY);
+    bw_clear_failure(context);
+    if (!passed) {
+      bw_release(coarse);
+      coarse = NULL;
+      assert_int_equal(bw_live_blocks(), before);
+    }
+  }
+  assert_true(usable && bwi_coarse_iterative(coarse));
+  bw_cancel(context);
+  check_fails(context, BW_CANCELLED, "cancel",
+              bwi_coarse_follow(context, coarse, model, dof_map, &usable));
+  bw_clear_cancel(context);
+  check_ok(context, bwi_coarse_follow(context, coarse, model, dof_map, &usable));
+  assert_true(usable);
+  bw_release(coarse);
+  bw_release(dof_map);
+  bw_release(model);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(linear_fields_are_solved),
       check_test(no_memory),
+      check_test(multigrid_below),
+      check_test(multigrid_fails),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
