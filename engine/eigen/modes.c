@@ -325,7 +325,7 @@ static bw_status choose_preconditioner(bw_context *context, bw_system *system,
     *out = bw_retain(solver->options.preconditioner);
     return BW_OK;
   }
-  if (system->factor || (!given && !quadratic))
+  if (system->factor)
     return BW_OK;
   if (!given) {
     if (!system->two_level)

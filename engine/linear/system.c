@@ -215,6 +215,8 @@ static bw_status analyse(bw_context *context, bw_system *system, const bw_solver
   double start = bw_seconds();
   if (!old && system->factor)
     old = system->factor->symbolic;
+  if (!old && system->two_level)
+    old = system->two_level->symbolic;
   bw_progress(context, "ordering", 0);
   BW_TRY(bwi_symbolic_for(context, system->pattern, system->dof_map,
                           solver ? solver->options.ordering : BW_ORDERING_AUTO, 0, NULL, NULL, old,

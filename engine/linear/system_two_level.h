@@ -17,15 +17,19 @@ typedef struct bwi_cost_prediction {
 typedef struct bwi_two_level_solver {
   bw_object object;
   bwi_two_level *preconditioner; /* or NULL: not made yet */
-  bwi_coarse *coarse;            /* what the prediction is from */
+  bwi_coarse *coarse;            /* what the prediction is from, or NULL */
+  bwi_symbolic *symbolic;        /* of linear elements: that of the factor, or NULL */
   bwi_cost_prediction prediction;
   double spent; /* s of the reference machine, by all solutions by two-level PCG so far */
 } bwi_two_level_solver;
 
 /* Whether a system may be solved so. */
 bool bwi_two_level_applies(const bw_system *system);
-/* Gives the system its `two_level`, with the prediction alone. */
+/* Gives the system its `two_level`, with the prediction alone. On linear elements `pcg` is that
+ * with multigrid as preconditioner. */
 bw_status bwi_two_level_predict(bw_context *context, bw_system *system);
+/* Seconds of the reference machine of one more solution by the PCG that was predicted. */
+double bwi_predicted_next(const bwi_two_level_solver *solver);
 /* And the preconditioner. *usable is false where the equations are singular. */
 bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_system *system,
                              bool *usable);

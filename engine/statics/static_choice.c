@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Static solutions of a model by the solver that is given, or by the one that costs less: the
- * factor of its system, or two-level PCG without one.
+ * factor of its system, or PCG without one, whose preconditioner is the two-level one on quadratic
+ * elements and multigrid on linear ones.
  *
  * A factor serves whatever comes next: other loads, modes, the worst case. So it is left alone
  * where it costs little. Where it costs much, PCG is taken, which serves one solution; those
@@ -35,7 +36,8 @@ typedef struct statics {
   bw_context *context;
   const bw_model *model;
   bw_statics_options opts;
-  const bw_solver *preconditioner; /* of BY_PCG: block Jacobi or a factor */
+  const bw_solver *preconditioner; /* of BY_PCG: block Jacobi, multigrid or a factor */
+  bw_solver *amg;                  /* where it was not given, or NULL */
   double tolerance;                /* (-) relative residual of PCG */
   int max_iterations;
   double available;  /* bytes that a factor may take */
@@ -110,12 +112,27 @@ __attribute__((format(printf, 2, 3))) static void say(statics *s, const char *fo
   va_end(arguments);
 }
 
-static double next_by_pcg(const bwi_cost_prediction *cost) {
-  return (1 + BWI_TWO_LEVEL_RATE * log(2 / BWI_REFINE_TO)) * cost->one_iteration;
-}
-
 static bool has_memory(const statics *s, const bwi_cost_prediction *cost) {
   return cost->factor_bytes <= s->available;
+}
+
+/* What takes the place of a factor. */
+static const char *pcg_name(const bw_system *system) {
+  return bwi_two_level_applies(system) ? "two-level PCG" : "multigrid PCG";
+}
+
+/* The way of it. */
+static bw_status take_pcg(statics *s) {
+  bw_status status = BW_OK;
+  const bw_solver_options options = {.kind = BW_SOLVER_AMG};
+  s->way = BY_TWO_LEVEL;
+  if (bwi_two_level_applies(s->result->system))
+    return BW_OK;
+  s->way = BY_PCG;
+  if (!s->amg)
+    status = bw_solver_create(s->context, &options, &s->amg);
+  s->preconditioner = s->amg;
+  return status;
 }
 
 static bool pcg_is_better(statics *s, const bw_system *system) {
@@ -126,16 +143,16 @@ static bool pcg_is_better(statics *s, const bw_system *system) {
         fmin(LARGE, s->available) / 1e9);
     return true;
   }
-  bool made = two_level->preconditioner != NULL;
-  bool better = made ? two_level->spent + next_by_pcg(cost) <= cost->factor
+  const char *name = pcg_name(system);
+  bool made = two_level->preconditioner || (system->preconditioner && system->preconditioner->amg);
+  double next = two_level->spent + bwi_predicted_next(two_level);
+  bool better = made ? next <= cost->factor
                      : cost->factor >= CHEAP && cost->pcg <= MAX_COST_RATIO * cost->factor;
   if (made)
-    say(s,
-        "solutions by two-level PCG are predicted to have cost %.2g s with this one, a factor "
-        "%.2g s",
-        two_level->spent + next_by_pcg(cost), cost->factor);
+    say(s, "solutions by %s are predicted to have cost %.2g s with this one, a factor %.2g s", name,
+        next, cost->factor);
   else
-    say(s, "two-level PCG is predicted to cost %.2g s, a factor %.2g s of %.2g GB", cost->pcg,
+    say(s, "%s is predicted to cost %.2g s, a factor %.2g s of %.2g GB", name, cost->pcg,
         cost->factor, cost->factor_bytes / 1e9);
   return better;
 }
@@ -156,26 +173,25 @@ static bw_status choose(statics *s) {
     s->way = BY_FACTOR;
     if (system->factor)
       say(s, "the equations have a factor already");
-    else if (!fit)
-      say(s, "two-level PCG needs quadratic elements");
     else if (system->dof_map->unknown_count < SMALL)
       say(s, "the factor of fewer than %d unknowns is cheap", (int)SMALL);
-    if (!fit || system->factor || system->dof_map->unknown_count < SMALL)
+    if (system->factor || system->dof_map->unknown_count < SMALL)
       return BW_OK;
   }
   if (!system->two_level)
     BW_TRY(bwi_two_level_predict(s->context, system));
-  if (!solver)
-    s->way = pcg_is_better(s, system) ? BY_TWO_LEVEL : BY_FACTOR;
+  if (!solver && pcg_is_better(s, system))
+    BW_TRY(take_pcg(s));
 done:
   return status;
 }
 
 /* As many iterations as the factor would have cost, where there is room for it. */
-static int limit_of(const statics *s, const bwi_cost_prediction *cost) {
-  if (s->opts.solver || !has_memory(s, cost))
+static int limit_of(const statics *s, const bwi_two_level_solver *two_level) {
+  if (s->opts.solver || !has_memory(s, &two_level->prediction))
     return s->max_iterations;
-  double break_even = fmax(cost->factor, 2 * next_by_pcg(cost)) / cost->one_iteration;
+  const bwi_cost_prediction *cost = &two_level->prediction;
+  double break_even = fmax(cost->factor, 2 * bwi_predicted_next(two_level)) / cost->one_iteration;
   return break_even < s->max_iterations ? (int)break_even : s->max_iterations;
 }
 
@@ -241,7 +257,7 @@ static bw_status by_two_level(statics *s) {
                 "almost no volume (the solver cholesky says where)");
     goto done;
   }
-  s->limit = limit_of(s, &system->two_level->prediction);
+  s->limit = limit_of(s, system->two_level);
   BW_TRY(run(s, &solver));
   report->solver = bw_solver_word(BW_SOLVER_PCG);
   report->preconditioner = bw_solver_word(BW_SOLVER_TWO_LEVEL);
@@ -279,11 +295,14 @@ static bw_status solve_pcg(bw_context *context, void *data, const double *force,
                      .precondition = bwi_preconditioner_apply,
                      .data = system->preconditioner,
                      .tolerance = tolerance_of(s, force),
-                     .limit = s->max_iterations};
+                     .limit = s->limit};
   double start = bw_seconds();
   bw_progress(context, "conjugate gradients", 0);
   BW_TRY(bwi_pcg_solve(context, &problem, 1, force, displacement));
   s->result->report.iterations += problem.iterations;
+  if (system->two_level)
+    system->two_level->spent +=
+        (1 + problem.iterations) * system->two_level->prediction.one_iteration;
   system->times.solve += bw_seconds() - start;
   if (!problem.converged && s->passes == 0)
     status = fail_convergence(s, bw_solver_word(system->preconditioner->solver->options.kind),
@@ -301,9 +320,14 @@ static bw_status by_pcg(statics *s) {
   bool made = bwi_preconditioner_serves(system->preconditioner, s->preconditioner);
   if (!made)
     BW_TRY(bwi_system_precondition(s->context, system, s->preconditioner, s->old, s->available));
+  s->limit = s->opts.solver ? s->max_iterations : limit_of(s, system->two_level);
   BW_TRY(run(s, &solver));
   const bwi_factor *factor = system->preconditioner->factor;
   bool refined = s->preconditioner == s->opts.solver;
+  if (!s->opts.solver) {
+    report->predicted_cost = system->two_level->prediction.pcg;
+    report->rival_cost = system->two_level->prediction.factor;
+  }
   report->solver = bw_solver_word(refined ? BW_SOLVER_CHOLESKY : BW_SOLVER_PCG);
   report->preconditioner = refined ? "" : bw_solver_word(s->preconditioner->options.kind);
   report->backend = factor ? factor->kernels->backend : "";
@@ -335,6 +359,8 @@ static bw_status by_factor(statics *s) {
   if (system->two_level) { /* their memory first */
     bw_release(system->two_level->preconditioner);
     system->two_level->preconditioner = NULL;
+    bw_release(system->preconditioner);
+    system->preconditioner = NULL;
   }
   const bw_solver *solver = s->way == BY_TWO_LEVEL ? NULL : s->opts.solver;
   bw_solver wide;
@@ -362,34 +388,10 @@ static bool other_way(const statics *s, bw_status status) {
   if (s->opts.solver) /* a factor in single precision may lack digits */
     return s->way == BY_PCG && s->opts.solver->options.kind == BW_SOLVER_CHOLESKY &&
            (status == BW_CONVERGENCE || status == BW_SINGULAR);
-  if (s->way == BY_TWO_LEVEL)
+  if (s->way != BY_FACTOR)
     return (status == BW_CONVERGENCE && has_memory(s, &system->two_level->prediction)) ||
-           status == BW_SINGULAR;
+           status == BW_SINGULAR || status == BW_LIMIT;
   return status == BW_MEMORY;
-}
-
-/* By two-level PCG or, on linear elements, by PCG with multigrid. */
-static bw_status without_factor(statics *s) {
-  bw_status status = BW_OK;
-  bw_system *system = s->result->system;
-  const bwi_preconditioner *kept = system->preconditioner;
-  bw_solver *amg = NULL;
-  s->available = 0; /* there is none */
-  say(s, "there is no memory for a factor");
-  if (bwi_two_level_applies(system)) {
-    if (!system->two_level)
-      BW_TRY(bwi_two_level_predict(s->context, system));
-    return by_two_level(s);
-  }
-  if (kept && kept->solver->options.kind == BW_SOLVER_AMG)
-    amg = bw_retain(kept->solver);
-  else
-    BW_TRY(bw_solver_create(s->context, &(bw_solver_options){.kind = BW_SOLVER_AMG}, &amg));
-  s->preconditioner = amg;
-  status = by_pcg(s);
-done:
-  bw_release(amg);
-  return status;
 }
 
 static bw_status solve(statics *s) {
@@ -402,23 +404,32 @@ static bw_status solve(statics *s) {
   if (status == BW_OK || !other_way(s, status))
     goto done;
   bw_clear_failure(context);
-  if (s->way == BY_PCG) {
+  if (s->opts.solver) {
     bw_warn(context, "the factor in single precision lacks digits; one in double precision gives "
                      "the solution");
     bw_release(s->result->system->preconditioner);
     s->result->system->preconditioner = NULL;
     BW_TRY(by_factor(s));
-  } else if (s->way == BY_TWO_LEVEL) {
+  } else if (s->way != BY_FACTOR) {
+    const char *name = pcg_name(s->result->system);
     if (status == BW_CONVERGENCE)
       bw_warn(context,
-              "two-level PCG did not converge in %d iterations; a Cholesky factorisation gives the "
-              "solution",
-              s->result->report.iterations);
-    say(s, status == BW_CONVERGENCE ? "two-level PCG did not converge"
-                                    : "the stiffness of the linear elements is singular");
+              "%s did not converge in %d iterations; a Cholesky factorisation gives the solution",
+              name, s->result->report.iterations);
+    if (status == BW_CONVERGENCE)
+      say(s, "%s did not converge", name);
+    else
+      say(s, s->way == BY_PCG ? "the stiffness is not one for multigrid"
+                              : "the stiffness of the linear elements is singular");
+    s->way = BY_FACTOR;
     BW_TRY(by_factor(s));
   } else {
-    BW_TRY(without_factor(s));
+    s->available = 0; /* there is none */
+    if (!s->result->system->two_level)
+      BW_TRY(bwi_two_level_predict(context, s->result->system));
+    say(s, "there is no memory for a factor");
+    BW_TRY(take_pcg(s));
+    BW_TRY(ways[s->way](s));
   }
 done:
   return status;
@@ -452,6 +463,7 @@ bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *syst
   s.result->report.seconds = bw_seconds() - start;
 done:
   bw_release(dof_map);
+  bw_release(s.amg);
   if (status == BW_OK)
     *out = s.result;
   else

@@ -3,6 +3,7 @@
  * linear and of quadratic elements; iterations that sizes do not change; a symmetric and positive
  * operator, in the same bits on any number of threads. */
 #include "linear/pcg.h"
+#include "linear/system_two_level.h"
 
 #include "base/dense.h"
 #include "incremental_bar.h"
@@ -132,6 +133,36 @@ static void of_several_bodies(void **state) {
   }
 }
 
+/* Without a solver: multigrid where there is no memory for a factor, which is counted, and where
+ * solutions to come would not have paid for one. */
+static void chosen_by_cost(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = cube(context, 1, 21, 1, false), *small = cube(context, 1, 8, 1, false);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  bw_static *result = NULL, *again = NULL, *direct = NULL;
+  bw_statics_options options = {.memory = 1e6};
+  check_ok(context, bw_statics(context, model, NULL, &options, &result));
+  assert_string_equal(result->report.preconditioner, "amg");
+  assert_non_null(strstr(result->report.reason, "a factor is predicted to take"));
+  assert_true(result->report.rival_cost > 0 && result->report.predicted_cost > 0);
+  double bytes = result->system->two_level->prediction.factor_bytes;
+  check_ok(context, bw_statics(context, model, result->system, &options, &again));
+  assert_true(again->report.reused == 1);
+  assert_memory_equal(again->displacement, result->displacement, (size_t)size * sizeof(double));
+  check_ok(context, bw_statics(context, model, NULL, NULL, &direct)); /* it is cheap */
+  assert_string_equal(direct->report.solver, "cholesky");
+  check_near(bytes / (double)bwi_factor_bytes(direct->system->factor), 1, 1e-12);
+  check_near(difference(result->displacement, direct->displacement, size), 0, 1e-8);
+  bw_release(again);
+  check_ok(context, bw_statics(context, small, NULL, NULL, &again));
+  assert_string_equal(again->report.solver, "cholesky");
+  bw_release(again);
+  bw_release(direct);
+  bw_release(result);
+  bw_release(small);
+  bw_release(model);
+}
+
 static bwi_amg *amg_of(bw_context *context, const bw_system *system) {
   bwi_amg *amg = NULL;
   const bwi_matrix matrix = {
@@ -224,9 +255,8 @@ static void no_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(as_a_factor),       check_test(sizes_do_not_matter),
-      check_test(of_several_bodies), check_test(operator_is_symmetric),
-      check_test(no_memory),
+      check_test(as_a_factor),    check_test(sizes_do_not_matter),   check_test(of_several_bodies),
+      check_test(chosen_by_cost), check_test(operator_is_symmetric), check_test(no_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
