@@ -2,11 +2,14 @@
 /* The worst-case run: for every weak region its functional, one adjoint solve, the linear program,
  * one solve under the optimal pressure, the stresses that it causes.
  *
- * All with one factor, a batch of regions at a time: solves take many right-hand sides at once,
- * everything between them runs over the regions in parallel. Memory is that of one batch whatever
- * the number of regions. */
+ * All with one factor or one preconditioner, a batch of regions at a time: solves take many
+ * right-hand sides at once, everything between them runs over the regions in parallel. Memory is
+ * that of one batch whatever the number of regions. */
 #include "analysis/load_program.h"
+#include "analysis/solve_error.h"
+#include "linear/system_solver.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { STANDARD_BATCH = 16 };
@@ -94,6 +97,23 @@ done:
   return status;
 }
 
+/* Of the displacement u, the error d has at most the solver's tolerance times the energy u . K u,
+ * which is the work of the pressure; the objective is not needed any more. */
+static double solve_error(const run *r, int64_t i, const double *max_principal) {
+  double tolerance = bwi_solve_tolerance(r->system), work = 0;
+  int64_t peak = 0;
+  if (tolerance == 0)
+    return 0;
+  for (int64_t e = 1; e < r->system->mesh->element_count; e++)
+    peak = max_principal[e] > max_principal[peak] ? e : peak;
+  const double *pressure = pressure_of(r, i);
+  double *slope = r->objective + (size_t)i * (size_t)r->signs * (size_t)r->basis->count;
+  bw_pressure_gradient(r->basis, block_of(r, i), slope);
+  for (int32_t j = 0; j < r->basis->count; j++)
+    work += slope[j] * pressure[j];
+  return bwi_stress_per_energy(r->system, peak) * tolerance * sqrt(fmax(0, work));
+}
+
 static bw_status run_batch(run *r, bwi_loads *loads,
                            bw_status (*visit)(void *data, const bw_worst_case_visit *visit),
                            void *data) {
@@ -127,6 +147,7 @@ static bw_status run_batch(run *r, bwi_loads *loads,
                                .stress = r->stress + 6 * (size_t)(g * elements),
                                .max_principal = r->principal + g * elements,
                                .objective = r->value[i * r->signs + flipped],
+                               .solve_error = solve_error(r, i, r->principal + g * elements),
                                .flipped = flipped == 1,
                                .seconds = seconds};
       BW_TRY(visit(data, &v));

@@ -11,9 +11,7 @@
 
 #include "barwright/job.h"
 #include "eigen/modes.h"
-#include "linear/pcg.h"
-#include "linear/system_two_level.h"
-#include "linear/two_level_apply.h"
+#include "linear/system_solver.h"
 
 void bw_modes_options_default(bw_modes_options *options) {
   *options = (bw_modes_options){.count = 15, .tolerance = 1e-8, .sturm = true, .seed = 1};
@@ -108,10 +106,8 @@ bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, const bw_mate
 
 typedef struct elastic {
   bw_system *system;
-  bwi_two_level *two_level; /* in place of the factor, or NULL */
-  bwi_two_level_workspace workspace;
-  bwi_amg *amg;     /* or this one, or NULL */
-  bool constrained; /* some component is prescribed */
+  bwi_system_operator preconditioner; /* in place of the factor */
+  bool constrained;                   /* some component is prescribed */
   bwi_symbolic *unconstrained;
 } elastic;
 
@@ -122,10 +118,7 @@ static bw_status elastic_solve(bw_context *context, void *data, int64_t count, c
 
 static bw_status elastic_precondition(bw_context *context, void *data, int64_t count,
                                       const double *f, double *y) {
-  elastic *problem = data;
-  if (problem->amg)
-    return bwi_amg_apply(context, problem->amg, count, f, y);
-  return bwi_two_level_apply(context, problem->two_level, &problem->workspace, count, f, y);
+  return bwi_system_operator_apply(context, &((elastic *)data)->preconditioner, count, f, y);
 }
 
 static bw_status multiply(bw_context *context, const elastic *problem, bool mass, int64_t count,
@@ -214,18 +207,16 @@ static bwi_eigen_problem elastic_problem(elastic *problem) {
                              .dimension = dof_map->unknown_count};
 }
 
-bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_modes_options *given,
-                           bw_modes **modes) {
+static bw_status modes_by_factor(bw_context *context, bw_system *system,
+                                 const bw_modes_options *options, bw_modes **modes) {
   bw_status status = BW_OK;
   bwi_eigen_result result = {0};
-  bw_modes_options options;
   elastic problem = {.system = system, .constrained = is_constrained(system)};
-  BW_TRY(bwi_modes_options_check(context, given, &options));
   BW_TRY(bwi_need_factor(context, system));
   bwi_eigen_problem eigen = elastic_problem(&problem);
   eigen.solve = elastic_solve;
   eigen.below = elastic_below;
-  BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
+  BW_TRY(bwi_eigen_lowest(context, &eigen, options, &result));
   result.report.bytes += (double)bwi_factor_bytes(system->factor);
   result.report.flops = 4.0 * (double)system->times.factor_entries * result.solves;
   BW_TRY(bwi_modes_from(context, system->mesh, system->material, system->dof_map->rigid_mode_count,
@@ -238,103 +229,109 @@ done:
 
 /* ---- without a factor ------------------------------------------------------------------------ */
 
-/* Bodies below this size always get a factor, as in statics; factors above this size none, where
- * there is another way. */
-enum { SMALL = 30000 };
-#define LARGE 4e9
-
-/* The preconditioner of a system. *usable is false where the equations are singular for it. */
-static bw_status open_preconditioner(bw_context *context, const bw_model *model, elastic *problem,
-                                     const bw_solver *solver, bool *usable) {
-  bw_status status = BW_OK;
-  bw_system *system = problem->system;
-  *usable = true;
-  if (solver->options.kind == BW_SOLVER_AMG) {
-    if (!bwi_preconditioner_serves(system->preconditioner, solver))
-      status = bwi_system_precondition(context, system, solver, NULL, 0);
-    if (status == BW_SINGULAR) {
-      bw_clear_failure(context);
-      *usable = false;
-      return BW_OK;
-    }
-    problem->amg = status == BW_OK ? system->preconditioner->amg : NULL;
-    return status;
-  }
-  if (!system->two_level)
-    BW_TRY(bwi_two_level_predict(context, system));
-  BW_TRY(bwi_two_level_make(context, model, system, usable));
-  if (!*usable)
-    goto done;
-  problem->two_level = system->two_level->preconditioner;
-  BW_TRY(bwi_two_level_workspace_open(context, problem->two_level, &problem->workspace));
-done:
-  return status;
+static bool is_automatic(const bw_eigensolver *solver) {
+  return !solver || solver->options.kind == BW_EIGENSOLVER_AUTO;
 }
 
-/* By LOBPCG; nothing is found where the preconditioner is not usable. */
-static bw_status modes_without_factor(bw_context *context, const bw_model *model, bw_system *system,
-                                      const bw_modes_options *given, const bw_solver *solver,
-                                      bool *usable, bw_modes **modes) {
+/* By LOBPCG with the preconditioner that the system has. */
+static bw_status modes_by_pcg(bw_context *context, bw_system *system, bwi_way way,
+                              const bw_modes_options *given, bw_modes **modes) {
   bw_status status = BW_OK;
   bwi_eigen_result result = {0};
-  bw_modes_options options;
-  bw_eigensolver *lobpcg = NULL;
+  bw_modes_options options = *given;
+  bw_eigensolver *solver = NULL;
   elastic problem = {.system = system, .constrained = is_constrained(system)};
   bw_eigensolver_options how;
   bw_eigensolver_options_default(&how);
   how.kind = BW_EIGENSOLVER_LOBPCG;
-  BW_TRY(bwi_modes_options_check(context, given, &options));
-  BW_TRY(bw_eigensolver_create(context, &how, &lobpcg));
-  BW_TRY(open_preconditioner(context, model, &problem, solver, usable));
-  if (!*usable)
-    goto done;
+  BW_TRY(bw_eigensolver_create(context, &how, &solver));
   BW_TRY(bwi_system_mass(context, system));
+  BW_TRY(bwi_system_operator_open(context, system, way, &problem.preconditioner));
   bwi_eigen_problem eigen = elastic_problem(&problem);
   eigen.precondition = elastic_precondition;
-  eigen.preconditioner = bw_solver_word(solver->options.kind);
-  bool automatic = !options.solver || options.solver->options.kind == BW_EIGENSOLVER_AUTO;
-  options.solver = lobpcg;
+  eigen.preconditioner = bwi_system_operator_word(&problem.preconditioner);
+  options.solver = solver;
   BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
-  if (automatic)
-    snprintf(result.report.reason, sizeof result.report.reason,
-             "a factor would take %.3g GB of memory",
-             system->two_level->prediction.factor_bytes / 1e9);
-  result.report.bytes +=
-      problem.amg ? (double)bw_bytes(system->preconditioner) : (double)bw_bytes(system->two_level);
+  if (is_automatic(given->solver))
+    snprintf(result.report.reason, sizeof result.report.reason, "%s",
+             system->solver ? "the equations have a preconditioner and no factor"
+                            : system->report.reason);
+  result.report.bytes += way == BWI_BY_TWO_LEVEL ? (double)bw_bytes(system->two_level)
+                                                 : (double)bw_bytes(system->preconditioner);
   BW_TRY(bwi_modes_from(context, system->mesh, system->material, system->dof_map->rigid_mode_count,
                         &result, modes));
 done:
-  bwi_two_level_workspace_clear(&problem.workspace);
-  bw_release(lobpcg);
+  bwi_system_operator_close(&problem.preconditioner);
+  bw_release(solver);
   bwi_eigen_result_clear(&result);
   return status;
 }
 
-/* What is better than a factor for the modes of a system: a preconditioner, or NULL. `kind`: LOBPCG
- * or automatic. */
-static bw_status choose_preconditioner(bw_context *context, bw_system *system,
-                                       const bw_eigensolver *solver, bw_solver **out) {
+bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_modes_options *given,
+                           bw_modes **modes) {
   bw_status status = BW_OK;
-  bool given = solver && solver->options.kind == BW_EIGENSOLVER_LOBPCG;
+  bw_modes_options options;
+  BW_TRY(bwi_modes_options_check(context, given, &options));
+  if (!system->iterative)
+    return modes_by_factor(context, system, &options, modes);
+  if (!is_automatic(options.solver) && options.solver->options.kind != BW_EIGENSOLVER_LOBPCG)
+    return bw_fail(context, BW_INVALID,
+                   "the eigensolver %s needs a factor, and these equations are solved by pcg: take "
+                   "lobpcg, or solve them by cholesky",
+                   bw_eigensolver_name(options.solver));
+  bwi_way way = bwi_system_way(system);
+  BW_TRY(modes_by_pcg(context, system, way, &options, modes));
+done:
+  return status;
+}
+
+/* The preconditioner of LOBPCG that a system gets where one was asked for, or it has none: *way.
+ * *usable is false where the equations are singular for it. */
+static bw_status give_preconditioner(bw_context *context, const bw_model *model, bw_system *system,
+                                     const bw_solver *given, bwi_way *way, bool *usable) {
+  bw_status status = BW_OK;
+  bw_solver *amg = NULL;
   bool quadratic = bwi_two_level_applies(system);
-  bw_solver_options how = {.kind = quadratic ? BW_SOLVER_TWO_LEVEL : BW_SOLVER_AMG};
-  if (given && solver->options.preconditioner) {
-    if (solver->options.preconditioner->options.kind == BW_SOLVER_TWO_LEVEL && !quadratic)
-      return bw_fail(context, BW_INVALID,
-                     "the two-level preconditioner needs quadratic elements: these are linear");
-    *out = bw_retain(solver->options.preconditioner);
-    return BW_OK;
-  }
-  if (system->factor)
-    return BW_OK;
-  if (!given) {
+  bool two_level = given ? given->options.kind == BW_SOLVER_TWO_LEVEL : quadratic;
+  *way = two_level ? BWI_BY_TWO_LEVEL : BWI_BY_PCG;
+  if (two_level && !quadratic)
+    return bw_fail(context, BW_INVALID,
+                   "the two-level preconditioner needs quadratic elements: these are linear");
+  if (two_level) {
     if (!system->two_level)
       BW_TRY(bwi_two_level_predict(context, system));
-    double bytes = system->two_level->prediction.factor_bytes;
-    if (bytes <= LARGE && bytes <= bw_available_memory())
-      return BW_OK;
+    return bwi_two_level_make(context, model, system, usable);
   }
-  BW_TRY(bw_solver_create(context, &how, out));
+  if (!given) {
+    BW_TRY(bw_solver_create(context, &(bw_solver_options){.kind = BW_SOLVER_AMG}, &amg));
+    given = amg;
+  }
+  if (!bwi_preconditioner_serves(system->preconditioner, given))
+    status = bwi_system_precondition(context, system, given, NULL, 0);
+  *usable = status == BW_OK;
+  if (status == BW_SINGULAR) {
+    bw_clear_failure(context);
+    status = BW_OK;
+  }
+done:
+  bw_release(amg);
+  return status;
+}
+
+/* By LOBPCG, as it was asked for. *found is false where the system has a factor, or its
+ * preconditioner, and no other is asked for, and where the equations are singular for that. */
+static bw_status modes_by_lobpcg(bw_context *context, const bw_model *model, bw_system *system,
+                                 const bw_modes_options *given, bool *found, bw_modes **modes) {
+  bw_status status = BW_OK;
+  bw_modes_options options;
+  bwi_way way;
+  const bw_solver *preconditioner = given->solver->options.preconditioner;
+  if (!preconditioner && (system->factor || system->iterative))
+    return BW_OK;
+  BW_TRY(bwi_modes_options_check(context, given, &options));
+  BW_TRY(give_preconditioner(context, model, system, preconditioner, &way, found));
+  if (*found)
+    BW_TRY(modes_by_pcg(context, system, way, &options, modes));
 done:
   return status;
 }
@@ -344,34 +341,33 @@ bw_status bwi_modes_of_model(bw_context *context, const bw_model *model, bw_syst
                              bw_modes **modes) {
   bw_status status = BW_OK;
   bw_dof_map *dof_map = NULL;
-  bw_system *own = NULL, *used = NULL;
+  bw_system *used = NULL;
+  bwi_symbolic *old = given && given->factor ? given->factor->symbolic : NULL;
   const bw_eigensolver *solver = options ? options->solver : NULL;
-  bw_eigensolver_kind kind = solver ? solver->options.kind : BW_EIGENSOLVER_AUTO;
-  bw_solver *preconditioner = NULL;
-  bool found = false, may = kind == BW_EIGENSOLVER_LOBPCG || kind == BW_EIGENSOLVER_AUTO;
+  bool found = false;
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
-  if (may && (kind == BW_EIGENSOLVER_LOBPCG || dof_map->unknown_count >= SMALL)) {
-    if (given && bwi_system_serves(given, model, dof_map))
-      own = bw_retain(given);
-    else
-      BW_TRY(bwi_system_begin(context, model->mesh, model->material, dof_map,
-                              given && bwi_same_topology(given->mesh, model->mesh) ? given : NULL,
-                              &own));
-    BW_TRY(choose_preconditioner(context, own, solver, &preconditioner));
-    if (preconditioner)
-      BW_TRY(modes_without_factor(context, model, own, options, preconditioner, &found, modes));
-    given = own;
+  if (given && bwi_system_serves(given, model, dof_map))
+    used = bw_retain(given);
+  else {
+    if (given && !bwi_same_topology(given->mesh, model->mesh))
+      given = NULL;
+    BW_TRY(bwi_system_begin(context, model->mesh, model->material, dof_map, given, &used));
   }
+  if (is_automatic(solver)) {
+    if (!used->iterative)
+      BW_TRY(bwi_system_prepare(context, model, used, NULL, old));
+  } else if (solver->options.kind == BW_EIGENSOLVER_LOBPCG)
+    BW_TRY(modes_by_lobpcg(context, model, used, options, &found, modes));
   if (!found) {
-    BW_TRY(bw_system_of_model(context, model, given, &used));
+    if (!is_automatic(solver) &&
+        !(used->iterative && solver->options.kind == BW_EIGENSOLVER_LOBPCG))
+      BW_TRY(bwi_system_factor(context, used, NULL, old, bw_available_memory()));
     BW_TRY(bw_modes_elastic(context, used, options, modes));
   }
 done:
   if (system)
-    *system = bw_retain(used ? used : own);
-  bw_release(preconditioner);
+    *system = bw_retain(used);
   bw_release(used);
-  bw_release(own);
   bw_release(dof_map);
   return status;
 }

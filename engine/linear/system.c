@@ -22,6 +22,7 @@ static void system_destroy(void *object) {
   bw_release(system->factor);
   bw_release(system->two_level);
   bw_release(system->preconditioner);
+  bw_release(system->solver);
   bw_free(system->stiffness);
   bw_free(system->mass);
   bw_free(system);
@@ -232,8 +233,10 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_sol
   bw_status status = BW_OK;
   bwi_symbolic *symbolic = NULL;
   bwi_factor *factor = NULL;
-  if (factor_serves(system->factor, solver))
+  if (factor_serves(system->factor, solver)) {
+    system->iterative = false;
     return BW_OK;
+  }
   BW_TRY(analyse(context, system, solver, old, available, &symbolic));
   double start = bw_seconds();
   BW_TRY(bwi_system_mass(context, system));
@@ -254,6 +257,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_sol
     goto done;
   bw_release(system->factor);
   system->factor = factor;
+  system->iterative = false;
   system->times.factor_entries = bwi_factor_entries(factor);
   system->times.factor_flops = bwi_factor_flops(factor);
   system->times.factor += bw_seconds() - start;
@@ -319,22 +323,6 @@ bool bwi_system_serves(const bw_system *system, const bw_model *model, const bw_
          bwi_same_supports(system->dof_map, dof_map);
 }
 
-bw_status bw_system_of_model(bw_context *context, const bw_model *model, bw_system *given,
-                             bw_system **system) {
-  bw_status status = BW_OK;
-  bw_dof_map *dof_map = NULL;
-  BW_TRY(bw_dof_map_create(context, model, &dof_map));
-  if (given && bwi_system_serves(given, model, dof_map)) {
-    BW_TRY(bw_system_factor(context, given));
-    *system = bw_retain(given);
-  } else {
-    BW_TRY(bw_system_create(context, model->mesh, model->material, dof_map, given, system));
-  }
-done:
-  bw_release(dof_map);
-  return status;
-}
-
 typedef struct projection {
   const bw_dof_map *dof_map;
   bool force;
@@ -363,26 +351,6 @@ bw_status bwi_steady_fields(bw_context *context, const bw_dof_map *dof_map, int6
                             double *displacement) {
   projection remove = {dof_map, false, displacement};
   return dof_map->rigid_mode_count ? bw_parallel(context, count, 1, project, &remove) : BW_OK;
-}
-
-bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
-                          const double *force, double *displacement) {
-  bw_status status = BW_OK;
-  const bw_dof_map *dof_map = system->dof_map;
-  size_t size = 3 * (size_t)system->mesh->node_count;
-  double start = bw_seconds();
-  BW_TRY(bwi_need_factor(context, system));
-  if (dof_map->rigid_mode_count > 0) {
-    if (force != displacement)
-      memcpy(displacement, force, (size_t)count * size * sizeof(double));
-    BW_TRY(bwi_balance_fields(context, dof_map, count, displacement));
-    force = displacement;
-  }
-  BW_TRY(bwi_solve_fields(context, system->factor, dof_map, count, force, displacement));
-  BW_TRY(bwi_steady_fields(context, dof_map, count, displacement));
-done:
-  system->times.solve += bw_seconds() - start;
-  return status;
 }
 
 bw_status bwi_need_factor(bw_context *context, const bw_system *system) {

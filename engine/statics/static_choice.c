@@ -15,71 +15,33 @@
 #include "barwright/job.h"
 #include "base/cost.h"
 #include "base/dense.h"
-#include "linear/pcg.h"
-#include "linear/system_two_level.h"
+#include "linear/system_solver.h"
 #include "statics/internal.h"
 
-enum {
-  ITERATIONS = 2000, /* no way to solve */
-  SMALL = 30000      /* unknowns: always the factor */
-};
-/* Seconds of the reference machine that a factor may take, and bytes: there are machines with less
- * memory than this, but few. */
+/* Seconds of the reference machine that a factor may take. */
 #define CHEAP 5.0
-#define LARGE 4e9
 /* Of the factor's cost that PCG may be at most: it may serve again. */
 #define MAX_COST_RATIO 0.5
-
-typedef enum way { BY_FACTOR, BY_TWO_LEVEL, BY_PCG } way;
 
 typedef struct statics {
   bw_context *context;
   const bw_model *model;
   bw_statics_options opts;
-  const bw_solver *preconditioner; /* of BY_PCG: block Jacobi, multigrid or a factor */
-  bw_solver *amg;                  /* where it was not given, or NULL */
-  double tolerance;                /* (-) relative residual of PCG */
-  int max_iterations;
+  bwi_request request;
+  bw_solver *amg;    /* where it was not given, or NULL */
   double available;  /* bytes that a factor may take */
   bwi_symbolic *old; /* of a former system, or NULL */
   bw_static *result;
   int limit, passes;
   double load; /* |f| of the first pass */
-  way way;
 } statics;
 
 /* ---- what is asked for ----------------------------------------------------------------------- */
 
-/* The way of a solver that is given, its preconditioner and its limits. */
-static bw_status read_solver(statics *s) {
-  const bw_solver *solver = s->opts.solver;
-  s->tolerance = BWI_REFINE_TO;
-  s->max_iterations = ITERATIONS;
-  if (!solver)
-    return BW_OK;
-  const bw_solver *m = solver->options.preconditioner;
-  switch (solver->options.kind) {
-  case BW_SOLVER_CHOLESKY: /* in single precision it is a preconditioner */
-    s->way = solver->options.precision == 32 ? BY_PCG : BY_FACTOR;
-    s->preconditioner = solver;
-    return BW_OK;
-  case BW_SOLVER_PCG:
-    if (solver->options.tolerance > 0)
-      s->tolerance = solver->options.tolerance;
-    if (solver->options.max_iterations > 0)
-      s->max_iterations = solver->options.max_iterations;
-    s->way = m && m->options.kind != BW_SOLVER_TWO_LEVEL ? BY_PCG : BY_TWO_LEVEL;
-    s->preconditioner = m;
-    return BW_OK;
-  default:
-    return bwi_solver_refused(s->context, solver);
-  }
-}
-
 static bw_status check_options(statics *s, const bw_statics_options *given) {
   bw_status status = BW_OK;
   s->opts = given ? *given : (bw_statics_options){0};
-  BW_TRY(read_solver(s));
+  BW_TRY(bwi_solver_request(s->context, s->opts.solver, BWI_REFINE_TO, &s->request));
   if (!(s->opts.memory >= 0))
     status = bw_fail(s->context, BW_INVALID,
                      "memory %g bytes: a positive number expected, or 0 for what is free",
@@ -125,22 +87,22 @@ static const char *pcg_name(const bw_system *system) {
 static bw_status take_pcg(statics *s) {
   bw_status status = BW_OK;
   const bw_solver_options options = {.kind = BW_SOLVER_AMG};
-  s->way = BY_TWO_LEVEL;
+  s->request.way = BWI_BY_TWO_LEVEL;
   if (bwi_two_level_applies(s->result->system))
     return BW_OK;
-  s->way = BY_PCG;
+  s->request.way = BWI_BY_PCG;
   if (!s->amg)
     status = bw_solver_create(s->context, &options, &s->amg);
-  s->preconditioner = s->amg;
+  s->request.preconditioner = s->amg;
   return status;
 }
 
 static bool pcg_is_better(statics *s, const bw_system *system) {
   const bwi_two_level_solver *two_level = system->two_level;
   const bwi_cost_prediction *cost = &two_level->prediction;
-  if (cost->factor_bytes > LARGE || !has_memory(s, cost)) {
+  if (cost->factor_bytes > BWI_LARGE_FACTOR || !has_memory(s, cost)) {
     say(s, "a factor is predicted to take %.2g GB, more than %.2g GB", cost->factor_bytes / 1e9,
-        fmin(LARGE, s->available) / 1e9);
+        fmin(BWI_LARGE_FACTOR, s->available) / 1e9);
     return true;
   }
   const char *name = pcg_name(system);
@@ -164,18 +126,23 @@ static bw_status choose(statics *s) {
   bool fit = bwi_two_level_applies(system);
   if (solver) {
     say(s, "it was given");
-    if (s->way != BY_TWO_LEVEL)
+    if (s->request.way != BWI_BY_TWO_LEVEL)
       return BW_OK;
     if (!fit)
       return bw_fail(s->context, BW_INVALID,
                      "the two-level preconditioner needs quadratic elements: these are linear");
   } else {
-    s->way = BY_FACTOR;
+    s->request.way = BWI_BY_FACTOR;
     if (system->factor)
       say(s, "the equations have a factor already");
-    else if (system->dof_map->unknown_count < SMALL)
-      say(s, "the factor of fewer than %d unknowns is cheap", (int)SMALL);
-    if (system->factor || system->dof_map->unknown_count < SMALL)
+    else if (system->dof_map->unknown_count < BWI_SMALL_SYSTEM) {
+      if (system->two_level && !has_memory(s, &system->two_level->prediction)) {
+        say(s, "there is no memory for a factor"); /* as an earlier solution found */
+        return take_pcg(s);
+      }
+      say(s, "the factor of fewer than %d unknowns is cheap", (int)BWI_SMALL_SYSTEM);
+    }
+    if (system->factor || system->dof_map->unknown_count < BWI_SMALL_SYSTEM)
       return BW_OK;
   }
   if (!system->two_level)
@@ -187,12 +154,10 @@ done:
 }
 
 /* As many iterations as the factor would have cost, where there is room for it. */
-static int limit_of(const statics *s, const bwi_two_level_solver *two_level) {
-  if (s->opts.solver || !has_memory(s, &two_level->prediction))
-    return s->max_iterations;
-  const bwi_cost_prediction *cost = &two_level->prediction;
-  double break_even = fmax(cost->factor, 2 * bwi_predicted_next(two_level)) / cost->one_iteration;
-  return break_even < s->max_iterations ? (int)break_even : s->max_iterations;
+static int limit_of(const statics *s) {
+  return s->opts.solver ? s->request.max_iterations
+                        : bwi_pcg_break_even(s->result->system->two_level, s->available,
+                                             s->request.max_iterations);
 }
 
 /* ---- by iterations --------------------------------------------------------------------------- */
@@ -203,40 +168,34 @@ static bw_status run(statics *s, const bwi_static_solver *solver) {
                           s->result);
 }
 
-static bw_status fail_convergence(const statics *s, const char *preconditioner, double reached) {
-  int iterations = s->result->report.iterations;
-  const bwi_two_level_solver *two_level = s->result->system->two_level;
-  char bytes[60] = "";
-  if (two_level)
-    snprintf(bytes, sizeof bytes, ", which would take about %.3g GB of memory",
-             two_level->prediction.factor_bytes / 1e9);
-  bw_fail(s->context, BW_CONVERGENCE,
-          "PCG with the preconditioner %s reached a residual of %.2g of the load in %d iterations; "
-          "%.0e was requested: elements are very flat, walls thinner than elements are long, the "
-          "material is nearly incompressible, or the body nearly a mechanism. Solve by a factor "
-          "(the solver cholesky)%s, or mesh again with elements as thick as long",
-          preconditioner, reached, iterations, s->tolerance, bytes);
-  bw_detail_number(s->context, "iterations", iterations);
-  bw_detail_number(s->context, "residual", reached);
-  if (two_level)
-    bw_detail_number(s->context, "factor_bytes", two_level->prediction.factor_bytes);
-  return BW_CONVERGENCE;
+/* Of a pass: one that refines has only to remove what the last has left. */
+static double tolerance_of(statics *s, const double *force) {
+  int64_t size = 3 * (int64_t)s->model->mesh->node_count;
+  double load = sqrt(bwi_dot(size, force, force));
+  if (s->passes == 0)
+    s->load = load;
+  return s->passes == 0 ? s->request.tolerance
+                        : fmin(0.1, 0.1 * s->request.tolerance * s->load / load);
 }
 
-static bw_status solve_two_level(bw_context *context, void *data, const double *force,
-                                 double *displacement) {
+static bw_status iterate(bw_context *context, void *data, const double *force,
+                         double *displacement) {
   bw_status status = BW_OK;
   statics *s = data;
   bw_system *system = s->result->system;
-  bwi_two_level_solver *two_level = system->two_level;
-  bwi_two_level_problem problem = {.tolerance = s->tolerance, .limit = s->limit};
+  bool two_level = s->request.way == BWI_BY_TWO_LEVEL;
+  bwi_system_pcg problem = {.way = s->request.way,
+                            .tolerance = two_level ? s->request.tolerance : tolerance_of(s, force),
+                            .limit = s->limit};
   double start = bw_seconds();
-  BW_TRY(bwi_two_level_solve(context, two_level->preconditioner, &problem, 1, force, displacement));
+  BW_TRY(bwi_system_iterate(context, system, &problem, 1, force, displacement));
   s->result->report.iterations += problem.iterations;
-  two_level->spent += (1 + problem.iterations) * two_level->prediction.one_iteration;
+  if (system->two_level)
+    system->two_level->spent +=
+        (1 + problem.iterations) * system->two_level->prediction.one_iteration;
   system->times.solve += bw_seconds() - start;
   if (!problem.converged && s->passes == 0) /* a refinement need not: it is taken if it helped */
-    status = fail_convergence(s, bw_solver_word(BW_SOLVER_TWO_LEVEL), problem.reached);
+    status = bwi_system_stopped(context, system, &problem);
   s->passes++;
 done:
   return status;
@@ -247,7 +206,7 @@ static bw_status by_two_level(statics *s) {
   bw_system *system = s->result->system;
   bw_solver_report *report = &s->result->report;
   bool usable, made = system->two_level->preconditioner != NULL;
-  const bwi_static_solver solver = {.solve = solve_two_level, .data = s, .refine_to = s->tolerance};
+  const bwi_static_solver solver = {.solve = iterate, .data = s, .refine_to = s->request.tolerance};
   BW_TRY(bwi_two_level_make(s->context, s->model, system, &usable));
   if (!usable) {
     status =
@@ -257,7 +216,7 @@ static bw_status by_two_level(statics *s) {
                 "almost no volume (the solver cholesky says where)");
     goto done;
   }
-  s->limit = limit_of(s, system->two_level);
+  s->limit = limit_of(s);
   BW_TRY(run(s, &solver));
   report->solver = bw_solver_word(BW_SOLVER_PCG);
   report->preconditioner = bw_solver_word(BW_SOLVER_TWO_LEVEL);
@@ -274,62 +233,25 @@ done:
   return status;
 }
 
-/* Of a pass: one that refines has only to remove what the last has left. */
-static double tolerance_of(statics *s, const double *force) {
-  int64_t size = 3 * (int64_t)s->model->mesh->node_count;
-  double load = sqrt(bwi_dot(size, force, force));
-  if (s->passes == 0)
-    s->load = load;
-  return s->passes == 0 ? s->tolerance : fmin(0.1, 0.1 * s->tolerance * s->load / load);
-}
-
-/* With the preconditioner of the system. */
-static bw_status solve_pcg(bw_context *context, void *data, const double *force,
-                           double *displacement) {
-  bw_status status = BW_OK;
-  statics *s = data;
-  bw_system *system = s->result->system;
-  bwi_pcg problem = {.pattern = system->pattern,
-                     .stiffness = system->stiffness,
-                     .dof_map = system->dof_map,
-                     .precondition = bwi_preconditioner_apply,
-                     .data = system->preconditioner,
-                     .tolerance = tolerance_of(s, force),
-                     .limit = s->limit};
-  double start = bw_seconds();
-  bw_progress(context, "conjugate gradients", 0);
-  BW_TRY(bwi_pcg_solve(context, &problem, 1, force, displacement));
-  s->result->report.iterations += problem.iterations;
-  if (system->two_level)
-    system->two_level->spent +=
-        (1 + problem.iterations) * system->two_level->prediction.one_iteration;
-  system->times.solve += bw_seconds() - start;
-  if (!problem.converged && s->passes == 0)
-    status = fail_convergence(s, bw_solver_word(system->preconditioner->solver->options.kind),
-                              problem.residual);
-  s->passes++;
-done:
-  return status;
-}
-
 static bw_status by_pcg(statics *s) {
   bw_status status = BW_OK;
   bw_system *system = s->result->system;
   bw_solver_report *report = &s->result->report;
-  const bwi_static_solver solver = {.solve = solve_pcg, .data = s, .refine_to = s->tolerance};
-  bool made = bwi_preconditioner_serves(system->preconditioner, s->preconditioner);
+  const bwi_static_solver solver = {.solve = iterate, .data = s, .refine_to = s->request.tolerance};
+  bool made = bwi_preconditioner_serves(system->preconditioner, s->request.preconditioner);
   if (!made)
-    BW_TRY(bwi_system_precondition(s->context, system, s->preconditioner, s->old, s->available));
-  s->limit = s->opts.solver ? s->max_iterations : limit_of(s, system->two_level);
+    BW_TRY(bwi_system_precondition(s->context, system, s->request.preconditioner, s->old,
+                                   s->available));
+  s->limit = limit_of(s);
   BW_TRY(run(s, &solver));
   const bwi_factor *factor = system->preconditioner->factor;
-  bool refined = s->preconditioner == s->opts.solver;
+  bool refined = s->request.preconditioner == s->opts.solver;
   if (!s->opts.solver) {
     report->predicted_cost = system->two_level->prediction.pcg;
     report->rival_cost = system->two_level->prediction.factor;
   }
   report->solver = bw_solver_word(refined ? BW_SOLVER_CHOLESKY : BW_SOLVER_PCG);
-  report->preconditioner = refined ? "" : bw_solver_word(s->preconditioner->options.kind);
+  report->preconditioner = refined ? "" : bw_solver_word(s->request.preconditioner->options.kind);
   report->backend = factor ? factor->kernels->backend : "";
   report->flops = factor && !made ? bwi_factor_flops(factor) : 0;
   report->bytes = (double)bw_bytes(system->preconditioner);
@@ -361,10 +283,11 @@ static bw_status by_factor(statics *s) {
     system->two_level->preconditioner = NULL;
     bw_release(system->preconditioner);
     system->preconditioner = NULL;
+    system->iterative = false;
   }
-  const bw_solver *solver = s->way == BY_TWO_LEVEL ? NULL : s->opts.solver;
+  const bw_solver *solver = s->request.way == BWI_BY_TWO_LEVEL ? NULL : s->opts.solver;
   bw_solver wide;
-  if (s->way == BY_PCG) { /* in place of one in single precision */
+  if (s->request.way == BWI_BY_PCG) { /* in place of one in single precision */
     wide = *solver;
     wide.options.precision = 0;
     solver = &wide;
@@ -386,9 +309,9 @@ done:
 static bool other_way(const statics *s, bw_status status) {
   const bw_system *system = s->result->system;
   if (s->opts.solver) /* a factor in single precision may lack digits */
-    return s->way == BY_PCG && s->opts.solver->options.kind == BW_SOLVER_CHOLESKY &&
+    return s->request.way == BWI_BY_PCG && s->opts.solver->options.kind == BW_SOLVER_CHOLESKY &&
            (status == BW_CONVERGENCE || status == BW_SINGULAR);
-  if (s->way != BY_FACTOR)
+  if (s->request.way != BWI_BY_FACTOR)
     return (status == BW_CONVERGENCE && has_memory(s, &system->two_level->prediction)) ||
            status == BW_SINGULAR || status == BW_LIMIT;
   return status == BW_MEMORY;
@@ -398,9 +321,9 @@ static bw_status solve(statics *s) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
   static bw_status (*const ways[])(statics *) = {
-      [BY_FACTOR] = by_factor, [BY_TWO_LEVEL] = by_two_level, [BY_PCG] = by_pcg};
+      [BWI_BY_FACTOR] = by_factor, [BWI_BY_TWO_LEVEL] = by_two_level, [BWI_BY_PCG] = by_pcg};
   BW_TRY(choose(s));
-  status = ways[s->way](s);
+  status = ways[s->request.way](s);
   if (status == BW_OK || !other_way(s, status))
     goto done;
   bw_clear_failure(context);
@@ -410,7 +333,7 @@ static bw_status solve(statics *s) {
     bw_release(s->result->system->preconditioner);
     s->result->system->preconditioner = NULL;
     BW_TRY(by_factor(s));
-  } else if (s->way != BY_FACTOR) {
+  } else if (s->request.way != BWI_BY_FACTOR) {
     const char *name = pcg_name(s->result->system);
     if (status == BW_CONVERGENCE)
       bw_warn(context,
@@ -419,9 +342,9 @@ static bw_status solve(statics *s) {
     if (status == BW_CONVERGENCE)
       say(s, "%s did not converge", name);
     else
-      say(s, s->way == BY_PCG ? "the stiffness is not one for multigrid"
-                              : "the stiffness of the linear elements is singular");
-    s->way = BY_FACTOR;
+      say(s, s->request.way == BWI_BY_PCG ? "the stiffness is not one for multigrid"
+                                          : "the stiffness of the linear elements is singular");
+    s->request.way = BWI_BY_FACTOR;
     BW_TRY(by_factor(s));
   } else {
     s->available = 0; /* there is none */
@@ -429,20 +352,10 @@ static bw_status solve(statics *s) {
       BW_TRY(bwi_two_level_predict(context, s->result->system));
     say(s, "there is no memory for a factor");
     BW_TRY(take_pcg(s));
-    BW_TRY(ways[s->way](s));
+    BW_TRY(ways[s->request.way](s));
   }
 done:
   return status;
-}
-
-/* Whether the external solver is asked for. */
-static bool is_external(const bw_solver *solver) {
-  bw_solver_kind kind = BW_SOLVER_CHOLESKY;
-  if (solver && solver->options.kind == BW_SOLVER_PCG) {
-    solver = solver->options.preconditioner;
-    kind = BW_SOLVER_AMG;
-  }
-  return solver && solver->options.kind == kind && solver->options.backend == BW_BACKEND_PETSC;
 }
 
 bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
@@ -451,7 +364,7 @@ bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *syst
   bw_dof_map *dof_map = NULL;
   statics s = {.context = context, .model = model};
   double start = bw_seconds();
-  if (options && is_external(options->solver))
+  if (options && bwi_solver_is_external(options->solver))
     return bwi_statics_external(context, model, options, out);
   BW_TRY(check_options(&s, options));
   BW_TRY(bw_dof_map_create(context, model, &dof_map));

@@ -38,6 +38,7 @@ local rules = breaking_loads.rules {
   modes = {type = "integer", default = 15, min = 1, max = 500},
   regions = {type = "integer", default = 5, min = 1, max = 1000},
   seed = {type = "integer", default = 1},
+  solver = {type = "solver", auto = true},
   eigensolver = {type = "eigensolver", auto = true},
 }
 
@@ -211,13 +212,13 @@ local function analyse_on(self, mesh)
   local opts = self.options
   limits.length, limits.failure = self.length, self.failure
   limits.modes, limits.regions, limits.seed = opts.modes, opts.regions, opts.seed
-  limits.eigensolver = opts.eigensolver
+  limits.solver, limits.eigensolver = opts.solver, opts.eigensolver
   limits.screening = #self.history < SCREENED
   limits.places = last and append_apart(self, to_refine(self), last.places, KNOWN, NEARLY * last.utilisation)
   local worst, message
   worst, message, details = worst_case(part, limits)
   if not worst then return nil, message, details end
-  solver_reports.add(self.reports, "lp", worst.reports.lp)
+  for name, report in pairs(worst.reports) do solver_reports.add(self.reports, name, report) end
   if self.worst then self.worst:close() end
   self.worst, self.mesh = worst, mesh
   local places = {}

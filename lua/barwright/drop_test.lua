@@ -16,6 +16,7 @@ local rules = {
   peg_radius = {type = "number", default = 0, min = 0},
   duration = {type = "number", default = 1e-3, above = 0},
   seed = {type = "integer", default = 1},
+  solver = {type = "solver", auto = true},
 }
 
 --- Drops a part that has no supports and a known density.
@@ -24,11 +25,15 @@ function drop_test.analyse(part, given)
   local opts = options.read("drop_test", given, rules)
   local self = setmetatable({options = opts, mesh = part.mesh}, drop_test)
   local start = core.seconds()
-  local system, message, details = part:system()
+  local system, message, details = part:system {solver = opts.solver}
   if not system then return nil, message, details end
+  local how = {}
+  for key, value in pairs(opts) do how[key] = value end
+  how.solver = nil
   local found
-  found, message, details = core.drops(system, opts)
+  found, message, details = core.drops(system, how)
   if not found then return nil, message, details end
+  self.reports = {solver = system.report}
   for key, value in pairs(found) do self[key] = value end
   self.seconds = core.seconds() - start
   return self

@@ -40,6 +40,7 @@ local rules = load_limits.rules {
   tolerance = {type = "number", default = 1e-8, above = 0},
   sturm = {type = "boolean", default = false},
   seed = {type = "integer", default = 1},
+  solver = {type = "solver", auto = true},
   eigensolver = {type = "eigensolver", auto = true},
   batch = {type = "integer", default = 0, min = 0},
 }
@@ -93,6 +94,18 @@ local function region_list(self, weak, loads, origins)
   return list
 end
 
+-- The equations, ready for many right-hand sides. An eigensolver on the inverse needs a factor.
+local function system_of(part, opts)
+  local name = opts.eigensolver and opts.eigensolver.name
+  local inverse = name == "lanczos" or name == "arpack"
+  local system, message, details = part:system {solver = opts.solver or inverse and core.solver.cholesky() or nil}
+  if not system then return nil, message, details end
+  if inverse and system.report.solver == "pcg" then
+    raise(("worst_case: eigensolver '%s' needs a factor, which the solver pcg does without"):format(name))
+  end
+  return system
+end
+
 -- What counts as worst: the utilisation where strengths differ with the direction, else the stress;
 -- for displacement as the target, the displacement.
 local function find_worst(self, loads)
@@ -109,6 +122,8 @@ local function summarise(self, loads, origins)
   self.max_principal, self.at, self.element = worst.max_principal, worst.at, worst.element
   self.origin, self.mode, self.rank = worst.origin, worst.mode, worst.rank
   self.max_displacement = loads.displacements:max()
+  self.solve_error = worst.max_principal > 0 and loads.solve_errors[self.region] / worst.max_principal or 0
+  self.reports.solver = self.system.report
   if self.material.strength then
     self.strength = self.material.strength
     self.utilisation = loads.utilisations:max()
@@ -204,9 +219,9 @@ function worst_case.analyse(part, given, view)
   self.seconds = seconds
 
   local start = clock()
-  local system = view
+  local system = not opts.solver and view
   if not system then
-    system, message, details = part:system()
+    system, message, details = system_of(part, opts)
     if not system then return nil, message, details end
   end
   self.system = system
@@ -221,7 +236,7 @@ function worst_case.analyse(part, given, view)
   local modes
   local ask = {count = opts.modes, tolerance = opts.tolerance, seed = opts.seed, sturm = opts.sturm,
     solver = opts.eigensolver}
-  if view and not opts.laplacian then
+  if system == view and not opts.laplacian then
     modes, message, details = view:modes(ask)
   else
     ask.laplacian = opts.laplacian

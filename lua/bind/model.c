@@ -278,19 +278,6 @@ static int model_rigid_modes(lua_State *L) {
 
 /* ---- the system ------------------------------------------------------------------------------ */
 
-/* The equations of a model: those it has, or new ones that reuse what they can. The model's box
- * holds the reference. Between lbw_enter and lbw_leave. */
-static bw_status bring_system(bw_context *context, lbw_box *box, bw_system **system) {
-  bw_system *of_model = NULL;
-  bw_status status = bw_system_of_model(context, (const bw_model *)box->object,
-                                        (bw_system *)box->extra, &of_model);
-  if (status == BW_OK) {
-    bw_release(box->extra);
-    box->extra = *system = of_model;
-  }
-  return status;
-}
-
 /* An option that only some of the solvers have. */
 static void check_belongs(lua_State *L, const char *function, const char *key, bool belongs,
                           const char *to) {
@@ -408,13 +395,23 @@ static int model_modes(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* model:system(): the equations, factored */
+/* model:system{solver}: the equations, those it has or new ones that reuse what they can, ready for
+ * many right-hand sides. The model's box holds the reference. */
 static int model_system(lua_State *L) {
+  static const lbw_option list[] = {{"solver", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
+  lua_settop(L, 2);
+  lbw_options(L, 2, "system", list, NULL);
+  const bw_solver *solver = lbw_solver_option(L, 2, "system");
   lbw_box *box = lbw_box_new(L, &lbw_system_class);
   bw_system *system = NULL;
-  bw_status status = bring_system(lbw_enter(L), model, &system);
-  lbw_box_fill(L, box, status == BW_OK ? bw_retain(system) : NULL);
+  bw_status status = bw_system_of_model(lbw_enter(L), (const bw_model *)model->object, solver,
+                                        (bw_system *)model->extra, &system);
+  if (status == BW_OK) {
+    bw_release(model->extra);
+    model->extra = bw_retain(system);
+  }
+  lbw_box_fill(L, box, system);
   lbw_box_account(L, model);
   return lbw_leave(L, status, 1);
 }

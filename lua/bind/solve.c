@@ -497,13 +497,29 @@ static int system_rigid_mode_count(lua_State *L) {
   return 1;
 }
 
+/* How the equations have been solved so far; nil where they are of an edit session. */
+static int system_report(lua_State *L) {
+  const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
+  if (system->report.solver)
+    lbw_push_report(L, &system->report);
+  else
+    lua_pushnil(L);
+  return 1;
+}
+
 static int system_tostring(lua_State *L) {
   const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
-  char text[160];
-  snprintf(text, sizeof text,
-           "system of %d unknowns, %d unconstrained rigid-body modes, factor of %s entries",
-           (int)system->dof_map->unknown_count, (int)system->dof_map->rigid_mode_count,
-           lbw_quantity((double)system->times.factor_entries, "").text);
+  char text[200];
+  int written =
+      snprintf(text, sizeof text, "system of %d unknowns, %d unconstrained rigid-body modes, ",
+               (int)system->dof_map->unknown_count, (int)system->dof_map->rigid_mode_count);
+  if (system->iterative)
+    snprintf(text + written, sizeof text - (size_t)written, "solved by %s%s%s",
+             system->report.solver, system->report.preconditioner[0] ? " with " : "",
+             system->report.preconditioner);
+  else
+    snprintf(text + written, sizeof text - (size_t)written, "factor of %s entries",
+             lbw_quantity((double)system->times.factor_entries, "").text);
   lua_pushstring(L, text);
   return 1;
 }
@@ -535,6 +551,7 @@ static int system_modes(lua_State *L) {
 static const luaL_Reg system_methods[] = {
     {"solve", system_solve}, {"modes", system_modes}, {NULL, NULL}};
 static const luaL_Reg system_properties[] = {{"times", system_times},
+                                             {"report", system_report},
                                              {"unknown_count", system_unknown_count},
                                              {"rigid_mode_count", system_rigid_mode_count},
                                              {NULL, NULL}};

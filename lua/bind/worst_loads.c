@@ -19,6 +19,7 @@ typedef struct collection {
   int first;        /* regions of earlier runs */
   const bw_weak_regions *regions;
   double *peak, *objective, *seconds, *utilisation, *displacement; /* per region */
+  double *solve_error;                                             /* per region */
   double *peak_stress, *first_stress;                              /* per region: six */
   int32_t *peak_element, *utilised_element, *worst_region;
   uint8_t *flipped;
@@ -68,6 +69,7 @@ static bw_status collect(void *data, const bw_worst_case_visit *visit) {
   c->utilisation[r] = used;
   c->displacement[r] = moved;
   c->objective[r] = visit->objective;
+  c->solve_error[r] = visit->solve_error;
   c->flipped[r] = visit->flipped;
   c->seconds[r] = visit->seconds;
   if (c->pressure)
@@ -157,7 +159,7 @@ static int worst_loads(lua_State *L) {
     lua_replace(L, 4);
   }
   lua_getfield(L, 4, "after"); /* 5 */
-  lua_createtable(L, 0, 14);   /* 6 */
+  lua_createtable(L, 0, 15);   /* 6 */
   arrays k = {.L = L, .table = 6, .count = regions->count};
   if (!lua_isnil(L, 5)) {
     lbw_argument_check(L, lua_istable(L, 5), 4,
@@ -187,6 +189,7 @@ static int worst_loads(lua_State *L) {
   c.utilised_element = (int32_t *)by_region(&k, "utilised_elements", BW_I32, 1);
   c.displacement = (double *)by_region(&k, "displacements", BW_F64, 1);
   c.objective = (double *)by_region(&k, "objectives", BW_F64, 1);
+  c.solve_error = (double *)by_region(&k, "solve_errors", BW_F64, 1);
   c.seconds = (double *)by_region(&k, "seconds", BW_F64, 1);
   c.flipped = (uint8_t *)by_region(&k, "flipped", BW_U8, 1);
   c.weakness = (double *)by_element(&k, "weakness", BW_F64, mesh->element_count);

@@ -52,6 +52,7 @@ function bw.breaking_force(body, options) end
 ---@field modes? integer (count) of modes. Range: 1 to 500. Default: 15
 ---@field regions? integer (count) weak regions of each mode. Range: 1 to 1000. Default: 5
 ---@field seed? integer (seed) of the modes. Default: 1
+---@field solver? bw.Solver|"auto" of the linear systems. `pcg` needs no factor; the modes then are by LOBPCG with its preconditioner. Default: "auto", a factor unless it is predicted to take more than 4 GB or more than the free memory
 ---@field eigensolver? bw.Eigensolver|"auto" for the modes. Default: "auto"
 
 ---The breaking force of a body. `print` gives the answer in one line.
@@ -89,7 +90,7 @@ function bw.breaking_force(body, options) end
 ---@field box bw.Box of the body
 ---@field log? bw.MeshFillLog of the last filling
 ---@field options bw.BreakingForceOptions as they were given, with defaults
----@field reports table<string, bw.SolverReport> of solvers: `lp`, the linear programs on all meshes together
+---@field reports table<string, bw.SolverReport> of solvers: `lp`, the linear programs on all meshes together; `solver`, their linear systems
 ---@field seconds number (s) in all
 local BreakingForce = {}
 

@@ -4,7 +4,7 @@
 --
 -- Drop test
 --
--- Random drops of a part onto a peg, thousands of them from one factor.
+-- Random drops of a part onto a peg, thousands of them from one set of equations.
 
 ---@class bw
 local bw = {}
@@ -34,6 +34,7 @@ function bw.drop_test(part, options) end
 ---@field peg_radius? number (m) of the peg. Default: 0, 2 % of the diagonal of the part's box
 ---@field duration? number (s) of the contact, above 0; the mean force is 2 m v / duration, with the effective mass m at the contact and the velocity v. Default: 1e-3
 ---@field seed? integer (seed) of the orientations. Default: 1
+---@field solver? bw.Solver|"auto" of the linear systems. Default: "auto", a factor unless it is predicted to take more than 4 GB or more than the free memory
 
 ---What happened in the drops. `print` gives it in one line.
 ---```lua
@@ -55,6 +56,7 @@ function bw.drop_test(part, options) end
 ---@field threshold number (Pa) what counts as overload where the strength is not known: the 97.5th percentile by volume of the first 200 drops; 0 otherwise
 ---@field drops integer (count) of drops
 ---@field seconds number (s) in all
+---@field reports table<string, bw.SolverReport> of solvers: `solver`, all linear systems
 ---@field mesh bw.Mesh of the part
 ---@field options bw.DropTestOptions as they were given, with defaults
 local DropTest = {}

@@ -254,13 +254,24 @@ function Model:modes(options) end
 ---@field time_limit? number (s) with `error`: no finer mesh that would probably take longer. Default: none
 ---@field surface? bw.Surface with `error`: what the mesh was filled from, for curved edges. Default: edges stay as they are
 
----The equations of the model with their factor. The model keeps them for what follows.
+---The equations of the model, ready for many right-hand sides: with a factor, or with the preconditioner of conjugate
+---gradients. The model keeps them for what follows.
 ---
----Errors: singular (the matrix is not positive definite), memory (the factor does not fit).
+---Without a solver they have a factor, unless the elements are quadratic and the factor is predicted to take more than 4 GB or
+---more than the free memory: then the solver is `bw.solver.pcg()`. Where that does not converge, a factor takes its place, with a
+---warning.
+---
+---Errors: singular (the matrix is not positive definite), memory (the factor does not fit), unsupported (the backend "petsc").
+---The two-level preconditioner raises on linear elements.
+---@param options? bw.ModelSystemOptions how they are solved
 ---@return bw.System? system the equations
 ---@return string? message
 ---@return bw.Details? details
-function Model:system() end
+function Model:system(options) end
+
+---How equations are solved.
+---@class bw.ModelSystemOptions
+---@field solver? bw.Solver|"auto" what solves them. A `tolerance` of `pcg` is on the error in energy over that of the solution, 1e-8 where it is left out. Default: "auto"
 
 ---The same supports and loads on a mesh of the same topology, such as that of an edited shape. They go with the surface; forces
 ---and gravity keep their directions.

@@ -54,7 +54,7 @@ function solver_module.pcg(options) end
 ---How conjugate gradients work.
 ---@class bw.PcgOptions
 ---@field preconditioner? bw.Solver of `two_level`, `amg`, `jacobi` or `cholesky`. Default: `two_level`; of a sparse matrix `jacobi`
----@field tolerance? number (-) relative residual to be reached. Range: above 0, below 1. Default: 1e-10; in Newton's method of solids by Eisenstat and Walker, of sheets 1e-8
+---@field tolerance? number (-) relative residual to be reached; of many right-hand sides (`part:system`, `bw.worst_case`, `bw.breaking_force`, `bw.drop_test`) the error in energy over that of the solution. Range: above 0, below 1. Default: 1e-10, of many right-hand sides and of sheets 1e-8; in Newton's method of solids by Eisenstat and Walker
 ---@field max_iterations? integer (count) at most. Range: 1 and more. Default: 2000; in Newton's method of solids 10000, of sheets 60 before the factor is computed again
 
 ---A sparse LU factor, A = L U, for the unsymmetric equations of flows. Its node blocks are factored in single precision,

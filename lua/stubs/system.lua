@@ -4,9 +4,9 @@
 --
 -- Systems
 --
--- The equations of a part with their factor, for many loads of one part.
+-- The equations of a part and what solves them, for many loads of one part.
 
----The equations of a part, K u = f, and a factor of K. `part:system()` gives it.
+---The equations of a part, K u = f, and a factor of K, or the preconditioner of conjugate gradients. `part:system()` gives it.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
 ---local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary:below("x", 0))
@@ -16,6 +16,7 @@
 ---```
 ---@class bw.System
 ---@field times bw.SolveTimes what its parts took
+---@field report bw.SolverReport? what solves it, why, and what its solutions took since `part:system`; the residual is |f − K u| / |f|, the largest of all right-hand sides, and is there with iterations alone; nil for equations of an edit session
 ---@field unknown_count integer (count) of degrees of freedom
 ---@field rigid_mode_count integer (count) rigid-body motions that are free
 local System = {}
@@ -23,7 +24,7 @@ local System = {}
 ---The displacement under nodal forces, with supports at zero. On a free body inertia balances the force first, and the
 ---displacement has no rigid-body motion. A list of forces is solved in one block, which is faster.
 ---
----Errors: singular (the solution is not finite).
+---Errors: singular (the solution is not finite), convergence (conjugate gradients do not reach their tolerance).
 ---@param force bw.Array|bw.Array[] (N, node_count × 3, per node) one, or a list
 ---@return bw.Array|bw.Array[]|nil displacement (m, node_count × 3, per node) one, or a list
 ---@return string? message
@@ -32,7 +33,7 @@ function System:solve(force) end
 
 ---The lowest natural frequencies and mode shapes: see `model:modes`.
 ---
----Errors: convergence (the modes did not converge).
+---Errors: convergence (the modes did not converge). An eigensolver on the inverse of equations without a factor raises.
 ---@param options? bw.SystemModesOptions how many
 ---@return bw.Modes? modes the modes
 ---@return string? message

@@ -64,7 +64,8 @@ typedef struct bw_solver_options {
                                       BW_SOLVER_LU, as is NULL */
   double tolerance;   /* (-) of PCG and BiCGSTAB: relative residual, below 1; default 0: 1e-10, in
                          Newton's method by Eisenstat and Walker, of plane meshes as
-                         bw_lagged_factor_options has it */
+                         bw_lagged_factor_options has it. Of bw_system_solve: error in energy over
+                         that of the solution; default 0: 1e-8 */
   int max_iterations; /* (count) of PCG and BiCGSTAB; default 0: 2000, in Newton's method 10000, of
                          plane meshes 60 */
 } bw_solver_options;
@@ -97,12 +98,12 @@ typedef struct bw_solve_times {
   double factor_flops;                                  /* (-) operations of the factorisation */
 } bw_solve_times;
 
-/* The equations of a body: stiffness, mass, DOF map and the factor of the reduced stiffness. One
- * factor serves statics, modes, objectives and stresses. Solves may not run on one system from two
- * threads at once (the context is busy); a solve itself uses all threads. The equations never
- * change; only how they are solved may. Those that bw_statics made for two-level PCG have no factor
- * and no mass until bw_system_factor is called, or a static solution finds that by now a factor
- * would have been cheaper. */
+/* The equations of a body: stiffness, mass, DOF map and the factor of the reduced stiffness, or the
+ * preconditioner of PCG in its place. One of them serves statics, modes, objectives and stresses.
+ * Solves may not run on one system from two threads at once (the context is busy); a solve itself
+ * uses all threads. The equations never change; only how they are solved may. Those that bw_statics
+ * made for two-level PCG have no factor and no mass until bw_system_factor is called, or a static
+ * solution finds that by now a factor would have been cheaper. */
 typedef struct bw_system bw_system;
 struct bwi_factor;
 struct bwi_two_level_solver;
@@ -120,7 +121,11 @@ struct bw_system {
   struct bwi_factor *factor;                 /* or NULL */
   struct bwi_two_level_solver *two_level;    /* or NULL */
   struct bwi_preconditioner *preconditioner; /* of PCG with another one, or NULL */
-  bw_solve_times times;                      /* of all that was computed */
+  bool iterative;                            /* bw_system_solve is by PCG */
+  const bw_solver *solver; /* retained: of bw_system_of_model, where it is iterative; or NULL */
+  bw_solve_times times;    /* of all that was computed */
+  bw_solver_report report; /* how bw_system_solve solves, and what solutions took since
+                              bw_system_of_model; its `solver` is NULL before */
 };
 /* Assembles and factors. `previous` (may be NULL): a system of the same topology whose pattern,
  * ordering and analysis are reused where they fit. BW_SINGULAR when a constrained body's matrix is
@@ -129,21 +134,33 @@ struct bw_system {
 BW_API bw_status bw_system_create(bw_context *context, const bw_mesh *mesh,
                                   const bw_material *material, const bw_dof_map *dof_map,
                                   const bw_system *previous, bw_system **system);
-/* The equations of a model, with mass and factor: `given` (may be NULL), retained, where its mesh,
- * material and supports are the model's; else new ones, with `given` as `previous`. Prescribed
- * values may differ: they act on right-hand sides alone. BW_SINGULAR as in bw_system_create. */
-BW_API bw_status bw_system_of_model(bw_context *context, const bw_model *model, bw_system *given,
-                                    bw_system **system);
-/* Mass and factor, where the system has none yet: then it is one as bw_system_create makes it. On
+/* The equations of a model, with what `solver` needs to solve them for many right-hand sides:
+ * `given` (may be NULL), retained, where its mesh, material and supports are the model's; else new
+ * ones, with `given` as `previous`. Prescribed values may differ: they act on right-hand sides
+ * alone.
+ *
+ * Without a solver (NULL) a factor is made, with the mass, unless it is predicted to take more than
+ * four gigabytes or more than the memory that is free, and the elements are quadratic: then it is
+ * two-level PCG. Where that does not converge, bw_system_solve makes a factor, where there is
+ * memory, and warns.
+ *
+ * BW_SINGULAR as in bw_system_create; BW_MEMORY for a factor that is asked for, as
+ * bw_system_factor; BW_INVALID for a preconditioner in the place of a solver and for two_level on
+ * linear elements; BW_UNSUPPORTED for the backend BW_BACKEND_PETSC. */
+BW_API bw_status bw_system_of_model(bw_context *context, const bw_model *model,
+                                    const bw_solver *solver, bw_system *given, bw_system **system);
+/* Mass and factor, where the system has none yet, and solves by it: then it is one as
+ * bw_system_create makes it. On
  * failure it is as it was. BW_MEMORY, before any is allocated, where the factor is larger than what
  * is free (bw_available_memory); BW_SINGULAR and BW_LIMIT as bw_system_create. */
 BW_API bw_status bw_system_factor(bw_context *context, bw_system *system);
 /* u = K^-1 f for homogeneous supports, `count` right-hand sides at once: force (N, count x
  * node_count x 3), displacement (m, count x node_count x 3), which may be the same block. Changes
- * only the system's workspace. BW_INVALID for a system without a factor. Where rigid-body modes are
- * unconstrained, the force is first balanced by inertia (f - M r <r, f>; no change for a balanced
- * force) and the displacement made free of rigid-body motion (eq. 5 of worst-case): u = P K^+ P^T
- * f, symmetric. */
+ * only the system's workspace and its report. BW_INVALID for a system without a factor that is not
+ * iterative, BW_CONVERGENCE for one that is where PCG does not reach its tolerance. Where
+ * rigid-body modes are unconstrained, the force is first balanced by inertia (f - M r <r, f>; no
+ * change for a balanced force) and the displacement made free of rigid-body motion (eq. 5 of
+ * worst-case): u = P K^+ P^T f, symmetric; by PCG, to its tolerance. */
 BW_API bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
                                  const double *force, double *displacement);
 

@@ -381,7 +381,7 @@ static void compare_with_factor(bw_context *context, const preconditioning *p) {
   const bw_solver_options options = {.kind = BW_SOLVER_AMG};
   if (p->given)
     check_ok(context, bw_solver_create(context, &options, &amg));
-  check_ok(context, bw_system_of_model(context, model, NULL, &factored));
+  check_ok(context, bw_system_of_model(context, model, NULL, NULL, &factored));
   bw_modes *own = modes_by(context, factored, BW_EIGENSOLVER_LANCZOS, 6), *modes[2];
   for (int threads = 1; threads <= 2; threads++) {
     check_ok(context, bw_set_threads(context, threads));

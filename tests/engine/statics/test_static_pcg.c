@@ -452,12 +452,15 @@ static void not_converged(void **state) {
   check_ok(context, bw_statics(context, b.model, NULL, &by_levels, &first));
   bw_release(first);
   clear_block(&b);
-  /* By itself: elements so flat that iterating costs more than the factor. A loose solution first,
-   * so that there is a preconditioner and PCG is predicted to be better. */
+  /* By itself: a body so nearly incompressible that iterating costs more than the factor. A loose
+   * solution first, so that there is a preconditioner and PCG is predicted to be better. */
   b = make_block(context, 11, 11, 11, 2);
-  flatten(context, &b, 0.02);
+  const bw_isotropic rubber = {.name = "rubber", .young = 1e6, .poisson = 0.4999};
+  bw_release(b.material);
+  check_ok(context, bw_material_isotropic(context, &rubber, &b.material));
+  flatten(context, &b, 1);
   bw_solver *loose =
-      body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .tolerance = 0.5});
+      body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .tolerance = 0.9});
   const bw_statics_options loosely = {.solver = loose}, wide = {.memory = 1e10};
   check_ok(context, bw_statics(context, b.model, NULL, &loosely, &first));
   bw_clear_warnings(context);

@@ -1,0 +1,345 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Equations for many right-hand sides by each solver that claims to serve them: the factor's
+ * solutions to the tolerance, its modes, the same bits on any number of threads, symmetric
+ * operators on free bodies; what changes how a system is solved; what is refused; cancelled runs
+ * and failing allocations. */
+#include "bodies.h"
+#include "linear/system_solver.h"
+
+typedef struct row {
+  bw_solver_options options, preconditioner; /* the second: of pcg */
+  const char *solver, *inner;
+  bool serves_free;
+} row;
+
+static const row rows[] = {
+    {{.kind = BW_SOLVER_CHOLESKY}, {0}, "cholesky", "", true},
+    {{.backend = BW_BACKEND_CHOLMOD}, {0}, "cholesky", "", true},
+    {{.precision = 32}, {0}, "cholesky", "", true},
+    {{.kind = BW_SOLVER_PCG}, {.kind = BW_SOLVER_TWO_LEVEL}, "pcg", "two_level", true},
+    {{.kind = BW_SOLVER_PCG, .tolerance = 1e-10}, {.kind = BW_SOLVER_AMG}, "pcg", "amg", false},
+    {{.kind = BW_SOLVER_PCG, .tolerance = 1e-10},
+     {.kind = BW_SOLVER_JACOBI},
+     "pcg",
+     "jacobi",
+     true},
+    {{.kind = BW_SOLVER_PCG},
+     {.kind = BW_SOLVER_CHOLESKY, .precision = 32},
+     "pcg",
+     "cholesky",
+     true}};
+enum { ROWS = sizeof rows / sizeof *rows, SIDES = 11, MODES = 4 };
+
+static bw_solver *solver_of(bw_context *context, const row *r) {
+  bw_solver_options options = r->options;
+  if (options.kind != BW_SOLVER_PCG)
+    return body_solver(context, options);
+  bw_solver *inner = body_solver(context, r->preconditioner);
+  options.preconditioner = inner;
+  bw_solver *solver = body_solver(context, options);
+  bw_release(inner); /* the solver retains it */
+  return solver;
+}
+
+static bw_material *wood(bw_context *context) {
+  bw_material *material = NULL;
+  bw_orthotropic constants = {.name = "wood",
+                              .young = {10e9, 0.8e9, 0.5e9},
+                              .poisson = {0.3, 0.02, 0.35},
+                              .shear = {0.05e9, 0.7e9, 0.6e9},
+                              .density = 700};
+  check_ok(context, bw_material_orthotropic(context, &constants, &material));
+  return material;
+}
+
+enum { FREE, HELD, ALONG_NORMALS, TWO_MOTIONS, SCENES };
+
+/* A bar of quadratic elements: free; fixed at an end; slides along oblique normals; slides along
+ * one axis alone, so that motions are left. */
+static bw_model *make_model(bw_context *context, int scene, bool orthotropic, int cells) {
+  bw_mesh *mesh = body_box(context, 3, 1.1, 0.9, 2 * cells, cells, cells, 2);
+  bw_material *material = orthotropic ? wood(context) : body_material(context);
+  bw_model *model = NULL;
+  bw_selection *end = NULL, *side = NULL;
+  const double origin[3] = {0, 0, 0}, x[3] = {1, 0, 0}, low[3] = {1.9, -1, -1},
+               high[3] = {4, 1e-9, 2}, normal[3] = {0.1, 1, 0.2};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_select_plane(context, mesh, origin, x, 1e-9, &end));
+  check_ok(context, bw_select_box(context, mesh, low, high, &side));
+  if (scene == HELD || scene == ALONG_NORMALS)
+    check_ok(context, bw_model_fix(context, model, end));
+  if (scene == ALONG_NORMALS)
+    check_ok(context, bw_model_slide(context, model, side, normal));
+  if (scene == TWO_MOTIONS)
+    check_ok(context, bw_model_slide(context, model, end, x));
+  bw_release(end);
+  bw_release(side);
+  bw_release(material);
+  bw_release(mesh);
+  return model;
+}
+
+/* The largest |a - b|_K / |b|_K of all fields. */
+static double energy_error(bw_context *context, const bw_system *system, const double *a,
+                           const double *b) {
+  int64_t size = 3 * (int64_t)system->mesh->node_count;
+  double *difference = numbers(2 * size), *product = numbers(2 * size), worst = 0;
+  for (int k = 0; k < SIDES; k++) {
+    for (int64_t i = 0; i < size; i++) {
+      difference[i] = a[k * size + i] - b[k * size + i];
+      difference[size + i] = b[k * size + i];
+    }
+    check_ok(context, bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 2,
+                                        difference, product));
+    double error = 0, whole = 0;
+    for (int64_t i = 0; i < size; i++) {
+      error += difference[i] * product[i];
+      whole += difference[size + i] * product[size + i];
+    }
+    worst = fmax(worst, sqrt(fmax(0, error) / whole));
+  }
+  free(difference);
+  free(product);
+  return worst;
+}
+
+/* Over the largest number. */
+static double largest_difference(const double *a, const double *b, int64_t count) {
+  double difference = 0, largest = 0;
+  for (int64_t i = 0; i < count; i++) {
+    difference = fmax(difference, fabs(a[i] - b[i]));
+    largest = fmax(largest, fabs(b[i]));
+  }
+  return difference / largest;
+}
+
+static bw_modes *lowest(bw_context *context, bw_system *system) {
+  bw_modes_options options;
+  bw_modes *modes = NULL;
+  bw_modes_options_default(&options);
+  options.count = MODES;
+  options.sturm = !system->iterative;
+  check_ok(context, bw_modes_elastic(context, system, &options, &modes));
+  return modes;
+}
+
+static void check_report(const bw_system *system, const row *r) {
+  const bw_solver_report *report = &system->report;
+  bool iterates = r->inner[0] || r->options.precision == 32;
+  assert_string_equal(report->solver, r->solver);
+  assert_string_equal(report->preconditioner, r->inner);
+  assert_string_equal(report->reason, "it was given");
+  assert_true(report->bytes > 0 && report->seconds > 0);
+  assert_true((report->iterations > 0) == iterates);
+  assert_true((report->residual > 0) == iterates && report->residual < 1e-6);
+  assert_true(system->iterative == iterates);
+  assert_true((bwi_solve_tolerance(system) > 0) == iterates);
+}
+
+/* Solutions and modes by one row against the factor's; in place and not. */
+static void compare(bw_context *context, const bw_model *model, const row *r, bw_system *factored,
+                    const double *force, const double *expected, const bw_modes *modes) {
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *u[2] = {numbers(SIDES * size), numbers(SIDES * size)};
+  bw_solver *solver = solver_of(context, r);
+  for (int threads = 1; threads <= 2; threads++) {
+    bw_system *system = NULL;
+    check_ok(context, bw_set_threads(context, threads));
+    check_ok(context, bw_system_of_model(context, model, solver, NULL, &system));
+    assert_non_null(system->mass);
+    memcpy(u[threads - 1], force, (size_t)(SIDES * size) * sizeof(double));
+    const double *from = threads == 1 ? force : u[1];
+    check_ok(context, bw_system_solve(context, system, SIDES, from, u[threads - 1]));
+    check_report(system, r);
+    double error = energy_error(context, factored, u[threads - 1], expected);
+    assert_true(error <= fmax(1e-12, bwi_solve_tolerance(system)));
+    assert_true(largest_difference(u[threads - 1], expected, SIDES * size) < 1e-6);
+    if (threads == 1 || r->options.backend != BW_BACKEND_CHOLMOD)
+      assert_true(threads == 1 || memcmp(u[0], u[1], (size_t)(SIDES * size) * sizeof(double)) == 0);
+    if (threads == 1 && r->preconditioner.kind != BW_SOLVER_JACOBI) { /* that takes too long */
+      bw_modes *found = lowest(context, system);
+      for (int m = 0; m < MODES; m++)
+        check_near(found->eigenvalue[m] / modes->eigenvalue[m], 1, 1e-8);
+      assert_true(found->counted || system->iterative);
+      bw_release(found);
+    }
+    bw_release(system);
+  }
+  bw_release(solver);
+  free(u[0]);
+  free(u[1]);
+}
+
+static double dot(int64_t size, const double *a, const double *b) {
+  double sum = 0;
+  for (int64_t i = 0; i < size; i++)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+/* f . K^+ g = g . K^+ f, to the tolerance. */
+static void check_symmetry(const double *force, const double *u, int64_t size) {
+  double one = dot(size, force, u + size), other = dot(size, force + size, u);
+  double scale = sqrt(dot(size, force, u) * dot(size, force + size, u + size));
+  check_near(one, other, 1e-10 * scale);
+}
+
+static void every_solver(void **state) {
+  bw_context *context = check_context(state);
+  for (int scene = 0; scene < SCENES; scene++)
+    for (int orthotropic = 0; orthotropic < 2; orthotropic++) {
+      bw_model *model = make_model(context, scene, orthotropic, 3);
+      int64_t size = 3 * (int64_t)model->mesh->node_count;
+      double *force = numbers(SIDES * size), *u = numbers(SIDES * size);
+      bw_system *factored = NULL;
+      random_field(5 + (uint64_t)scene, SIDES * size, force);
+      check_ok(context, bw_system_of_model(context, model, NULL, NULL, &factored));
+      assert_string_equal(factored->report.reason, "a factor serves many right-hand sides");
+      check_ok(context, bw_system_solve(context, factored, SIDES, force, u));
+      check_symmetry(force, u, size);
+      bw_modes *modes = lowest(context, factored);
+      bool is_free = factored->dof_map->rigid_mode_count > 0;
+      for (int k = 0; k < ROWS; k++)
+        if (rows[k].serves_free || !is_free)
+          compare(context, model, &rows[k], factored, force, u, modes);
+      bw_release(modes);
+      bw_release(factored);
+      bw_release(model);
+      free(force);
+      free(u);
+    }
+}
+
+/* How one system is solved may change: each request is met, and the solutions stay. */
+static void one_system(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = make_model(context, HELD, false, 2);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *force = numbers(size), *u = numbers(size), *first = numbers(size);
+  bw_system *system = NULL;
+  random_field(1, size, force);
+  check_ok(context, bw_system_of_model(context, model, NULL, NULL, &system));
+  check_ok(context, bw_system_solve(context, system, 1, force, first));
+  for (int k = 0; k < 2 * ROWS; k++) {
+    bw_solver *solver = solver_of(context, &rows[k % ROWS]);
+    bw_system *same = NULL;
+    check_ok(context, bw_system_of_model(context, model, solver, system, &same));
+    assert_ptr_equal(same, system);
+    check_ok(context, bw_system_solve(context, system, 1, force, u));
+    assert_string_equal(system->report.solver, rows[k % ROWS].solver);
+    assert_string_equal(system->report.preconditioner, rows[k % ROWS].inner);
+    assert_true(largest_difference(u, first, size) < 1e-6);
+    bw_static *result = NULL; /* leaves the equations as they are */
+    const double gravity[3] = {0, 0, -9.81};
+    if (k == 0)
+      check_ok(context, bw_model_gravity(context, model, gravity));
+    check_ok(context, bw_statics(context, model, system, NULL, &result));
+    check_ok(context, bw_system_solve(context, system, 1, force, u));
+    bw_release(result);
+    bw_release(solver);
+    bw_release(same);
+  }
+  bw_release(system);
+  bw_release(model);
+  free(force);
+  free(u);
+  free(first);
+}
+
+static void refusals(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = make_model(context, HELD, false, 1);
+  bw_mesh *linear = body_box(context, 3, 1, 1, 2, 2, 2, 1);
+  bw_model *other = NULL;
+  bw_system *system = NULL;
+  bw_modes *modes = NULL;
+  check_ok(context, bw_model_create(context, linear, model->material, &other));
+  bw_solver *jacobi = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_JACOBI});
+  bw_solver *spread = body_solver(context, (bw_solver_options){.backend = BW_BACKEND_PETSC});
+  bw_solver *pcg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG});
+  bw_solver *few =
+      body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .max_iterations = 2});
+  check_fails(context, BW_INVALID, "preconditioner and no solver",
+              bw_system_of_model(context, model, jacobi, NULL, &system));
+  check_fails(context, BW_UNSUPPORTED, "\"petsc\"",
+              bw_system_of_model(context, model, spread, NULL, &system));
+  check_fails(context, BW_INVALID, "quadratic",
+              bw_system_of_model(context, other, pcg, NULL, &system));
+  check_ok(context, bw_system_of_model(context, model, few, NULL, &system));
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *u = numbers(size);
+  random_field(1, size, u);
+  check_fails(context, BW_CONVERGENCE, "in 2 iterations",
+              bw_system_solve(context, system, 1, u, u));
+  bw_eigensolver *lanczos = NULL;
+  bw_eigensolver_options how;
+  bw_eigensolver_options_default(&how);
+  how.kind = BW_EIGENSOLVER_LANCZOS;
+  check_ok(context, bw_eigensolver_create(context, &how, &lanczos));
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  options.solver = lanczos;
+  check_fails(context, BW_INVALID, "needs a factor",
+              bw_modes_elastic(context, system, &options, &modes));
+  free(u);
+  bw_release(lanczos);
+  bw_release(system);
+  bw_release(few);
+  bw_release(pcg);
+  bw_release(spread);
+  bw_release(jacobi);
+  bw_release(other);
+  bw_release(linear);
+  bw_release(model);
+}
+
+static void stop(void *data, const char *stage, double fraction) {
+  (void)fraction;
+  if (strcmp(stage, "factorisation") == 0 || strcmp(stage, "conjugate gradients") == 0)
+    bw_cancel(data);
+}
+
+static bw_status solve_once(bw_context *context, const bw_model *model, const bw_solver *solver,
+                            double *u) {
+  bw_system *system = NULL;
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  random_field(1, 9 * size, u);
+  bw_status status = bw_system_of_model(context, model, solver, NULL, &system);
+  if (status == BW_OK)
+    status = bw_system_solve(context, system, 9, u, u);
+  bw_release(system);
+  return status;
+}
+
+static void cancelling_and_memory(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = make_model(context, HELD, false, 1);
+  double *u = numbers(9 * 3 * (int64_t)model->mesh->node_count);
+  check_ok(context, bw_set_threads(context, 1));
+  for (int k = 0; k < ROWS; k++) {
+    bw_solver *solver = solver_of(context, &rows[k]);
+    bw_set_progress(context, stop, context);
+    check_fails(context, BW_CANCELLED, "cancel", solve_once(context, model, solver, u));
+    bw_clear_cancel(context);
+    bw_set_progress(context, NULL, NULL);
+    int64_t before = bw_live_blocks();
+    bw_status status = BW_MEMORY;
+    for (int64_t n = 1; status == BW_MEMORY; n++) {
+      bw_fail_allocation(n, true);
+      status = solve_once(context, model, solver, u);
+      bw_fail_allocation(0, false);
+      bw_clear_failure(context);
+      assert_int_equal(bw_live_blocks(), before);
+    }
+    assert_int_equal(status, BW_OK);
+    bw_release(solver);
+  }
+  free(u);
+  bw_release(model);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(every_solver), check_test(one_system),
+                                     check_test(refusals), check_test(cancelling_and_memory)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
