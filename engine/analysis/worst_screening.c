@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SOLVES = 64, TARGETS_PER_CHUNK = 64, ROWS_PER_CHUNK = 64, ASCENT_STEPS = 3, HALVINGS = 12 };
+enum { SOLVES = 16, TARGETS_PER_CHUNK = 64, ROWS_PER_CHUNK = 64, ASCENT_STEPS = 3, HALVINGS = 12 };
 /* So many that balance leaves a choice. */
 enum { PATCHES_PER_ROW = 4 };
 

@@ -11,7 +11,8 @@
 enum {
   RECOVERIES = 6, /* that bring nothing, one after the other */
   FURTHER = 8,    /* modes beyond those wanted, where these show no gap */
-  DOUBLED = 3     /* times that number is doubled where those show none either */
+  DOUBLED = 3,    /* times that number is doubled where those show none either */
+  SIDES = 8       /* fields that residuals are computed of at once */
 };
 
 /* ---- results ------------------------------------------------------------------------------- */
@@ -23,21 +24,27 @@ void bwi_eigen_result_clear(bwi_eigen_result *result) {
   *result = (bwi_eigen_result){0};
 }
 
-/* |K x - lambda M x| / |lambda M x|, and the part of it that rounding alone may cause. */
+/* |K x - lambda M x| / |lambda M x|. `work`: room for twice SIDES fields. */
 static bw_status true_residuals(bw_context *context, const bwi_eigen_problem *problem, int count,
                                 const double *value, const double *vector, double *residual,
-                                double *kx, double *mx) {
+                                double *work) {
   bw_status status = BW_OK;
-  BW_TRY(problem->stiffness(context, problem->data, count, vector, kx));
-  BW_TRY(problem->mass(context, problem->data, count, vector, mx));
-  for (int k = 0; k < count; k++) {
-    double difference = 0, size = 0;
-    for (int64_t i = k * problem->size; i < (k + 1) * problem->size; i++) {
-      double m = value[k] * mx[i], d = kx[i] - m;
-      difference += d * d;
-      size += m * m;
+  int64_t size = problem->size;
+  for (int first = 0; first < count; first += SIDES) {
+    int part = count - first < SIDES ? count - first : SIDES;
+    const double *x = vector + first * size;
+    double *kx = work, *mx = work + part * size;
+    BW_TRY(problem->stiffness(context, problem->data, part, x, kx));
+    BW_TRY(problem->mass(context, problem->data, part, x, mx));
+    for (int k = 0; k < part; k++) {
+      double difference = 0, whole = 0;
+      for (int64_t i = k * size; i < (k + 1) * size; i++) {
+        double m = value[first + k] * mx[i], d = kx[i] - m;
+        difference += d * d;
+        whole += m * m;
+      }
+      residual[first + k] = whole > 0 ? sqrt(difference / whole) : 0;
     }
-    residual[k] = size > 0 ? sqrt(difference / size) : 0;
   }
 done:
   return status;
@@ -53,34 +60,36 @@ static bw_status take_out(bwi_eigen_iteration *it, int count, double tolerance,
   const bwi_eigen_problem *problem = it->problem;
   int64_t size = it->size;
   double *x = NULL, *kx = NULL, *mx = NULL, *gram = NULL, *coefficients = NULL, *work = NULL,
-         *next = NULL;
+         *next = NULL, *room = NULL; /* kx, mx and next: only where there is a pass */
   result->value = BW_NEW(context, double, count);
   result->residual = BW_NEW(context, double, count);
   x = BW_NEW(context, double, count *size);
-  kx = BW_NEW(context, double, count *size);
-  mx = BW_NEW(context, double, count *size);
+  room = BW_NEW(context, double, 2 * (count < SIDES ? count : SIDES) * size);
   int length = 8 * count + 64;
   gram = BW_NEW(context, double, (int64_t)count *count);
   coefficients = BW_NEW(context, double, (int64_t)count *count);
   work = BW_NEW(context, double, length);
-  if (!result->value || !result->residual || !x || !kx || !mx || !gram || !coefficients || !work) {
+  if (!result->value || !result->residual || !x || !room || !gram || !coefficients || !work) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(it->method->vectors(it, count, x));
   memcpy(result->value, it->value, (size_t)count * sizeof(double));
-  BW_TRY(true_residuals(context, problem, count, result->value, x, result->residual, kx, mx));
+  BW_TRY(true_residuals(context, problem, count, result->value, x, result->residual, room));
   double worst = 0;
   for (int k = 0; k < count; k++)
     worst = fmax(worst, result->residual[k]);
   for (int pass = 0; pass < 2 && worst > tolerance && problem->solve; pass++) {
     if (!next) {
+      kx = BW_NEW(context, double, count *size);
+      mx = BW_NEW(context, double, count *size);
       next = BW_NEW(context, double, count *size);
-      if (!next) {
+      if (!kx || !mx || !next) {
         status = BW_MEMORY;
         goto done;
       }
     }
+    BW_TRY(problem->mass(context, problem->data, count, x, mx));
     BW_TRY(problem->solve(context, problem->data, count, mx, next));
     it->solves += count;
     for (int k = 0; k < count; k++)
@@ -104,7 +113,7 @@ static bw_status take_out(bwi_eigen_iteration *it, int count, double tolerance,
     BW_TRY(bwi_multi_combine(context, size, count, next, count, coefficients, count, 1, 0, kx));
     memcpy(next, kx, (size_t)count * (size_t)size * sizeof(double));
     double *recomputed = gram; /* count numbers of workspace */
-    BW_TRY(true_residuals(context, problem, count, value, next, recomputed, kx, mx));
+    BW_TRY(true_residuals(context, problem, count, value, next, recomputed, room));
     double now = 0;
     for (int k = 0; k < count; k++)
       now = fmax(now, recomputed[k]);
@@ -126,6 +135,7 @@ static bw_status take_out(bwi_eigen_iteration *it, int count, double tolerance,
 done:
   bw_free(x);
   bw_free(next);
+  bw_free(room);
   bw_free(kx);
   bw_free(mx);
   bw_free(gram);

@@ -18,7 +18,7 @@ typedef struct bwi_eigen_problem {
   bw_status (*mass)(bw_context *context, void *data, int64_t count, const double *x, double *y);
   bw_status (*stiffness)(bw_context *context, void *data, int64_t count, const double *x,
                          double *y);
-  /* y = B f with B near K^+, symmetric; for LOBPCG alone. NULL: solve */
+  /* y = B f with B near K^+, symmetric; for LOBPCG alone. NULL: solve. The two may be the same */
   bw_status (*precondition)(bw_context *context, void *data, int64_t count, const double *f,
                             double *y);
   const char *preconditioner; /* its name in the report */

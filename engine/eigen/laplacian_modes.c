@@ -51,7 +51,8 @@ static bw_status laplacian_project(bw_context *context, void *data, int64_t coun
 static bw_status laplacian_solve(bw_context *context, void *data, int64_t count, const double *f,
                                  double *y) {
   laplacian *l = data;
-  memcpy(y, f, (size_t)count * (size_t)l->mesh->node_count * sizeof(double));
+  if (f != y)
+    memcpy(y, f, (size_t)count * (size_t)l->mesh->node_count * sizeof(double));
   remove_constant(l, true, count, y);
   bw_status status = bwi_solve_fields(context, l->factor, NULL, count, y, y);
   if (status == BW_OK)

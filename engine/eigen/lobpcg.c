@@ -9,11 +9,15 @@
  * its Gram matrix, dependent vectors dropped, twice; the coefficients of P are orthogonalised
  * against those of X, so that P needs no product with M.
  *
+ * Memory is that of the basis and of a block: no products of the basis with K and M are kept. Those
+ * of X are computed in each iteration, for the residuals; S^T K S is known where X and P are
+ * combinations of a former basis, and takes K W alone.
+ *
  * Soft locking: pairs that have converged stay in X and take part in Rayleigh-Ritz, but have no W
  * and no P.
  *
  * Invariants between calls: the first `block` columns of the basis are X, M-orthonormal, in the
- * wanted space, with values ascending; `stiff` and `heavy` are K and M times the basis. */
+ * wanted space, with values ascending; P follows; `projected` is S^T K S of these columns. */
 #include <math.h>
 #include <string.h>
 
@@ -23,6 +27,8 @@
 #include "linear/multivector.h"
 
 enum { GUARDS = 4, LIMIT = 300, CHUNK = 512 };
+/* Fields that a preconditioner works on side by side, and that products are taken of at once. */
+enum { SIDES = 8 };
 
 /* Relative size of an eigenvalue of a Gram matrix below which its vector depends on the others. */
 static const double dependent = 1e-14;
@@ -35,23 +41,27 @@ enum { STILL_ROUNDS = 8 };
 
 typedef struct lobpcg {
   bwi_eigen_iteration base;
-  int block;                     /* columns of X */
-  int directions;                /* columns of P, behind X */
-  int width;                     /* of the basis: 3 x block */
-  double *basis, *stiff, *heavy; /* width x size */
-  double *residual;              /* block: |K x - theta M x| / |theta M x| */
-  double *best;                  /* block: the smallest residual so far */
-  int *still;                    /* block: rounds since it was found */
-  double stuck;                  /* the largest residual of a wanted column that rounding stops */
+  int block;         /* columns of X */
+  int directions;    /* columns of P, behind X */
+  int width;         /* of the basis: 3 x block */
+  double *basis;     /* width x size */
+  double *image;     /* columns of products: block, and two times SIDES at least */
+  double *projected; /* width x width */
+  double *residual;  /* block: |K x - theta M x| / |theta M x| */
+  double *value;     /* block: theta when that was computed */
+  double *best;      /* block: the smallest residual so far */
+  int *still;        /* block: rounds since it was found */
+  double stuck;      /* the largest residual of a wanted column that rounding stops */
 } lobpcg;
 
 static void lobpcg_close(bwi_eigen_iteration *iteration) {
   lobpcg *l = (lobpcg *)iteration;
   bw_free(l->base.value);
   bw_free(l->basis);
-  bw_free(l->stiff);
-  bw_free(l->heavy);
+  bw_free(l->image);
+  bw_free(l->projected);
   bw_free(l->residual);
+  bw_free(l->value);
   bw_free(l->best);
   bw_free(l->still);
   bw_free(l);
@@ -59,12 +69,12 @@ static void lobpcg_close(bwi_eigen_iteration *iteration) {
 
 /* ---- bases ----------------------------------------------------------------------------------- */
 
-/* Columns of the basis from `to` on, and their images: `count` combinations of the first `from`
- * ones. Rows are worked on in chunks, so that results may take the place of their parts. */
+/* The first `count` columns of each field become combinations of the first `from` ones. Rows are
+ * worked on in chunks, so that results may take the place of their parts. */
 typedef struct combination {
-  double *field[3];
+  double *field[2]; /* the second may be NULL */
   int64_t size;
-  int from, count, to, images;
+  int from, count;
   const double *weights; /* from x count, column-major */
   double *part;          /* by worker: CHUNK x count */
 } combination;
@@ -74,11 +84,11 @@ static bw_status combine_rows(void *data, int64_t begin, int64_t end, int worker
   int rows = (int)(end - begin), ld = (int)c->size;
   const double one = 1, zero = 0;
   double *part = c->part + (int64_t)worker * CHUNK * c->count;
-  for (int which = 0; which < c->images; which++) {
+  for (int which = 0; which < 2 && c->field[which]; which++) {
     dgemm_("N", "N", &rows, &c->count, &c->from, &one, c->field[which] + begin, &ld, c->weights,
            &c->from, &zero, part, &rows);
     for (int k = 0; k < c->count; k++)
-      memcpy(c->field[which] + (c->to + k) * c->size + begin, part + (int64_t)k * rows,
+      memcpy(c->field[which] + k * c->size + begin, part + (int64_t)k * rows,
              (size_t)rows * sizeof(double));
   }
   return BW_OK;
@@ -117,7 +127,7 @@ static bw_status orthonormalise(lobpcg *l, int first, int *count) {
   int n = *count, kept = 0;
   double *gram = BW_NEW(context, double, (int64_t)n *n);
   double *value = BW_NEW(context, double, 2 * (int64_t)n);
-  double *w = l->basis + first * size, *mw = l->heavy + first * size;
+  double *w = l->basis + first * size, *mw = l->image;
   if (!gram || !value) {
     status = BW_MEMORY;
     goto done;
@@ -135,7 +145,6 @@ static bw_status orthonormalise(lobpcg *l, int first, int *count) {
       gram[i + j * n] *= scale[i] / sqrt(value[j]);
   if (kept > 0)
     BW_TRY(combine(l, (combination){.field = {w, mw},
-                                    .images = 2,
                                     .from = n,
                                     .count = kept,
                                     .weights = gram + (int64_t)(n - kept) * n}));
@@ -146,28 +155,53 @@ done:
   return status;
 }
 
+/* S^T K S of `count` columns behind the first `before` ones. */
+static bw_status project_stiffness(lobpcg *l, int before, int count) {
+  bw_status status = BW_OK;
+  bw_context *context = l->base.context;
+  const bwi_eigen_problem *problem = l->base.problem;
+  int64_t size = l->base.size, width = l->width;
+  int columns = before + count;
+  double *dots = BW_NEW(context, double, (int64_t)columns *(count + 1));
+  if (!dots)
+    return BW_MEMORY;
+  BW_TRY(problem->stiffness(context, problem->data, count, l->basis + before * size, l->image));
+  BW_TRY(bwi_multi_dot(context, size, columns, l->basis, count, l->image, dots));
+  for (int j = 0; j < count; j++)
+    for (int i = 0; i < columns; i++)
+      l->projected[i + (before + j) * width] = dots[i + j * columns];
+  for (int j = before; j < columns; j++)
+    for (int i = 0; i < j; i++) {
+      double *one = &l->projected[i + j * width], *other = &l->projected[j + i * width];
+      *one = *other = i < before ? *one : 0.5 * (*one + *other);
+    }
+done:
+  bw_free(dots);
+  return status;
+}
+
 /* Takes in `count` columns behind the first `before` ones, which are M-orthonormal: orthogonalised
- * twice against these and among themselves, with their images. *count: those kept. */
+ * twice against these and among themselves. *count: those kept. */
 static bw_status take_in(lobpcg *l, int before, int *count) {
   bw_status status = BW_OK;
   bw_context *context = l->base.context;
   const bwi_eigen_problem *problem = l->base.problem;
   int64_t size = l->base.size;
-  double *w = l->basis + before * size, *mw = l->heavy + before * size;
+  double *w = l->basis + before * size, *mw = l->image;
   double *part = BW_NEW(context, double, (int64_t)(before + 1) * *count);
   if (!part) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(problem->project(context, problem->data, *count, w));
+  BW_TRY(problem->mass(context, problem->data, *count, w, mw));
   for (int pass = 0; pass < 2 && *count > 0; pass++) {
-    BW_TRY(bwi_multi_dot(context, size, before, l->heavy, *count, w, part));
+    BW_TRY(bwi_multi_dot(context, size, before, l->basis, *count, mw, part));
     BW_TRY(bwi_multi_combine(context, size, before, l->basis, *count, part, before, -1, 1, w));
     BW_TRY(problem->mass(context, problem->data, *count, w, mw));
     BW_TRY(orthonormalise(l, before, count));
   }
-  if (*count > 0)
-    BW_TRY(problem->stiffness(context, problem->data, *count, w, l->stiff + before * size));
+  BW_TRY(project_stiffness(l, before, *count));
 done:
   bw_free(part);
   return status;
@@ -206,6 +240,31 @@ static int direction_weights(int columns, int block, const bool *live, double *w
   return kept;
 }
 
+/* `projected` of the next X and P: the values, and P^T K P; P is orthogonal to all of X's
+ * eigenvectors. `former`: of the basis before, columns x columns. `work`: columns. */
+static void follow_projected(lobpcg *l, int columns, int block, const double *former,
+                             const double *weights, double *work) {
+  int64_t width = l->width;
+  memset(l->projected, 0, (size_t)(width * width) * sizeof(double));
+  for (int j = 0; j < block; j++)
+    l->projected[j * (width + 1)] = l->base.value[j];
+  for (int b = 0; b < l->directions; b++) {
+    const double *q = weights + (int64_t)(block + b) * columns;
+    memset(work, 0, (size_t)columns * sizeof *work);
+    for (int j = 0; j < columns; j++)
+      for (int i = 0; i < columns; i++)
+        work[i] += former[i + (int64_t)j * columns] * q[j];
+    for (int a = 0; a <= b; a++) {
+      const double *p = weights + (int64_t)(block + a) * columns;
+      double sum = 0;
+      for (int i = 0; i < columns; i++)
+        sum += p[i] * work[i];
+      l->projected[block + a + (block + b) * width] = sum;
+      l->projected[block + b + (block + a) * width] = sum;
+    }
+  }
+}
+
 /* The next X, of `block` columns, and P from the first `columns` of the basis. `live`: block, NULL:
  * no P. */
 static bw_status rayleigh_ritz(lobpcg *l, int columns, const bool *live) {
@@ -213,26 +272,28 @@ static bw_status rayleigh_ritz(lobpcg *l, int columns, const bool *live) {
   bw_context *context = l->base.context;
   int block = l->block < columns ? l->block : columns;
   double *matrix = BW_NEW(context, double, (int64_t)columns *(columns + block));
+  double *former = BW_NEW(context, double, (int64_t)columns *columns);
   double *value = BW_NEW(context, double, columns);
-  if (!matrix || !value) {
+  if (!matrix || !former || !value) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_multi_dot(context, l->base.size, columns, l->basis, columns, l->stiff, matrix));
   for (int j = 0; j < columns; j++)
-    for (int i = 0; i < j; i++)
-      matrix[i + j * columns] = 0.5 * (matrix[i + j * columns] + matrix[j + i * columns]);
+    memcpy(former + (int64_t)j * columns, l->projected + (int64_t)j * l->width,
+           (size_t)columns * sizeof *former);
+  memcpy(matrix, former, (size_t)columns * (size_t)columns * sizeof *matrix);
   BW_TRY(symmetric(context, columns, matrix, value));
   memcpy(l->base.value, value, (size_t)block * sizeof(double));
   l->directions = live && columns > block ? direction_weights(columns, block, live, matrix) : 0;
-  BW_TRY(combine(l, (combination){.field = {l->basis, l->stiff, l->heavy},
-                                  .images = 3,
+  BW_TRY(combine(l, (combination){.field = {l->basis},
                                   .from = columns,
                                   .count = block + l->directions,
                                   .weights = matrix}));
+  follow_projected(l, columns, block, former, matrix, value);
   l->block = l->base.known = block;
 done:
   bw_free(matrix);
+  bw_free(former);
   bw_free(value);
   return status;
 }
@@ -245,7 +306,10 @@ static bw_status fill(lobpcg *l, int keep, int block) {
   bw_context *context = l->base.context;
   int64_t size = l->base.size;
   int count = block - keep;
-  double *x = l->basis + keep * size, *y = l->stiff + keep * size;
+  double *x = l->basis + keep * size, *y = l->image;
+  memset(l->projected, 0, (size_t)l->width * (size_t)l->width * sizeof(double));
+  for (int j = 0; j < keep; j++)
+    l->projected[j * ((int64_t)l->width + 1)] = l->base.value[j];
   BW_TRY(bwi_eigen_random(&l->base, count, x));
   BW_TRY(problem->mass(context, problem->data, count, x, y));
   BW_TRY(problem->precondition(context, problem->data, count, y, x));
@@ -259,11 +323,25 @@ done:
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
+/* An array of `count` items, whose first `keep` are those of *old, in its place. */
+static bw_status replace(bw_context *context, double **old, int64_t count, int64_t keep) {
+  double *made = BW_NEW0(context, double, count);
+  if (!made)
+    return BW_MEMORY;
+  if (keep > 0)
+    memcpy(made, *old, (size_t)keep * sizeof *made);
+  bw_free(*old);
+  *old = made;
+  return BW_OK;
+}
+
 /* Arrays for a block of `block` columns; the first `keep` columns stay. */
 static bw_status resize(lobpcg *l, int block, int keep) {
+  bw_status status = BW_OK;
   bw_context *context = l->base.context;
   int64_t size = l->base.size, width = 3 * (int64_t)block;
-  double bytes = 8.0 * 3 * (double)width * (double)size, available = bw_available_memory();
+  int64_t images = block < 2 * SIDES ? 2 * SIDES : block;
+  double bytes = 8.0 * (double)(width + images) * (double)size, available = bw_available_memory();
   if (width * width > INT32_MAX)
     return bw_fail(context, BW_LIMIT,
                    "a block of %d vectors is more than LOBPCG can compute: ask for fewer modes",
@@ -275,41 +353,25 @@ static bw_status resize(lobpcg *l, int block, int keep) {
     bw_detail_number(context, "bytes", bytes);
     return BW_MEMORY;
   }
-  double **field[] = {&l->basis, &l->stiff, &l->heavy};
-  double *made[3] = {NULL};
-  double *value = BW_NEW0(context, double, block);
-  double *residual = BW_NEW0(context, double, block);
-  double *best = BW_NEW0(context, double, block);
-  int *rounds = BW_NEW0(context, int, block);
-  bool all = value && residual && best && rounds;
-  for (int k = 0; k < 3 && all; k++) {
-    made[k] = BW_NEW(context, double, width *size);
-    all = made[k];
-  }
-  for (int k = 0; k < 3; k++) {
-    if (all && keep > 0)
-      memcpy(made[k], *field[k], (size_t)keep * (size_t)size * sizeof(double));
-    if (all) {
-      bw_free(*field[k]);
-      *field[k] = made[k];
-    } else
-      bw_free(made[k]);
-  }
-  double **small[] = {&l->base.value, &l->residual, &l->best}, *fresh[] = {value, residual, best};
-  for (int k = 0; k < 3; k++) {
-    if (all && keep > 0)
-      memcpy(fresh[k], *small[k], (size_t)keep * sizeof(double));
-    bw_free(all ? *small[k] : fresh[k]);
-    if (all)
-      *small[k] = fresh[k];
-  }
-  bw_free(all ? l->still : rounds);
-  if (!all)
+  bw_free(l->image);
+  bw_free(l->projected);
+  bw_free(l->still);
+  l->image = l->projected = NULL;
+  l->still = NULL;
+  BW_TRY(replace(context, &l->basis, width * size, keep * size));
+  BW_TRY(replace(context, &l->base.value, block, keep));
+  BW_TRY(replace(context, &l->residual, block, keep));
+  BW_TRY(replace(context, &l->value, block, keep));
+  BW_TRY(replace(context, &l->best, block, keep));
+  l->image = BW_NEW(context, double, images *size);
+  l->projected = BW_NEW(context, double, width *width);
+  l->still = BW_NEW0(context, int, block);
+  if (!l->image || !l->projected || !l->still)
     return BW_MEMORY;
-  l->still = rounds;
   l->width = (int)width;
   l->base.bytes = bytes;
-  return BW_OK;
+done:
+  return status;
 }
 
 static int block_of(const bwi_eigen_problem *problem, int wanted) {
@@ -333,13 +395,21 @@ static bw_status lobpcg_open(bw_context *context, const bwi_eigen_problem *probl
 
 /* ---- the iteration --------------------------------------------------------------------------- */
 
-/* Residual j of the block, to the columns behind X and P. */
+typedef struct part_of_block {
+  lobpcg *l;
+  int64_t first; /* column of the block; `image` has K and then M times it and those that follow */
+  int count;
+} part_of_block;
+
+/* Residuals of a part of the block, to the columns behind X and P. */
 static bw_status residual_columns(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
-  lobpcg *l = data;
+  const part_of_block *part = data;
+  lobpcg *l = part->l;
   int64_t size = l->base.size;
-  for (int64_t j = begin; j < end; j++) {
-    const double *kx = l->stiff + j * size, *mx = l->heavy + j * size;
+  for (int64_t k = begin; k < end; k++) {
+    int64_t j = part->first + k;
+    const double *kx = l->image + k * size, *mx = l->image + (part->count + k) * size;
     double *r = l->basis + (l->block + l->directions + j) * size;
     double theta = l->base.value[j], difference = 0, whole = 0;
     for (int64_t i = 0; i < size; i++) {
@@ -353,21 +423,70 @@ static bw_status residual_columns(void *data, int64_t begin, int64_t end, int wo
   return BW_OK;
 }
 
+/* The residual above which a column is worked on: guards that are good enough widen the gap. */
+static double threshold(int j, int wanted, double tolerance) {
+  return j < wanted ? tolerance : fmax(tolerance, GUARDED);
+}
+
+/* Residuals of the columns that are worked on, and of those into whose place another pair came; or
+ * of all. `measured` says of which. */
+static bw_status compute_residuals(lobpcg *l, int wanted, double tolerance, bool all,
+                                   bool *measured) {
+  bw_status status = BW_OK;
+  bw_context *context = l->base.context;
+  const bwi_eigen_problem *problem = l->base.problem;
+  int64_t size = l->base.size;
+  for (int j = 0; j < l->block; j++)
+    measured[j] = all || l->residual[j] > threshold(j, wanted, tolerance) ||
+                  fabs(l->base.value[j] - l->value[j]) > tolerance * fabs(l->value[j]);
+  for (int first = 0, count; first<l->block; first += count> 0 ? count : 1) {
+    for (count = 0; count < SIDES && first + count < l->block && measured[first + count];)
+      count++;
+    part_of_block part = {l, first, count};
+    const double *x = l->basis + first * size;
+    BW_TRY(problem->stiffness(context, problem->data, count, x, l->image));
+    BW_TRY(problem->mass(context, problem->data, count, x, l->image + count * size));
+    BW_TRY(bw_parallel(context, count, 1, residual_columns, &part));
+    for (int j = first; j < first + count; j++)
+      l->value[j] = l->base.value[j];
+  }
+done:
+  return status;
+}
+
+/* As many guards less as leave a whole number of passes of the preconditioner. */
+static void skip_guards(const lobpcg *l, int wanted, bool *live) {
+  int count = 0, guards = 0;
+  for (int j = 0; j < l->block; j++) {
+    count += live[j];
+    guards += live[j] && j >= wanted;
+  }
+  int excess = count % SIDES;
+  if (excess > guards || excess == count)
+    return;
+  for (int j = l->block - 1; excess > 0; j--)
+    if (live[j]) {
+      live[j] = false;
+      excess--;
+    }
+}
+
 /* Residuals K x - theta M x, and which columns are live. A column that has converged, or that
  * rounding keeps from it, is locked. So are guards that are good enough to widen the gap. */
-static bw_status find_residuals(lobpcg *l, int wanted, double tolerance, bool *live) {
-  bw_status status = bw_parallel(l->base.context, l->block, 1, residual_columns, l);
+static bw_status find_residuals(lobpcg *l, int wanted, double tolerance, bool all, bool *live) {
+  bw_status status = compute_residuals(l, wanted, tolerance, all, live);
   l->stuck = 0;
   for (int j = 0; j < l->block; j++) {
     bool another = l->residual[j] > 10 * l->best[j]; /* a pair that came in below moved them up */
-    l->still[j] = another || l->residual[j] < falls * l->best[j] ? 0 : l->still[j] + 1;
-    if (l->still[j] == 0)
+    if (live[j])
+      l->still[j] = another || l->residual[j] < falls * l->best[j] ? 0 : l->still[j] + 1;
+    if (live[j] && l->still[j] == 0)
       l->best[j] = l->residual[j];
-    if (l->still[j] >= STILL_ROUNDS && l->residual[j] < close_enough) {
-      l->stuck = j < wanted ? fmax(l->stuck, l->residual[j]) : l->stuck;
+    if (l->still[j] >= STILL_ROUNDS && l->best[j] < close_enough) {
+      l->stuck = j < wanted ? fmax(l->stuck, l->best[j]) : l->stuck;
       l->residual[j] = fmin(l->residual[j], tolerance);
     }
-    live[j] = l->residual[j] > (j < wanted ? tolerance : fmax(tolerance, GUARDED));
+    live[j] = l->residual[j] > threshold(j, wanted, tolerance);
   }
   return status;
 }
@@ -377,13 +496,12 @@ static bw_status precondition(lobpcg *l, const bool *live, int *count) {
   bw_status status = BW_OK;
   const bwi_eigen_problem *problem = l->base.problem;
   int64_t size = l->base.size, behind = (l->block + l->directions) * size;
+  double *w = l->basis + behind;
   *count = 0;
   for (int j = 0; j < l->block; j++)
-    if (live[j])
-      memcpy(l->stiff + behind + (*count)++ * size, l->basis + behind + j * size,
-             (size_t)size * sizeof(double));
-  BW_TRY(problem->precondition(l->base.context, problem->data, *count, l->stiff + behind,
-                               l->basis + behind));
+    if (live[j] && (*count)++ != j)
+      memcpy(w + (*count - 1) * size, w + j * size, (size_t)size * sizeof *w);
+  BW_TRY(problem->precondition(l->base.context, problem->data, *count, w, w));
   l->base.solves += *count;
 done:
   return status;
@@ -397,45 +515,31 @@ static int lobpcg_converged(const bwi_eigen_iteration *iteration, int wanted, do
   return count;
 }
 
-/* Images of X once more: combinations of combinations lose digits. */
-static bw_status refresh(lobpcg *l) {
-  bw_status status = BW_OK;
-  const bwi_eigen_problem *problem = l->base.problem;
-  bw_context *context = l->base.context;
-  BW_TRY(problem->stiffness(context, problem->data, l->block, l->basis, l->stiff));
-  BW_TRY(problem->mass(context, problem->data, l->block, l->basis, l->heavy));
-done:
-  return status;
-}
-
 static bw_status iterate(lobpcg *l, int wanted, double tolerance, bool *live) {
   bw_status status = BW_OK;
   const bwi_eigen_problem *problem = l->base.problem;
   bw_context *context = l->base.context;
-  bool refreshed = false;
   for (int j = 0; j < l->block; j++) {
     l->still[j] = 0;
     l->best[j] = INFINITY;
   }
+  bool all = true;
   for (int round = 0;; round++) {
     int count;
     BW_TRY(bw_check_cancel(context));
-    BW_TRY(find_residuals(l, wanted, tolerance, live));
+    BW_TRY(find_residuals(l, wanted, tolerance, all, live));
     int found = lobpcg_converged(&l->base, wanted, tolerance);
     bw_progress(context, "modes", (double)found / wanted);
-    if (found == wanted && refreshed)
+    if (l->block >= problem->dimension || (found == wanted && all))
       break;
-    refreshed = found == wanted;
-    if (refreshed) {
-      BW_TRY(refresh(l));
+    all = found == wanted; /* those locked long ago are measured once more at the end */
+    if (all)
       continue;
-    }
-    if (l->block >= problem->dimension)
-      break;
     if (round >= LIMIT) {
       status = bwi_eigen_stopped(&l->base, found, wanted, tolerance);
       goto done;
     }
+    skip_guards(l, wanted, live);
     BW_TRY(precondition(l, live, &count));
     l->base.iterations++;
     BW_TRY(take_in(l, l->block + l->directions, &count));

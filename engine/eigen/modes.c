@@ -102,6 +102,8 @@ bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, const bw_mate
   return BW_OK;
 }
 
+enum { SIDES = 8 }; /* fields whose products are taken at once: these are packed in between */
+
 /* ---- the elastic problem ------------------------------------------------------------------- */
 
 typedef struct elastic {
@@ -125,13 +127,15 @@ static bw_status multiply(bw_context *context, const elastic *problem, bool mass
                           const double *x, double *y) {
   const bw_system *system = problem->system;
   const bw_dof_map *dof_map = system->dof_map;
-  bw_status status =
-      bw_block_multiply(context, system->pattern, mass ? system->mass : system->stiffness,
-                        mass ? 1 : 9, 3, count, x, y);
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)system->mesh->node_count;
+  for (int64_t first = 0; first < count && status == BW_OK; first += SIDES)
+    status = bw_block_multiply(context, system->pattern, mass ? system->mass : system->stiffness,
+                               mass ? 1 : 9, 3, count - first < SIDES ? count - first : SIDES,
+                               x + first * size, y + first * size);
   if (problem->constrained)
     for (int64_t k = 0; status == BW_OK && k < count; k++)
-      bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC,
-                      y + k * 3 * (int64_t)system->mesh->node_count);
+      bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, y + k * size);
   return status;
 }
 

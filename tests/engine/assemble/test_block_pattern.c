@@ -107,7 +107,7 @@ static void product_is_that_of_the_full_matrix(void **state) {
   bw_block_pattern *g = NULL;
   perturbed_box(context, 2, 2, 2, 2, 0.2, 0, &mesh);
   check_ok(context, bw_block_pattern_create(context, mesh, &g));
-  int n = 3 * mesh->node_count, vectors = 6;
+  int n = 3 * mesh->node_count, vectors = 9;
   double *a = (double *)malloc(sizeof *a * 9 * (size_t)g->block_count);
   double *x = (double *)malloc(sizeof *x * (size_t)(n * vectors));
   double *y = (double *)malloc(sizeof *y * (size_t)(n * vectors));
@@ -149,6 +149,19 @@ static void product_is_that_of_the_full_matrix(void **state) {
       assert_true(out[i] == y[3 * i + k]);
     free(one);
   }
+  /* any number of vectors at once, by each kind of block: the same bits */
+  const int blocks[3] = {9, 1, 1}, components[3] = {3, 3, 1};
+  for (int kind = 0; kind < 3; kind++)
+    for (int count = 2; count <= vectors; count++) {
+      size_t length = (size_t)(components[kind] * mesh->node_count);
+      check_ok(context,
+               bw_block_multiply(context, g, a, blocks[kind], components[kind], count, x, y));
+      for (size_t v = 0; v < (size_t)count; v++) {
+        check_ok(context, bw_block_multiply(context, g, a, blocks[kind], components[kind], 1,
+                                            x + v * length, z));
+        assert_memory_equal(z, y + v * length, sizeof *z * length);
+      }
+    }
   check_ok(context, bw_block_multiply(context, g, a, 9, 3, 0, x, y));
   check_fails(context, BW_INVALID, "blocks", bw_block_multiply(context, g, a, 9, 1, 1, x, y));
   check_fails(context, BW_INVALID, "blocks", bw_block_multiply(context, g, a, 4, 3, 1, x, y));
