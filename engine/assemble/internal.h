@@ -55,8 +55,8 @@ static inline void bwi_gradients_at_node(const bw_mesh *mesh, int64_t element, i
 bw_status bwi_block_pattern_fits(bw_context *context, const bw_block_pattern *pattern,
                                  const bw_mesh *mesh);
 /* The pattern of `node_count` rows from their columns, which it takes over: start (node_count + 1),
- * column (start[node_count]) as in bw_block_pattern. Its mesh is NULL, and nothing contributes to its
- * blocks: it serves products and factors. On failure they stay the caller's. */
+ * column (start[node_count]) as in bw_block_pattern. Its mesh is NULL, and nothing contributes to
+ * its blocks: it serves products and factors. On failure they stay the caller's. */
 bw_status bwi_block_pattern_of_rows(bw_context *context, int32_t node_count, int64_t *start,
                                     int32_t *column, bw_block_pattern **pattern);
 /* Mark the blocks of two nodes of one facet of the boundary, by block: elsewhere the tensor of

@@ -24,7 +24,7 @@ void bwi_eigen_result_clear(bwi_eigen_result *result) {
   *result = (bwi_eigen_result){0};
 }
 
-/* |K x - lambda M x| / |lambda M x|. `work`: room for twice SIDES fields. */
+/* |K x - lambda M x| / |lambda M x|. `work`: space for twice SIDES fields. */
 static bw_status true_residuals(bw_context *context, const bwi_eigen_problem *problem, int count,
                                 const double *value, const double *vector, double *residual,
                                 double *work) {
@@ -60,22 +60,22 @@ static bw_status take_out(bwi_eigen_iteration *it, int count, double tolerance,
   const bwi_eigen_problem *problem = it->problem;
   int64_t size = it->size;
   double *x = NULL, *kx = NULL, *mx = NULL, *gram = NULL, *coefficients = NULL, *work = NULL,
-         *next = NULL, *room = NULL; /* kx, mx and next: only where there is a pass */
+         *next = NULL, *pair_work = NULL; /* kx, mx and next: only where there is a pass */
   result->value = BW_NEW(context, double, count);
   result->residual = BW_NEW(context, double, count);
   x = BW_NEW(context, double, count *size);
-  room = BW_NEW(context, double, 2 * (count < SIDES ? count : SIDES) * size);
+  pair_work = BW_NEW(context, double, 2 * (count < SIDES ? count : SIDES) * size);
   int length = 8 * count + 64;
   gram = BW_NEW(context, double, (int64_t)count *count);
   coefficients = BW_NEW(context, double, (int64_t)count *count);
   work = BW_NEW(context, double, length);
-  if (!result->value || !result->residual || !x || !room || !gram || !coefficients || !work) {
+  if (!result->value || !result->residual || !x || !pair_work || !gram || !coefficients || !work) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(it->method->vectors(it, count, x));
   memcpy(result->value, it->value, (size_t)count * sizeof(double));
-  BW_TRY(true_residuals(context, problem, count, result->value, x, result->residual, room));
+  BW_TRY(true_residuals(context, problem, count, result->value, x, result->residual, pair_work));
   double worst = 0;
   for (int k = 0; k < count; k++)
     worst = fmax(worst, result->residual[k]);
@@ -113,7 +113,7 @@ static bw_status take_out(bwi_eigen_iteration *it, int count, double tolerance,
     BW_TRY(bwi_multi_combine(context, size, count, next, count, coefficients, count, 1, 0, kx));
     memcpy(next, kx, (size_t)count * (size_t)size * sizeof(double));
     double *recomputed = gram; /* count numbers of workspace */
-    BW_TRY(true_residuals(context, problem, count, value, next, recomputed, room));
+    BW_TRY(true_residuals(context, problem, count, value, next, recomputed, pair_work));
     double now = 0;
     for (int k = 0; k < count; k++)
       now = fmax(now, recomputed[k]);
@@ -135,7 +135,7 @@ static bw_status take_out(bwi_eigen_iteration *it, int count, double tolerance,
 done:
   bw_free(x);
   bw_free(next);
-  bw_free(room);
+  bw_free(pair_work);
   bw_free(kx);
   bw_free(mx);
   bw_free(gram);

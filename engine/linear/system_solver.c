@@ -362,14 +362,14 @@ static bw_status measure_residual(void *data, int64_t begin, int64_t end, int wo
   return BW_OK;
 }
 
-/* Up to SIDES right-hand sides, of which `room` has two copies: balanced forces, and K u. */
+/* Up to SIDES right-hand sides, of which `work` has two copies: balanced forces, and K u. */
 static bw_status solve_block(bw_context *context, bw_system *system, bwi_system_pcg *problem,
-                             int64_t count, double *room, double *displacement) {
+                             int64_t count, double *work, double *displacement) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)system->mesh->node_count;
-  residuals r = {.system = system, .force = room, .product = room + count * size};
-  BW_TRY(bwi_balance_fields(context, system->dof_map, count, room));
-  BW_TRY(bwi_system_iterate(context, system, problem, count, room, displacement));
+  residuals r = {.system = system, .force = work, .product = work + count * size};
+  BW_TRY(bwi_balance_fields(context, system->dof_map, count, work));
+  BW_TRY(bwi_system_iterate(context, system, problem, count, work, displacement));
   if (problem->iterations > system->report.iterations)
     system->report.iterations = problem->iterations;
   if (!problem->converged)
@@ -426,7 +426,7 @@ static bw_status solve_iterative(bw_context *context, bw_system *system, int64_t
   bw_status status = BW_OK;
   bwi_request request;
   int64_t size = 3 * (int64_t)system->mesh->node_count, width = count < SIDES ? count : SIDES;
-  double *room = NULL;
+  double *work = NULL;
   BW_TRY(request_of(context, system, &request));
   if (request.way == BWI_BY_PCG) /* statics may have taken another one */
     BW_TRY(precondition(context, system, request.preconditioner, NULL, bw_available_memory()));
@@ -436,8 +436,8 @@ static bw_status solve_iterative(bw_context *context, bw_system *system, int64_t
                             .limit = request.max_iterations};
   if (!system->solver)
     problem.limit = bwi_pcg_break_even(system->two_level, bw_available_memory(), problem.limit);
-  room = BW_NEW(context, double, 2 * width * size);
-  if (!room) {
+  work = BW_NEW(context, double, 2 * width * size);
+  if (!work) {
     status = BW_MEMORY;
     goto done;
   }
@@ -445,18 +445,18 @@ static bw_status solve_iterative(bw_context *context, bw_system *system, int64_t
     int64_t left = count - first, block = left < width ? left : width;
     const double *f = force + first * size;
     double *u = displacement + first * size;
-    memcpy(room, f, (size_t)(block * size) * sizeof *room);
-    BW_TRY(solve_block(context, system, &problem, block, room, u));
+    memcpy(work, f, (size_t)(block * size) * sizeof *work);
+    BW_TRY(solve_block(context, system, &problem, block, work, u));
     if (problem.converged)
       continue;
     BW_TRY(give_up(context, system, &problem));
     if (force == displacement)
-      memcpy(u, room, (size_t)(block * size) * sizeof *room);
+      memcpy(u, work, (size_t)(block * size) * sizeof *work);
     BW_TRY(solve_by_factor(context, system, left, force == displacement ? u : f, u));
     break;
   }
 done:
-  bw_free(room);
+  bw_free(work);
   return status;
 }
 
