@@ -470,6 +470,8 @@ bw_status bw_incremental_statics(bw_context *context, bw_incremental_system *inc
       .solve = solve_one, .data = &data, .refine_to = options.tolerance, .once = options.energy};
   BW_TRY(bwi_static_solve(context, system->dof_map, system->pattern, system->stiffness, &solver,
                           result));
+  if (!data.reuse->solver) /* without a load there was nothing to solve */
+    bwi_incremental_note(BWI_REFACTOR, data.reuse);
   fill_report(incremental, options.solver, &before, data.reuse, bw_seconds() - start, result);
 done:
   if (status == BW_OK)

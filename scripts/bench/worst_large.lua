@@ -6,11 +6,12 @@ local script = require "barwright.command.script"
 local opts = script.read {
   summary = "the worst case of a large body",
   about = "Prints where processor seconds and memory of one worst case go. BODY is block:N, N x N x N cells of "
-    .. "six tet10, or brick:N, N x 0.8 N x 0.6 N cells.",
+    .. "six elements, or brick:N, N x 0.8 N x 0.6 N cells.",
   arguments = {{name = "body", what = "what to analyse"}},
   options = {
     {name = "solver", value = "NAME", type = "string", default = "auto", one_of = {"auto", "pcg", "cholesky"},
       what = "the linear solver"},
+    {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2}, what = "of the elements"},
     {name = "method", value = "NAME", type = "string", default = "paper", one_of = {"paper", "search"},
       what = "of the worst case"},
   },
@@ -29,15 +30,15 @@ end
 
 local count, size = {}, {}
 for i, side in ipairs(sides) do count[i], size[i] = math.floor(side[1] * tonumber(cells)), side[2] end
-local mesh = assert(bw.mesh.box {max = size, cells = count, order = 2})
+local mesh = assert(bw.mesh.box {max = size, cells = count, order = opts.order})
 local part = bw.model {mesh = mesh, material = bw.material.pla}
 local solver = opts.solver ~= "auto" and bw.solver[opts.solver]() or nil
 local seconds, spent = bw.seconds(), processor()
 local worst = assert(bw.worst_case(part, {method = opts.method, solver = solver}))
 seconds, spent = bw.seconds() - seconds, processor() - spent
 local peak = tonumber(io.open "/proc/self/status":read "a":match "VmHWM:%s+(%d+)") * 1024
-print(("%d tet10, %d unknowns: %.1f s, %.1f processor seconds, %.2f GB"):format(mesh.element_count,
-  3 * mesh.node_count, seconds, spent, peak / 1e9))
+print(("%d tet%d, %d unknowns: %.1f s, %.1f processor seconds, %.2f GB"):format(mesh.element_count,
+  opts.order == 1 and 4 or 10, 3 * mesh.node_count, seconds, spent, peak / 1e9))
 for _, key in ipairs {"system", "modes", "regions", "linear_programs", "search"} do
   if worst.seconds[key] then print(("  %s: %.1f s"):format(key, worst.seconds[key])) end
 end

@@ -30,6 +30,16 @@ describe("a solve", function()
     assert.truthy(loose.residual > 1e-8)
   end)
 
+  it("of a part without a load is a field of zeros, with a report", function()
+    local mesh = check.beam {4, 1, 1}
+    local part = bw.model {mesh = mesh, material = bw.material.steel}
+    part:fix(mesh.boundary:below(1, 0))
+    local skeleton = bw.skeleton.create {joints = {{0, 0.05, 0.05}, {1, 0.05, 0.05}}, bones = {{1, 2}}, root = 1}
+    local static = assert(assert(bw.edit(part, {skeleton = skeleton})):solve())
+    assert.are.equal(0, static.displacement:norm())
+    assert.are.equal("cholesky", static.report.solver)
+  end)
+
   it("passes its check where rounding leaves no more digits: a limb of a ten thousandth", function()
     for _, solver in ipairs {iterate, refactor} do
       local session = cantilever()
