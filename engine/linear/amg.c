@@ -82,7 +82,7 @@ bw_status bwi_amg_create(bw_context *context, const bwi_matrix *matrix, bwi_amg 
     return BW_MEMORY;
   bw_object_init(g, &amg_kind);
   g->dof_map = bw_retain(matrix->dof_map);
-  BW_TRY(bwi_smoother_create(context, NULL, matrix->pattern, false, &g->smoother));
+  BW_TRY(bwi_smoother_create(context, NULL, matrix->pattern, false, NULL, &g->smoother));
   BW_TRY(bwi_smoother_follow(context, g->smoother, matrix->stiffness, matrix->dof_map, &usable));
   if (!usable) {
     status = bw_fail(context, BW_SINGULAR, "the block of a node is not positive definite");

@@ -46,3 +46,22 @@ void bwi_prescribed_field(const bw_dof_map *dof_map, double *field) {
                 : value[c];
   }
 }
+
+void bwi_project_unknowns(const bw_dof_map *dof_map, int64_t node, const double *f, double out[3]) {
+  int32_t row = dof_map->frame_of[node];
+  const uint8_t *state = dof_map->state + 3 * node;
+  bool prescribed = state[0] == BW_DOF_PRESCRIBED || state[1] == BW_DOF_PRESCRIBED ||
+                    state[2] == BW_DOF_PRESCRIBED;
+  if (row < 0 || !prescribed) {
+    for (int d = 0; d < 3; d++)
+      out[d] = state[d] == BW_DOF_PRESCRIBED ? 0 : f[d];
+    return;
+  }
+  const double *frame = dof_map->frame + 9 * (int64_t)row, from[3] = {f[0], f[1], f[2]};
+  out[0] = out[1] = out[2] = 0;
+  for (int c = 0; c < 3; c++) {
+    double along = state[c] == BW_DOF_PRESCRIBED ? 0 : bw_dot(frame + 3 * c, from);
+    for (int d = 0; d < 3; d++)
+      out[d] += along * frame[3 * c + d];
+  }
+}

@@ -291,6 +291,9 @@ bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor, const 
 /* Zero the components of a global field whose state's bit (1u << bw_dof_state) is not in
  * `states`, in each node's frame. */
 void bwi_keep_states(const bw_dof_map *dof_map, unsigned states, double *field);
+/* What of a vector at a node is along its unknowns, isostatic constraints among them; the two may
+ * be the same. */
+void bwi_project_unknowns(const bw_dof_map *dof_map, int64_t node, const double *f, double out[3]);
 /* The prescribed values as a global field, 0 elsewhere. */
 void bwi_prescribed_field(const bw_dof_map *dof_map, double *field);
 /* ---- systems (system.c) -------------------------------------------------------------------- */

@@ -261,6 +261,8 @@ static bw_status iterate(iteration *it, bool *more) {
   BW_TRY(check(it, ended));
   if (!is_active(it))
     return BW_OK;
+  if (it->task->adapt) /* the next direction is conjugate to the last one in any case */
+    BW_TRY(it->task->adapt(it->context, it->task->data, it->task->iterations, fraction_done(it)));
   BW_TRY(update_beta(it, false, ended));
   BW_TRY(check(it, ended));
   if (any_restarted(it))

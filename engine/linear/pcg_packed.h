@@ -29,7 +29,4 @@ typedef struct bwi_packed {
 bw_status bwi_packed_solve(bw_context *context, const bwi_packed *packed, bwi_pcg_task *task,
                            const double *force, double *displacement);
 
-/* What of a vector at a node is along its unknowns; the two may be the same. */
-void bwi_project_unknowns(const bw_dof_map *dof_map, int64_t node, const double *f, double out[3]);
-
 #endif

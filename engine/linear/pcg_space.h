@@ -52,6 +52,10 @@ typedef struct bwi_pcg_task {
   double max_remaining; /* give up when more iterations are predicted to be left; 0: never */
   bool progress;        /* report how far it is */
   bool recurrence; /* r is not computed again: tolerances are far above what rounding adds to it */
+  /* Called after iterations with their number and what is done in digits, 0 to 1: it may change M,
+     where M is not said to be symmetric. Or NULL. */
+  bw_status (*adapt)(bw_context *context, void *data, int iterations, double done);
+  void *data;
   /* out */
   int iterations;
   double predicted_iterations; /* in all, where it was given up */

@@ -39,34 +39,36 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
     }                                                                                              \
   }                                                                                                \
   /* sum + the entries of row k times x */                                                         \
-  static inline three row_times##suffix(const bwi_smoother_part *even, const real *six,            \
-                                        const bwi_smoother_part *odd, const real *nine, int64_t k, \
+  static inline three row_times##suffix(const bwi_smoother_part *even, const int64_t *even_end,    \
+                                        const real *six, const bwi_smoother_part *odd,             \
+                                        const int64_t *odd_end, const real *nine, int64_t k,       \
                                         const real *x, three sum) {                                \
     three column[3];                                                                               \
-    for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
+    for (int64_t e = even->start[k]; e < even_end[k]; e++) {                                       \
       columns_of_six##suffix(six + 6 * e, column);                                                 \
       sum += times##suffix(column, x + 3 * (int64_t)even->column[e]);                              \
     }                                                                                              \
-    for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {                                  \
+    for (int64_t e = odd->start[k]; e < odd_end[k]; e++) {                                         \
       columns_of_nine##suffix(nine + 9 * e, column);                                               \
       sum += times##suffix(column, x + 3 * (int64_t)odd->column[e]);                               \
     }                                                                                              \
     return sum;                                                                                    \
   }                                                                                                \
   /* y of the columns of row k += their entries, transposed, times x */                            \
-  static inline void row_across##suffix(const bwi_smoother_part *even, const real *six,            \
-                                        const bwi_smoother_part *odd, const real *nine, int64_t k, \
+  static inline void row_across##suffix(const bwi_smoother_part *even, const int64_t *even_end,    \
+                                        const real *six, const bwi_smoother_part *odd,             \
+                                        const int64_t *odd_end, const real *nine, int64_t k,       \
                                         three x, real *y) {                                        \
     three column[3];                                                                               \
     real own[4] = {x[0], x[1], x[2], 0}, add[3];                                                   \
-    for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
+    for (int64_t e = even->start[k]; e < even_end[k]; e++) {                                       \
       real *to = y + 3 * (int64_t)even->column[e];                                                 \
       columns_of_six##suffix(six + 6 * e, column);                                                 \
       three product = times##suffix(column, own);                                                  \
       for (int d = 0; d < 3; d++)                                                                  \
         to[d] += product[d];                                                                       \
     }                                                                                              \
-    for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {                                  \
+    for (int64_t e = odd->start[k]; e < odd_end[k]; e++) {                                         \
       real *to = y + 3 * (int64_t)odd->column[e];                                                  \
       columns_of_nine##suffix(nine + 9 * e, column);                                               \
       across##suffix(column, x, add);                                                              \
@@ -97,10 +99,11 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
     for (int d = 0; d < 3; d++)                                                                    \
       y[d] = a[3 * d] * x[0] + a[3 * d + 1] * x[1] + a[3 * d + 2] * x[2];                          \
   }                                                                                                \
-  static inline void rows_times##suffix(const bwi_smoother_part *even, const real *six,            \
-                                        const bwi_smoother_part *odd, const real *nine, int64_t k, \
+  static inline void rows_times##suffix(const bwi_smoother_part *even, const int64_t *even_end,    \
+                                        const real *six, const bwi_smoother_part *odd,             \
+                                        const int64_t *odd_end, const real *nine, int64_t k,       \
                                         int64_t stride, const real *x, all sum[3]) {               \
-    for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
+    for (int64_t e = even->start[k]; e < even_end[k]; e++) {                                       \
       const real *from = x + 3 * stride * even->column[e];                                         \
       all in[3] = {at##suffix(from), at##suffix(from + stride), at##suffix(from + 2 * stride)};    \
       all add[3];                                                                                  \
@@ -108,7 +111,7 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
       for (int d = 0; d < 3; d++)                                                                  \
         sum[d] += add[d];                                                                          \
     }                                                                                              \
-    for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {                                  \
+    for (int64_t e = odd->start[k]; e < odd_end[k]; e++) {                                         \
       const real *from = x + 3 * stride * odd->column[e];                                          \
       all in[3] = {at##suffix(from), at##suffix(from + stride), at##suffix(from + 2 * stride)};    \
       all add[3];                                                                                  \
@@ -117,17 +120,18 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
         sum[d] += add[d];                                                                          \
     }                                                                                              \
   }                                                                                                \
-  static inline void rows_across##suffix(const bwi_smoother_part *even, const real *six,           \
-                                         const bwi_smoother_part *odd, const real *nine,           \
-                                         int64_t k, int64_t stride, const all x[3], real *y) {     \
+  static inline void rows_across##suffix(const bwi_smoother_part *even, const int64_t *even_end,   \
+                                         const real *six, const bwi_smoother_part *odd,            \
+                                         const int64_t *odd_end, const real *nine, int64_t k,      \
+                                         int64_t stride, const all x[3], real *y) {                \
     all add[3];                                                                                    \
-    for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
+    for (int64_t e = even->start[k]; e < even_end[k]; e++) {                                       \
       real *to = y + 3 * stride * even->column[e];                                                 \
       six_times##suffix(six + 6 * e, x, add);                                                      \
       for (int d = 0; d < 3; d++)                                                                  \
         put##suffix(to + d * stride, at##suffix(to + d * stride) + add[d]);                        \
     }                                                                                              \
-    for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {                                  \
+    for (int64_t e = odd->start[k]; e < odd_end[k]; e++) {                                         \
       real *to = y + 3 * stride * odd->column[e];                                                  \
       nine_across##suffix(nine + 9 * e, x, add);                                                   \
       for (int d = 0; d < 3; d++)                                                                  \
@@ -142,8 +146,11 @@ WIDE(_f8, float, eight)
 WIDE(_d4, double, four2)
 WIDE(_d8, double, eight2)
 
-#define FLOATS(s) &(s)->even, (s)->even.value, &(s)->odd, (s)->odd.value
-#define DOUBLES(s) &(s)->even, (s)->even.exact, &(s)->odd, (s)->odd.exact
+/* Of sweeps, without the entries within a row's own block; of products. */
+#define FLOATS(s)                                                                                  \
+  &(s)->even, (s)->even.outside, (s)->even.value, &(s)->odd, (s)->odd.outside, (s)->odd.value
+#define DOUBLES(s)                                                                                 \
+  &(s)->even, (s)->even.start + 1, (s)->even.exact, &(s)->odd, (s)->odd.start + 1, (s)->odd.exact
 
 /* ---- sweeps -------------------------------------------------------------------------------- */
 
@@ -209,19 +216,104 @@ static inline void satisfy(const sweep *w, int64_t k, bool backwards) {
     satisfy_f4(w, k, first, backwards);
 }
 
+/* The same for the rows of a block together. */
+static void satisfy_block_one(const sweep *w, int64_t block, bool backwards) {
+  const bwi_smoother *s = w->s;
+  int64_t begin = s->block_start[block], end = s->block_start[block + 1];
+  int n = 3 * (int)(end - begin);
+  const float *a = s->block_inverse + s->inverse_start[block];
+  float sums[3 * BWI_SMOOTHER_BLOCK], own[3 * BWI_SMOOTHER_BLOCK + 1] = {0};
+  for (int64_t k = begin; k < end; k++) {
+    quad sum = row_times_f(FLOATS(s), k, w->z, (quad){0, 0, 0, 0});
+    float *residual = w->residual + 3 * k;
+    for (int d = 0; d < 3; d++) {
+      sums[3 * (k - begin) + d] = w->r[3 * k + d] - sum[d] - (backwards ? residual[d] : 0);
+      residual[d] = 0;
+    }
+  }
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++)
+      own[i] += a[n * j + i] * sums[j];
+  memcpy(w->z + 3 * begin, own, (size_t)n * sizeof *own);
+  for (int64_t k = begin; k < end; k++) {
+    quad z = *(const quad *)(own + 3 * (k - begin));
+    row_across_f(FLOATS(s), k, backwards ? z : -z, w->residual);
+  }
+}
+
+/* And for four or eight fields from `first` on. */
+#define SATISFY_BLOCK(suffix, all)                                                                 \
+  static void satisfy_block##suffix(const sweep *w, int64_t block, int first, bool backwards) {    \
+    const bwi_smoother *s = w->s;                                                                  \
+    int64_t begin = s->block_start[block], end = s->block_start[block + 1], stride = w->width;     \
+    int n = 3 * (int)(end - begin);                                                                \
+    const float *a = s->block_inverse + s->inverse_start[block];                                   \
+    all sums[3 * BWI_SMOOTHER_BLOCK], own[3 * BWI_SMOOTHER_BLOCK];                                 \
+    memset(sums, 0, (size_t)n * sizeof *sums);                                                     \
+    memset(own, 0, (size_t)n * sizeof *own);                                                       \
+    for (int64_t k = begin; k < end; k++) {                                                        \
+      all *sum = sums + 3 * (k - begin);                                                           \
+      const float *r = w->r + 3 * stride * k + first;                                              \
+      float *residual = w->residual + 3 * stride * k + first;                                      \
+      rows_times##suffix(FLOATS(s), k, stride, w->z + first, sum);                                 \
+      for (int d = 0; d < 3; d++) {                                                                \
+        sum[d] = at##suffix(r + d * stride) - sum[d];                                              \
+        if (backwards)                                                                             \
+          sum[d] -= at##suffix(residual + d * stride);                                             \
+        put##suffix(residual + d * stride, (all){0});                                              \
+      }                                                                                            \
+    }                                                                                              \
+    for (int j = 0; j < n; j++)                                                                    \
+      for (int i = 0; i < n; i++)                                                                  \
+        own[i] += a[n * j + i] * sums[j];                                                          \
+    for (int i = 0; i < n; i++) {                                                                  \
+      put##suffix(w->z + (3 * begin + i) * stride + first, own[i]);                                \
+      own[i] = backwards ? own[i] : -own[i];                                                       \
+    }                                                                                              \
+    for (int64_t k = begin; k < end; k++)                                                          \
+      rows_across##suffix(FLOATS(s), k, stride, own + 3 * (k - begin), w->residual + first);       \
+  }
+SATISFY_BLOCK(_f4, four)
+SATISFY_BLOCK(_f8, eight)
+
+static void satisfy_block(const sweep *w, int64_t block, bool backwards) {
+  if (w->width == 1) {
+    satisfy_block_one(w, block, backwards);
+    return;
+  }
+  int first = 0;
+  for (; first + 8 <= w->width; first += 8)
+    satisfy_block_f8(w, block, first, backwards);
+  if (first < w->width)
+    satisfy_block_f4(w, block, first, backwards);
+}
+
+/* Rows, or blocks, from one chunk to another. */
+static void sweep_chunks(const sweep *w, int64_t from, int64_t to, bool backwards) {
+  const bwi_smoother *s = w->s;
+  bool blocks = s->block_start != NULL;
+  int64_t begin = blocks ? s->chunk_block[from] : s->chunk_start[from];
+  int64_t end = to <= s->chunk_count ? blocks ? s->chunk_block[to] : s->chunk_start[to]
+                : blocks ? s->block_count
+                                     : s->count;
+  for (int64_t k = 0; k < end - begin; k++) {
+    int64_t at = backwards ? end - 1 - k : begin + k;
+    if (blocks)
+      satisfy_block(w, at, backwards);
+    else
+      satisfy(w, at, backwards);
+  }
+}
+
 static bw_status chunk_forward(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
-  const sweep *w = data;
-  for (int64_t k = w->s->chunk_start[begin]; k < w->s->chunk_start[end]; k++)
-    satisfy(w, k, false);
+  sweep_chunks(data, begin, end, false);
   return BW_OK;
 }
 
 static bw_status chunk_backward(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
-  const sweep *w = data;
-  for (int64_t k = w->s->chunk_start[end] - 1; k >= w->s->chunk_start[begin]; k--)
-    satisfy(w, k, true);
+  sweep_chunks(data, begin, end, true);
   return BW_OK;
 }
 
@@ -230,8 +322,7 @@ bw_status bwi_smoother_forward(bw_context *context, const bwi_smoother *s, int w
   bw_status status = BW_OK;
   sweep w = {s, width, r, z, residual};
   BW_TRY(bw_parallel(context, s->chunk_count, 1, chunk_forward, &w));
-  for (int64_t k = s->chunk_start[s->chunk_count]; k < s->count; k++)
-    satisfy(&w, k, false);
+  sweep_chunks(&w, s->chunk_count, s->chunk_count + 1, false);
 done:
   return status;
 }
@@ -240,8 +331,7 @@ bw_status bwi_smoother_backward(bw_context *context, const bwi_smoother *s, int 
                                 const float *r, float *z, float *work) {
   sweep w = {s, width, r, z, work};
   memset(work, 0, 3 * (size_t)s->count * (size_t)width * sizeof *work);
-  for (int64_t k = s->count - 1; k >= s->chunk_start[s->chunk_count]; k--)
-    satisfy(&w, k, true);
+  sweep_chunks(&w, s->chunk_count, s->chunk_count + 1, true);
   return bw_parallel(context, s->chunk_count, 1, chunk_backward, &w);
 }
 

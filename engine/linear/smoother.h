@@ -24,14 +24,18 @@
 enum { BWI_SMOOTHER_SIDES = 12, BWI_SMOOTHER_ROWS = 512, BWI_SMOOTHER_MAX_CHUNKS = 16 };
 /* Numbers that a packed field has room for behind its end. */
 enum { BWI_SMOOTHER_SPARE = 8 };
+/* Nodes in a block, at most. */
+enum { BWI_SMOOTHER_BLOCK = 16 };
 
 /* The entries below the diagonal whose blocks have 6 numbers (xx xy xz yy yz zz), or those that
  * have 9 (by columns). */
 typedef struct bwi_smoother_part {
-  int64_t *start;  /* rows + 1: entries */
-  int32_t *column; /* of an entry: a row, ascending in each row */
-  int64_t *block;  /* 2 * block of the pattern, + 1 where transposed */
-  float *value;    /* unit * K */
+  int64_t *start;         /* rows + 1: entries */
+  const int64_t *outside; /* rows: end of those that are not of the row's own block */
+  int64_t *within;        /* rows: the same, or NULL where there are no blocks */
+  int32_t *column;        /* of an entry: a row, ascending in each row */
+  int64_t *block;         /* 2 * block of the pattern, + 1 where transposed */
+  float *value;           /* unit * K */
   double *exact;
 } bwi_smoother_part;
 
@@ -44,6 +48,12 @@ typedef struct bwi_smoother {
   int32_t chunk_count;
   int32_t chunk_start[BWI_SMOOTHER_MAX_CHUNKS + 1]; /* rows after the last are between chunks */
   bwi_smoother_part even, odd;                      /* of 6 numbers, of 9 */
+  /* Rows that sweeps solve together (smoother_blocks.h). NULL: each row by itself. */
+  int32_t block_count;
+  int32_t *block_start;                             /* block_count + 1: rows */
+  int32_t chunk_block[BWI_SMOOTHER_MAX_CHUNKS + 1]; /* the first block of each chunk */
+  int64_t *inverse_start;                           /* block_count + 1 */
+  float *block_inverse;                             /* symmetric */
   float *inverse;   /* 9 by row, by columns: of the diagonal block at the unknowns, of unit * K */
   double *diagonal; /* 9 by row: unit * K */
   double unit;
@@ -56,9 +66,11 @@ static inline int bwi_smoother_width(int64_t count) {
                                        : (int)(count + 3) / 4 * 4;
 }
 /* For matrices on the pattern of a mesh. `even`: of straight elements and one material, so that
- * most blocks are symmetric. Release with bw_release. */
+ * most blocks are symmetric. `stiffness`: nodes that it couples strongly are swept together; NULL:
+ * each by itself. Release with bw_release. */
 bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
-                              const bw_block_pattern *pattern, bool even, bwi_smoother **out);
+                              const bw_block_pattern *pattern, bool even, const double *stiffness,
+                              bwi_smoother **out);
 /* Take over a stiffness (9 numbers per block) at the unknowns of a DOF map; isostatic constraints
  * are unknowns here: K is singular where there are any. *usable is false where
  * a node's own block is not positive definite. */

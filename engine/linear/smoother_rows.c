@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "assemble/internal.h"
-#include "linear/smoother.h"
+#include "linear/smoother_blocks.h"
 
 enum { ROWS = BWI_SMOOTHER_ROWS };
 
@@ -72,6 +72,8 @@ bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *s, const double
   *usable = true;
   for (int64_t k = 0; k < s->count; k++)
     *usable &= isfinite(s->inverse[9 * k]) != 0;
+  if (s->block_start && *usable)
+    BW_TRY(bwi_smoother_invert_blocks(context, s, stiffness, dof_map, usable));
 done:
   return status;
 }
@@ -149,7 +151,9 @@ static void cut(bwi_smoother *s, const int32_t *near, const int32_t *at) {
     s->row_of[s->node[k]] = k;
 }
 
-static bw_status order_nodes(bw_context *context, bwi_smoother *s) {
+/* `block_of`: of nodes, where *blocks. */
+static bw_status order_nodes(bw_context *context, bwi_smoother *s, const double *stiffness,
+                             int32_t *block_of, bool *blocks) {
   bw_status status = BW_OK;
   int32_t *near = BW_NEW(context, int32_t, s->count), *at = BW_NEW0(context, int32_t, s->count);
   if (!near || !at) {
@@ -161,6 +165,8 @@ static bw_status order_nodes(bw_context *context, bwi_smoother *s) {
       int32_t last = spread_from(s->pattern, i, end, 1, at, near);
       end = spread_from(s->pattern, near[last - 1], end, 2, at, near);
     }
+  if (stiffness)
+    BW_TRY(bwi_smoother_find_blocks(context, s->pattern, stiffness, near, block_of, blocks));
   for (int32_t k = 0; k < s->count; k++)
     at[near[k]] = k;
   cut(s, near, at);
@@ -194,12 +200,14 @@ static bw_status make_part(bw_context *context, bwi_smoother_part *part, int64_t
   part->block = BW_NEW(context, int64_t, entries + 1);
   part->value = BW_NEW0(context, float, numbers *entries + BWI_SMOOTHER_SPARE);
   part->exact = BW_NEW0(context, double, numbers *entries + BWI_SMOOTHER_SPARE);
+  part->outside = part->start + 1;
   return part->start && part->column && part->block && part->value && part->exact ? BW_OK
                                                                                   : BW_MEMORY;
 }
 
 static void free_part(bwi_smoother_part *part) {
   bw_free(part->start);
+  bw_free(part->within);
   bw_free(part->column);
   bw_free(part->block);
   bw_free(part->value);
@@ -274,6 +282,9 @@ static void smoother_destroy(void *object) {
   free_part(&s->odd);
   bw_free(s->inverse);
   bw_free(s->diagonal);
+  bw_free(s->block_start);
+  bw_free(s->inverse_start);
+  bw_free(s->block_inverse);
   bw_free(s);
 }
 
@@ -288,15 +299,21 @@ static size_t part_bytes(const bwi_smoother_part *part, size_t rows, size_t numb
 static size_t smoother_bytes(const void *object) {
   const bwi_smoother *s = object;
   size_t rows = (size_t)s->count;
-  return sizeof *s + rows * (2 * sizeof(int32_t) + 9 * (sizeof(float) + sizeof(double))) +
+  size_t blocks = s->block_start ? (size_t)s->inverse_start[s->block_count] * sizeof(float) +
+                                       rows * (3 * sizeof(int64_t) + sizeof(int32_t))
+                                 : 0;
+  return sizeof *s + blocks + rows * (2 * sizeof(int32_t) + 9 * (sizeof(float) + sizeof(double))) +
          part_bytes(&s->even, rows, 6) + part_bytes(&s->odd, rows, 9);
 }
 
 static const bw_kind smoother_kind = {"smoother", smoother_destroy, smoother_bytes};
 
 bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
-                              const bw_block_pattern *pattern, bool even, bwi_smoother **out) {
+                              const bw_block_pattern *pattern, bool even, const double *stiffness,
+                              bwi_smoother **out) {
   bw_status status = BW_OK;
+  bool blocks = false;
+  int32_t *block_of = NULL;
   bwi_smoother *s = BW_NEW0(context, bwi_smoother, 1);
   if (!s)
     return BW_MEMORY;
@@ -307,13 +324,17 @@ bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
   s->row_of = BW_NEW(context, int32_t, s->count);
   s->inverse = BW_NEW0(context, float, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
   s->diagonal = BW_NEW0(context, double, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
-  if (!s->node || !s->row_of || !s->inverse || !s->diagonal) {
+  block_of = BW_NEW(context, int32_t, s->count);
+  if (!s->node || !s->row_of || !s->inverse || !s->diagonal || !block_of) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(order_nodes(context, s));
+  BW_TRY(order_nodes(context, s, stiffness, block_of, &blocks));
   BW_TRY(make_rows(context, s, mesh, even));
+  if (blocks)
+    BW_TRY(bwi_smoother_set_blocks(context, s, block_of));
 done:
+  bw_free(block_of);
   if (status == BW_OK)
     *out = s;
   else

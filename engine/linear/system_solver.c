@@ -291,6 +291,10 @@ bw_status bwi_system_iterate(bw_context *context, bw_system *system, bwi_system_
     bwi_two_level_problem p = {.tolerance = problem->tolerance,
                                .energy_alone = problem->energy_alone,
                                .limit = problem->limit};
+    if (problem->adapt) {
+      p.adapt = bwi_two_level_adapt;
+      p.data = two_level;
+    }
     BW_TRY(bwi_two_level_solve(context, two_level->preconditioner, &p, count, force, displacement));
     problem->iterations = p.iterations;
     problem->converged = p.converged;

@@ -50,6 +50,7 @@ typedef struct bwi_system_pcg {
   bwi_way way;
   double tolerance;
   bool energy_alone; /* the tolerance is on the error in energy alone */
+  bool adapt;        /* two-level PCG may enlarge its coarse space where iterations are slow */
   int limit;         /* on iterations */
   /* out */
   int iterations;

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The two-level preconditioner: restriction and prolongation (two_level.h). */
-#include "linear/two_level.h"
+#include "linear/corner_rotations.h"
 
 #include <string.h>
 
@@ -28,6 +28,7 @@ static void two_level_destroy(void *object) {
   bw_release(l->smoother);
   bw_release(l->dof_map);
   bw_release(l->rigid);
+  bw_release(l->rotations);
   bw_free(l->child_start);
   bw_free(l->child);
   bw_free(l->parent);
@@ -40,7 +41,7 @@ static size_t two_level_bytes(const void *object) {
   size_t rows = (size_t)l->smoother->count, corners = (size_t)bwi_coarse_corners(l->coarse);
   size_t fields = 5 * sizeof(double) + 3 * sizeof(float);
   return sizeof *l + bw_bytes(l->coarse) + bw_bytes(l->smoother) + bw_bytes(l->rigid) +
-         (corners + 1) * sizeof(int64_t) + 5 * rows * sizeof(int32_t) +
+         bw_bytes(l->rotations) + (corners + 1) * sizeof(int64_t) + 5 * rows * sizeof(int32_t) +
          3 * (size_t)l->width * (rows * fields + corners * sizeof(double));
 }
 
@@ -136,9 +137,13 @@ bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *l, int 
   passage m = {l, width, used, bwi_coarse_corners(l->coarse), 1 / l->smoother->unit};
   BW_TRY(bwi_smoother_forward(context, l->smoother, width, l->floats, l->z, l->residual));
   keep_unknowns(l, width, l->residual);
-  BW_TRY(bw_parallel(context, m.corners, ROWS, restrict_residual, &m));
-  BW_TRY(bwi_coarse_solve(context, l->coarse, used, l->corner));
-  BW_TRY(bw_parallel(context, l->smoother->count, ROWS, prolong, &m));
+  if (l->rotations)
+    BW_TRY(bwi_corner_rotations_correct(context, l->rotations, l, width, used));
+  else {
+    BW_TRY(bw_parallel(context, m.corners, ROWS, restrict_residual, &m));
+    BW_TRY(bwi_coarse_solve(context, l->coarse, used, l->corner));
+    BW_TRY(bw_parallel(context, l->smoother->count, ROWS, prolong, &m));
+  }
   keep_unknowns(l, width, l->z);
   BW_TRY(bwi_smoother_backward(context, l->smoother, width, l->floats, l->z, l->residual));
 done:
@@ -152,7 +157,7 @@ bw_status bwi_two_level_create(bw_context *context, const bw_mesh *mesh,
   bw_status status = BW_OK;
   bwi_coarse *coarse = NULL;
   BW_TRY(bwi_coarse_create(context, mesh, &coarse));
-  BW_TRY(bwi_two_level_create_over(context, coarse, mesh, pattern, even, out));
+  BW_TRY(bwi_two_level_create_over(context, coarse, mesh, pattern, even, NULL, out));
 done:
   bw_release(coarse);
   return status;
@@ -160,14 +165,14 @@ done:
 
 bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
                                     const bw_block_pattern *pattern, bool even,
-                                    bwi_two_level **out) {
+                                    const double *stiffness, bwi_two_level **out) {
   bw_status status = BW_OK;
   bwi_two_level *l = BW_NEW0(context, bwi_two_level, 1);
   if (!l)
     return BW_MEMORY;
   bw_object_init(l, &two_level_kind);
   l->coarse = bw_retain(coarse);
-  BW_TRY(bwi_smoother_create(context, mesh, pattern, even, &l->smoother));
+  BW_TRY(bwi_smoother_create(context, mesh, pattern, even, stiffness, &l->smoother));
   BW_TRY(join_levels(context, l));
 done:
   if (status == BW_OK)
@@ -191,7 +196,9 @@ bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *l, const bw_m
       l->constrained[l->constrained_count++] = k;
   }
   bw_release(l->rigid);
+  bw_release(l->rotations);
   l->rigid = NULL;
+  l->rotations = NULL;
   if (dof_map->rigid_mode_count > 0)
     BW_TRY(bwi_rigid_space_create(context, dof_map, l->smoother->row_of, &l->rigid));
   BW_TRY(bwi_coarse_follow(context, l->coarse, model, dof_map, usable));
@@ -226,5 +233,5 @@ bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *l, int width
 
 double bwi_two_level_bytes(const bwi_two_level *l) {
   return bwi_smoother_bytes(l->smoother->pattern->block_count - l->smoother->count) +
-         bwi_coarse_bytes(l->coarse);
+         (l->rotations ? bwi_corner_rotations_read(l->rotations) : bwi_coarse_bytes(l->coarse));
 }

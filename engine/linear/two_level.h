@@ -14,9 +14,13 @@
 #include "linear/rigid_space.h"
 #include "linear/smoother.h"
 
+/* corner_rotations.h */
+typedef struct bwi_corner_rotations bwi_corner_rotations;
+
 typedef struct bwi_two_level {
   bw_object object;
   bwi_coarse *coarse;
+  bwi_corner_rotations *rotations; /* in place of it, for the shape followed; or NULL */
   bwi_smoother *smoother;
   /* By corner: the rows of its own node and of the mid-edge nodes next to it. */
   int64_t *child_start;
@@ -55,10 +59,11 @@ static inline double bwi_two_level_sides(int64_t count) {
  * with bw_release. */
 bw_status bwi_two_level_create(bw_context *context, const bw_mesh *mesh,
                                const bw_block_pattern *pattern, bool even, bwi_two_level **out);
-/* The same over a coarse space of that mesh that there is already, from now on its own. */
+/* The same over a coarse space of that mesh that there is already, from now on its own.
+ * `stiffness`: as in bwi_smoother_create. */
 bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
                                     const bw_block_pattern *pattern, bool even,
-                                    bwi_two_level **two_level);
+                                    const double *stiffness, bwi_two_level **two_level);
 /* The equations of a shape. *usable is false where they are not positive definite. */
 bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *two_level, const bw_model *model,
                                const bw_dof_map *dof_map, const double *stiffness, bool *usable);
@@ -80,6 +85,10 @@ typedef struct bwi_two_level_problem {
   const double *load, *energy;
   bool energy_alone;
   int limit; /* on iterations */
+  /* Called after iterations with their number and what is done in digits, 0 to 1: it may change the
+     preconditioner. Or NULL. */
+  bw_status (*adapt)(bw_context *context, void *data, int iterations, double done);
+  void *data;
   /* out */
   int iterations;
   bool converged;

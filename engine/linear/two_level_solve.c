@@ -51,6 +51,8 @@ bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_lev
                          .load = problem->load ? problem->load + first : NULL,
                          .energy = problem->energy ? problem->energy + first : NULL,
                          .limit = problem->limit,
+                         .adapt = problem->adapt,
+                         .data = problem->data,
                          .progress = true};
     BW_TRY(bwi_packed_solve(context, &packed, &task, force + first * size,
                             displacement + first * size));

@@ -11,6 +11,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "barwright/job.h"
 #include "base/cost.h"
@@ -72,6 +73,12 @@ __attribute__((format(printf, 2, 3))) static void say(statics *s, const char *fo
   va_start(arguments, format);
   vsnprintf(s->result->report.reason, sizeof s->result->report.reason, format, arguments);
   va_end(arguments);
+}
+
+static void say_more(statics *s, const char *text) {
+  char *reason = s->result->report.reason;
+  size_t length = strlen(reason);
+  snprintf(reason + length, sizeof s->result->report.reason - length, "%s", text);
 }
 
 static bool has_memory(const statics *s, const bwi_cost_prediction *cost) {
@@ -186,6 +193,7 @@ static bw_status iterate(bw_context *context, void *data, const double *force,
   bool two_level = s->request.way == BWI_BY_TWO_LEVEL;
   bwi_system_pcg problem = {.way = s->request.way,
                             .tolerance = two_level ? s->request.tolerance : tolerance_of(s, force),
+                            .adapt = two_level,
                             .limit = s->limit};
   double start = bw_seconds();
   BW_TRY(bwi_system_iterate(context, system, &problem, 1, force, displacement));
@@ -218,6 +226,8 @@ static bw_status by_two_level(statics *s) {
   }
   s->limit = limit_of(s);
   BW_TRY(run(s, &solver));
+  if (system->two_level->preconditioner->rotations)
+    say_more(s, "; corners rotate in the coarse space, since iterations were slow");
   report->solver = bw_solver_word(BW_SOLVER_PCG);
   report->preconditioner = bw_solver_word(BW_SOLVER_TWO_LEVEL);
   if (!s->opts.solver) {

@@ -24,6 +24,7 @@ local opts = script.read {
   options = {
     {name = "here", value = "N", type = "integer", min = 1, max = #kinds,
       what = "solve with this preconditioner in this process, and print its row alone"},
+    {name = "hard", type = "flag", what = "two-level PCG on bodies that it finds hard, and no comparison"},
     {name = "order", value = "N", type = "integer", default = 2, min = 1, max = 2,
       what = "order of elements, of --here"},
   },
@@ -48,6 +49,50 @@ local function measure(kind, cells, order)
   end
   local peak = tonumber(io.open "/proc/self/status":read "a":match "VmHWM:%s+(%d+)") / 2 ^ 20
   print(("%s %.1f | %d | %.2f | %.1e |"):format(head, processor, static.report.iterations, peak, static.residual))
+end
+
+-- Name, cells, size (m), material, the axis along which it is fixed and loaded.
+local function hard_bodies()
+  local function isotropic(poisson) return bw.material.isotropic {young = 1e9, poisson = poisson} end
+  local function fibres(contrast, axes)
+    local small = 0.3 / contrast
+    return bw.material.orthotropic {young = {contrast * 1e7, 1e7, 1e7}, shear = {4e6, 4e6, 4e6},
+      poisson = {0.3, small, small}, axes = axes}
+  end
+  local c, s = math.cos(0.6), math.sin(0.6)
+  local oblique = {{c, 0.8 * s, 0.6 * s}, {-s, 0.8 * c, 0.6 * c}, {0, -0.6, 0.8}}
+  local list, cube, unit = {}, {8, 8, 8}, {1, 1, 1}
+  for _, wide in ipairs {2, 5, 10} do
+    for layers = 1, 2 do
+      list[#list + 1] = {("plate, cells %d times as wide as thick, %d layers"):format(wide, layers),
+        {20, 20, layers}, {20 * wide, 20 * wide, layers}, isotropic(0.3), 1}
+    end
+  end
+  for _, poisson in ipairs {0.3, 0.45, 0.49, 0.499} do
+    list[#list + 1] = {("cube, Poisson's ratio %g"):format(poisson), cube, unit, isotropic(poisson), 3}
+  end
+  for _, contrast in ipairs {10, 100, 1000} do
+    list[#list + 1] = {("cube, %d times as stiff along x"):format(contrast), cube, unit, fibres(contrast), 3}
+    list[#list + 1] = {("cube, %d times as stiff along an oblique direction"):format(contrast), cube, unit,
+      fibres(contrast, oblique), 3}
+  end
+  return list
+end
+
+if opts.hard then
+  print "| body | unknowns | iterations | processor seconds | MB | corners rotate |"
+  print "|---|---|---|---|---|---|"
+  for _, body in ipairs(hard_bodies()) do
+    local name, cells, size, material, axis = table.unpack(body)
+    local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = size, cells = cells, order = 2})
+    local part = bw.model {mesh = mesh, material = material}
+    part:fix(mesh.boundary:below(axis, 0)):load {on = mesh.boundary:above(axis, size[axis]), force = {1, 0.3, -1}}
+    local processor = os.clock()
+    local report = assert(part:solve {solver = bw.solver.pcg {}}).report
+    print(("| %s | %d | %d | %.2f | %.0f | %s |"):format(name, mesh.node_count * 3, report.iterations,
+      os.clock() - processor, report.bytes / 1e6, report.reason:find "corners rotate" and "yes" or "no"))
+  end
+  return
 end
 
 if opts.here then

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Sweeps over the rows of a stiffness beside Gauss and Seidel's iteration written down plainly, and
  * products beside those of the pattern. */
+#include "base/dense.h"
 #include "linear/smoother.h"
 
 #include "incremental_bar.h"
@@ -33,7 +34,7 @@ static void scene_clear(scene *s) {
 static bwi_smoother *smoother_of(bw_context *context, const scene *s, bool even) {
   bwi_smoother *smoother = NULL;
   bool usable = false;
-  check_ok(context, bwi_smoother_create(context, s->b.mesh, s->pattern, even, &smoother));
+  check_ok(context, bwi_smoother_create(context, s->b.mesh, s->pattern, even, NULL, &smoother));
   check_ok(context, bwi_smoother_follow(context, smoother, s->stiffness, s->dof_map, &usable));
   assert_true(usable);
   return smoother;
@@ -219,6 +220,117 @@ static void sweeps(void **state) {
   }
 }
 
+/* z and what is left of r by a sweep forwards (`both`: and backwards) of field f of `width`, from
+ * field to field at nodes. The other fields have numbers of their own. */
+static void sweep_field(bw_context *context, const scene *s, const bwi_smoother *w, int width,
+                        int f, bool both, const double *r, double *z, double *rest) {
+  size_t capacity = (size_t)(width * s->size) + BWI_SMOOTHER_SPARE;
+  double *p = numbers((int64_t)capacity), *other = numbers(s->size);
+  float *pr = calloc(capacity, sizeof *pr), *pz = calloc(capacity, sizeof *pz);
+  float *left = calloc(capacity, sizeof *left);
+  for (int k = 0; k < width; k++) {
+    random_field(100 + (uint64_t)k, s->size, other);
+    bwi_keep_states(s->dof_map, 1u << BW_DOF_UNKNOWN, other);
+    packed(w, width, k, p, k == f ? r : other);
+  }
+  for (size_t i = 0; i < capacity; i++)
+    pr[i] = (float)p[i];
+  check_ok(context, bwi_smoother_forward(context, w, width, pr, pz, left));
+  for (int64_t k = 0; k < w->count; k++)
+    for (int d = 0; d < 3; d++)
+      rest[3 * (int64_t)w->node[k] + d] = (double)left[(3 * k + d) * width + f];
+  if (both)
+    check_ok(context, bwi_smoother_backward(context, w, width, pr, pz, left));
+  for (int64_t k = 0; k < w->count; k++)
+    for (int d = 0; d < 3; d++)
+      z[3 * (int64_t)w->node[k] + d] = w->unit * (double)pz[(3 * k + d) * width + f];
+  bwi_keep_states(s->dof_map, 1u << BW_DOF_UNKNOWN, rest);
+  free(p);
+  free(other);
+  free(pr);
+  free(pz);
+  free(left);
+}
+
+/* After a sweep forwards each block's equations hold with the rows up to its own, and what is left
+ * is r - K z. */
+static void check_forward(bw_context *context, const scene *s, const bwi_smoother *w,
+                          const double *r, const double *z, const double *left) {
+  double *part = numbers(s->size), *product = numbers(s->size);
+  for (int32_t b = 0; b < w->block_count; b++) {
+    memset(part, 0, (size_t)s->size * sizeof *part);
+    for (int32_t k = 0; k < w->block_start[b + 1]; k++)
+      memcpy(part + 3 * (int64_t)w->node[k], z + 3 * (int64_t)w->node[k], 3 * sizeof *z);
+    check_ok(context, bw_block_multiply(context, s->pattern, s->stiffness, 9, 3, 1, part, product));
+    for (int64_t i = 0; i < s->size; i++)
+      product[i] = r[i] - product[i];
+    bwi_keep_states(s->dof_map, 1u << BW_DOF_UNKNOWN, product);
+    for (int32_t k = w->block_start[b]; k < w->block_start[b + 1]; k++)
+      for (int d = 0; d < 3; d++)
+        check_near(product[3 * (int64_t)w->node[k] + d], 0, 1e-4);
+  }
+  check_near(difference(left, product, s->size), 0, 1e-4);
+  free(part);
+  free(product);
+}
+
+/* A bar pressed flat, and a smoother of it that sweeps columns across the thickness together. */
+static bwi_smoother *flat_smoother(bw_context *context, scene *s) {
+  bwi_smoother *w = NULL;
+  bool usable = false;
+  bw_mesh *flat = NULL;
+  double *node = numbers(s->size);
+  for (int64_t i = 0; i < s->size; i++)
+    node[i] = (i % 3 == 2 ? 0.1 : 1) * s->b.mesh->node[i];
+  check_ok(context, bw_mesh_moved(context, s->b.mesh, node, &flat));
+  check_ok(context, bw_stiffness(context, s->pattern, flat, s->b.material, s->stiffness));
+  check_ok(context, bwi_smoother_create(context, flat, s->pattern, true, s->stiffness, &w));
+  check_ok(context, bwi_smoother_follow(context, w, s->stiffness, s->dof_map, &usable));
+  assert_true(usable);
+  assert_non_null(w->block_start);
+  assert_true(w->count >= 2 * w->block_count);
+  bw_release(flat);
+  free(node);
+  return w;
+}
+
+/* Blocks are solved in their turn, both halves together are symmetric, and all fields of a width
+ * have the same. */
+static void blocks_are_solved(void **state) {
+  bw_context *context = check_context(state);
+  for (int supports = 0; supports < SCENES; supports += 4) {
+    scene s;
+    scene_make(context, 2, supports, &s);
+    bwi_smoother *w = flat_smoother(context, &s);
+    double *r = numbers(s.size), *z = numbers(s.size), *left = numbers(s.size);
+    double *other = numbers(s.size), *again = numbers(s.size), *first = numbers(s.size);
+    random_field(3, s.size, r);
+    random_field(4, s.size, other);
+    bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, r);
+    bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, other);
+    for (int width = 1; width <= BWI_SMOOTHER_SIDES; width = width / 4 * 4 + 4)
+      for (int f = 0; f < width; f += 3) {
+        sweep_field(context, &s, w, width, f, false, r, z, left);
+        if (f == 0 || f == width - 1)
+          check_forward(context, &s, w, r, z, left);
+        sweep_field(context, &s, w, width, f, true, r, z, left);
+        sweep_field(context, &s, w, width, f, true, other, again, left);
+        check_near(bwi_dot(s.size, z, other) / bwi_dot(s.size, again, r), 1, 1e-3);
+        if (width == 1)
+          memcpy(first, z, (size_t)s.size * sizeof *z);
+        check_near(difference(z, first, s.size), 0, 1e-5);
+      }
+    bw_release(w);
+    free(r);
+    free(z);
+    free(left);
+    free(other);
+    free(again);
+    free(first);
+    scene_clear(&s);
+  }
+}
+
 static void singular_nodes_are_reported(void **state) {
   bw_context *context = check_context(state);
   scene s;
@@ -241,7 +353,7 @@ static void no_memory(void **state) {
   for (int64_t n = 1;; n++) {
     bwi_smoother *w = NULL;
     bw_fail_allocation(n, true);
-    bw_status status = bwi_smoother_create(context, s.b.mesh, s.pattern, true, &w);
+    bw_status status = bwi_smoother_create(context, s.b.mesh, s.pattern, true, s.stiffness, &w);
     bw_fail_allocation(0, false);
     bw_release(w);
     if (status == BW_OK)
@@ -254,8 +366,11 @@ static void no_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(chunks_are_apart), check_test(products),
-      check_test(sweeps),           check_test(singular_nodes_are_reported),
+      check_test(chunks_are_apart),
+      check_test(products),
+      check_test(sweeps),
+      check_test(blocks_are_solved),
+      check_test(singular_nodes_are_reported),
       check_test(no_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,243 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The coarse space of corners that rotate: what it contains it solves, under every kind of support;
+ * plates of flat elements converge with it, to what a factor gives. */
+#include "linear/corner_rotations.h"
+
+#include "incremental_bar.h"
+#include "linear/system_two_level.h"
+
+typedef struct levels {
+  const bw_mesh *mesh;
+  bw_dof_map *dof_map;
+  bw_block_pattern *pattern;
+  double *stiffness;
+  bwi_two_level *two_level;
+} levels;
+
+static void levels_make(bw_context *context, const bw_model *model, levels *v) {
+  bool usable = false;
+  *v = (levels){.mesh = model->mesh};
+  check_ok(context, bw_dof_map_create(context, model, &v->dof_map));
+  check_ok(context, bw_block_pattern_create(context, v->mesh, &v->pattern));
+  v->stiffness = numbers(9 * v->pattern->block_count);
+  check_ok(context, bw_stiffness(context, v->pattern, v->mesh, model->material, v->stiffness));
+  check_ok(context, bwi_two_level_create(context, v->mesh, v->pattern, true, &v->two_level));
+  check_ok(context,
+           bwi_two_level_follow(context, v->two_level, model, v->dof_map, v->stiffness, &usable));
+  assert_true(usable);
+  check_ok(context, bwi_two_level_reserve(context, v->two_level, 1));
+}
+
+static void levels_clear(levels *v) {
+  bw_release(v->two_level);
+  bw_release(v->dof_map);
+  bw_release(v->pattern);
+  free(v->stiffness);
+}
+
+/* The field of random displacements and rotations of the corners, node by node. */
+static void field_of_corners(const levels *v, bw_random *random, double *u) {
+  const bw_mesh *mesh = v->mesh;
+  double *turn = numbers(3 * (int64_t)mesh->node_count);
+  for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++) {
+    u[i] = bw_random_uniform(random) - 0.5;
+    turn[i] = 5 * bw_random_uniform(random);
+  }
+  for (int64_t i = 0; i < mesh->node_count; i++)
+    bwi_project_unknowns(v->dof_map, i, u + 3 * i, u + 3 * i);
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    for (int m = 0; m < 6; m++) {
+      const int32_t *node = mesh->element + 10 * e;
+      int64_t a = 3 * (int64_t)node[bw_tet_edge[m][0]], b = 3 * (int64_t)node[bw_tet_edge[m][1]];
+      double w[3], arm[3], moved[3], *mid = u + 3 * (int64_t)node[4 + m];
+      for (int d = 0; d < 3; d++) {
+        w[d] = turn[a + d] - turn[b + d];
+        arm[d] = 0.25 * (mesh->node[b + d] - mesh->node[a + d]);
+      }
+      bw_cross(w, arm, moved);
+      for (int d = 0; d < 3; d++)
+        mid[d] = 0.5 * (u[a + d] + u[b + d]) + moved[d];
+      bwi_project_unknowns(v->dof_map, node[4 + m], mid, mid);
+    }
+  free(turn);
+}
+
+/* K P A^-1 P^T K u = K u for u in the space. */
+static void fields_of_the_space_are_solved(void **state) {
+  bw_context *context = check_context(state);
+  bw_random random;
+  bw_random_seed(&random, 7);
+  for (int scene = 0; scene < SCENES; scene++) {
+    bar b;
+    levels v;
+    bwi_corner_rotations *rotations = NULL;
+    bar_make(context, 2, 2, &b);
+    load_bar(context, &b, scene);
+    levels_make(context, b.model, &v);
+    bwi_two_level *l = v.two_level;
+    const bwi_smoother *s = l->smoother;
+    int64_t size = 3 * (int64_t)s->count;
+    double *u = numbers(size), *f = numbers(size), *g = numbers(size);
+    field_of_corners(&v, &random, u);
+    check_ok(context, bw_block_multiply(context, v.pattern, v.stiffness, 9, 3, 1, u, f));
+    for (int64_t i = 0; i < s->count; i++) {
+      bwi_project_unknowns(v.dof_map, i, f + 3 * i, f + 3 * i);
+      for (int d = 0; d < 3; d++)
+        l->residual[3 * (int64_t)s->row_of[i] + d] = (float)(s->unit * f[3 * i + d]);
+    }
+    check_ok(context, bwi_corner_rotations_create(context, l, v.mesh, v.stiffness, &rotations));
+    assert_non_null(rotations);
+    memset(l->z, 0, (size_t)size * sizeof *l->z);
+    check_ok(context, bwi_corner_rotations_correct(context, rotations, l, 1, 1));
+    for (int64_t i = 0; i < s->count; i++) {
+      for (int d = 0; d < 3; d++)
+        u[3 * i + d] = (double)l->z[3 * (int64_t)s->row_of[i] + d];
+      bwi_project_unknowns(v.dof_map, i, u + 3 * i, u + 3 * i);
+    }
+    check_ok(context, bw_block_multiply(context, v.pattern, v.stiffness, 9, 3, 1, u, g));
+    for (int64_t i = 0; i < s->count; i++)
+      bwi_project_unknowns(v.dof_map, i, g + 3 * i, g + 3 * i);
+    check_near(difference(g, f, size), 0, 2e-3);
+    assert_true(bw_bytes(rotations) > 0 && bwi_corner_rotations_flops(rotations) > 0);
+    bw_release(rotations);
+    levels_clear(&v);
+    free(u);
+    free(f);
+    free(g);
+    bar_clear(&b);
+  }
+}
+
+static void no_memory(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  levels v;
+  bar_make(context, 1, 2, &b);
+  load_bar(context, &b, 3);
+  levels_make(context, b.model, &v);
+  for (int64_t n = 1;; n++) {
+    bwi_corner_rotations *rotations = NULL;
+    bw_fail_allocation(n, true);
+    bw_status status =
+        bwi_corner_rotations_create(context, v.two_level, v.mesh, v.stiffness, &rotations);
+    bw_fail_allocation(0, false);
+    bw_release(rotations);
+    if (status == BW_OK)
+      break;
+    assert_int_equal(status, BW_MEMORY);
+    bw_clear_failure(context);
+  }
+  levels_clear(&v);
+  bar_clear(&b);
+}
+
+/* ---- plates of flat elements ----------------------------------------------------------------- */
+
+typedef enum support { CLAMPED, SLIDING, OBLIQUE, FREE, SUPPORTS } support;
+
+/* A plate of cells `wide` times as wide as thick, under its weight and a force at one edge. */
+static bw_model *plate_of(bw_context *context, int cells, int layers, double wide, support how) {
+  double length = wide * cells;
+  bw_mesh *mesh = body_box(context, length, length, layers, cells, cells, layers, 2);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  const double pull[3] = {3e3, 1e3, -2e3}, gravity[3] = {1, 2, -9.81};
+  const double normal[3] = {0.8, 0.6, 0};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  bw_selection *low = face(context, mesh, 0, 0), *high = face(context, mesh, 0, length);
+  bw_selection *side = face(context, mesh, 1, 0);
+  if (how == CLAMPED)
+    check_ok(context, bw_model_fix(context, model, low));
+  if (how == SLIDING || how == OBLIQUE) {
+    check_ok(context, bw_model_slide(context, model, low, how == OBLIQUE ? normal : NULL));
+    check_ok(context, bw_model_slide(context, model, side, NULL));
+  }
+  check_ok(context, bw_model_gravity(context, model, gravity));
+  check_ok(context, bw_model_force(context, model, high, pull));
+  bw_release(low);
+  bw_release(high);
+  bw_release(side);
+  bw_release(material);
+  bw_release(mesh);
+  return model;
+}
+
+static void plates_converge(void **state) {
+  bw_context *context = check_context(state);
+  bw_solver *cholesky = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_CHOLESKY});
+  const bw_statics_options by_factor = {.solver = cholesky, .inertia_relief = true};
+  int rotating = 0;
+  for (int n = 0; n < 2 * SUPPORTS; n++) {
+    double tolerance = n / 2 == FREE ? 1e-8 : 1e-10; /* rounding leaves more where all moves */
+    bw_solver *pcg =
+        body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .tolerance = tolerance});
+    const bw_statics_options by_levels = {.solver = pcg, .inertia_relief = true};
+    bw_model *model = plate_of(context, 10, 1 + n % 2, 10, n / 2);
+    bw_static *a = NULL, *b = NULL, *c = NULL;
+    check_ok(context, bw_statics(context, model, NULL, &by_factor, &a));
+    check_ok(context, bw_statics(context, model, NULL, &by_levels, &b));
+    check_near(difference(b->displacement, a->displacement, 3 * (int64_t)model->mesh->node_count),
+               0, 1e3 * tolerance);
+    assert_in_range(b->report.iterations, 5, 200); /* node by node, free: 411 and 834 to 1e-8 */
+    assert_non_null(b->system->two_level->preconditioner->smoother->block_start);
+    rotating += strstr(b->report.reason, "corners rotate") != NULL;
+    /* what was made serves the next solution from its first iteration */
+    check_ok(context, bw_statics(context, model, b->system, &by_levels, &c));
+    assert_true(c->report.iterations <= b->report.iterations);
+    assert_ptr_equal(c->system->two_level, b->system->two_level);
+    bw_release(a);
+    bw_release(b);
+    bw_release(c);
+    bw_release(model);
+    bw_release(pcg);
+  }
+  assert_true(rotating >= 2); /* built in, and free */
+  bw_release(cholesky);
+}
+
+/* Where iterations are not slow, nothing is tried. */
+static void ordinary_bodies_keep_theirs(void **state) {
+  bw_context *context = check_context(state);
+  bw_solver *pcg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG});
+  const bw_statics_options by_levels = {.solver = pcg, .inertia_relief = true};
+  for (int scene = 0; scene < SCENES; scene++) {
+    bar b;
+    bw_static *result = NULL;
+    bar_make(context, 2, 2, &b);
+    load_bar(context, &b, scene);
+    check_ok(context, bw_statics(context, b.model, NULL, &by_levels, &result));
+    assert_null(result->system->two_level->preconditioner->rotations);
+    bw_release(result);
+    bar_clear(&b);
+  }
+  bw_release(pcg);
+}
+
+static void same_bits(void **state) {
+  bw_context *context = check_context(state);
+  bw_solver *pcg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG});
+  const bw_statics_options by_levels = {.solver = pcg};
+  bw_model *model = plate_of(context, 12, 1, 10, CLAMPED);
+  bw_static *result[2] = {NULL, NULL};
+  for (int n = 0; n < 2; n++) {
+    check_ok(context, bw_set_threads(context, n ? 4 : 1));
+    check_ok(context, bw_statics(context, model, NULL, &by_levels, &result[n]));
+  }
+  assert_memory_equal(result[0]->displacement, result[1]->displacement,
+                      3 * (size_t)model->mesh->node_count * sizeof(double));
+  bw_release(result[0]);
+  bw_release(result[1]);
+  bw_release(model);
+  bw_release(pcg);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(fields_of_the_space_are_solved),
+      check_test(no_memory),
+      check_test(plates_converge),
+      check_test(ordinary_bodies_keep_theirs),
+      check_test(same_bits),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
