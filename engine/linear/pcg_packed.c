@@ -241,6 +241,10 @@ static bw_status advance(bw_context *context, void *data, const double *alpha, d
   s->zero = false;
   memcpy(s->alpha, alpha, (size_t)s->used * sizeof *alpha);
   BW_TRY(parallel_sums(s, take_step));
+  if (s->m->rigid) { /* rounding of q leaves modes in r, which make the next alpha too large */
+    BW_TRY(remove_modes(s, s->m->r));
+    BW_TRY(parallel_sums(s, measure));
+  }
   memcpy(r_dot_r, s->sum, (size_t)s->used * sizeof *r_dot_r);
 done:
   return status;
