@@ -346,7 +346,7 @@ bw_status bwi_modes_of_model(bw_context *context, const bw_model *model, bw_syst
   bw_status status = BW_OK;
   bw_dof_map *dof_map = NULL;
   bw_system *used = NULL;
-  bwi_symbolic *old = given && given->factor ? given->factor->symbolic : NULL;
+  bwi_symbolic *old = NULL;
   const bw_eigensolver *solver = options ? options->solver : NULL;
   bool found = false;
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
@@ -357,6 +357,8 @@ bw_status bwi_modes_of_model(bw_context *context, const bw_model *model, bw_syst
       given = NULL;
     BW_TRY(bwi_system_begin(context, model->mesh, model->material, dof_map, given, &used));
   }
+  if (given && given->factor)
+    old = given->factor->symbolic;
   if (is_automatic(solver)) {
     if (!used->iterative)
       BW_TRY(bwi_system_prepare(context, model, used, NULL, old));

@@ -418,6 +418,34 @@ static void lobpcg_without_factor(void **state) {
     compare_with_factor(context, &cases[k]);
 }
 
+/* Equations on another mesh lend nothing, neither where they are of more nodes nor of fewer. */
+static void system_of_another_mesh(void **state) {
+  bw_context *context = check_context(state);
+  for (int k = 0; k < 2; k++) {
+    bw_model *model = held_bar(context, 2 + k, 1, true), *other = held_bar(context, 3 - k, 1, true);
+    bw_system *given = NULL, *system = NULL;
+    bw_modes *modes = NULL;
+    bw_modes_options options;
+    bw_modes_options_default(&options);
+    options.count = 4;
+    check_ok(context, bw_system_of_model(context, other, NULL, NULL, &given));
+    for (int lanczos = 0; lanczos < 2; lanczos++) {
+      bw_eigensolver *solver = eigensolver(context, BW_EIGENSOLVER_LANCZOS);
+      options.solver = lanczos ? solver : NULL;
+      check_ok(context, bw_modes_of_model(context, model, given, &options, &system, &modes));
+      assert_ptr_equal(system->mesh, model->mesh);
+      for (int i = 0; i < 4; i++)
+        assert_true(modes->residual[i] <= 1e-8);
+      bw_release(solver);
+      bw_release(modes);
+      bw_release(system);
+    }
+    bw_release(given);
+    bw_release(other);
+    bw_release(model);
+  }
+}
+
 /* Allocations that fail one after the other; thinned out, since there are thousands. */
 static void check_memory(bw_context *context, int order) {
   bw_model *model = held_bar(context, 1, order, order == 1);
@@ -488,6 +516,7 @@ int main(void) {
                                      check_test(failing_allocations),
                                      check_test(lobpcg_without_factor),
                                      check_test(lobpcg_memory),
+                                     check_test(system_of_another_mesh),
                                      check_test(refused_options)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
