@@ -283,8 +283,8 @@ bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_mode
                    "the eigensolver %s needs a factor, and these equations are solved by pcg: take "
                    "lobpcg, or solve them by cholesky",
                    bw_eigensolver_name(options.solver));
-  bwi_way way = bwi_system_way(system);
-  BW_TRY(modes_by_pcg(context, system, way, &options, modes));
+  BW_TRY(bwi_system_restore(context, system));
+  BW_TRY(modes_by_pcg(context, system, bwi_system_way(system), &options, modes));
 done:
   return status;
 }

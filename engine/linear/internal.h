@@ -307,6 +307,8 @@ bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_ma
  * with what of an order fits (or NULL), and the bytes that a factor may take. */
 bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_solver *solver,
                             bwi_symbolic *old, double available);
+/* Begins the report of a system that is solved by its factor. */
+void bwi_system_report_factor(bw_system *system, const char *reason);
 /* Makes the system's preconditioner for PCG: block Jacobi, or a factor. Statuses as there. */
 bw_status bwi_system_precondition(bw_context *context, bw_system *system, const bw_solver *solver,
                                   bwi_symbolic *old, double available);

@@ -7,6 +7,7 @@
  * constraints are chosen. */
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "barwright/job.h"
@@ -228,13 +229,34 @@ done:
   return status;
 }
 
+void bwi_system_report_factor(bw_system *system, const char *reason) {
+  system->report = (bw_solver_report){.solver = bw_solver_word(BW_SOLVER_CHOLESKY),
+                                      .backend = system->factor->kernels->backend,
+                                      .preconditioner = "",
+                                      .flops = bwi_factor_flops(system->factor),
+                                      .bytes = (double)bwi_factor_bytes(system->factor)};
+  snprintf(system->report.reason, sizeof system->report.reason, "%s", reason);
+}
+
+/* Only now that there is a factor: without it the preconditioner solves. */
+static void leave_pcg(bw_system *system) {
+  if (!system->iterative)
+    return;
+  bw_release(system->preconditioner);
+  bw_release(system->solver);
+  system->preconditioner = NULL;
+  system->solver = NULL;
+  system->iterative = false;
+  bwi_system_report_factor(system, "the equations have a factor by now");
+}
+
 bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_solver *solver,
                             bwi_symbolic *old, double available) {
   bw_status status = BW_OK;
   bwi_symbolic *symbolic = NULL;
   bwi_factor *factor = NULL;
   if (factor_serves(system->factor, solver)) {
-    system->iterative = false;
+    leave_pcg(system);
     return BW_OK;
   }
   BW_TRY(analyse(context, system, solver, old, available, &symbolic));
@@ -257,7 +279,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_sol
     goto done;
   bw_release(system->factor);
   system->factor = factor;
-  system->iterative = false;
+  leave_pcg(system);
   system->times.factor_entries = bwi_factor_entries(factor);
   system->times.factor_flops = bwi_factor_flops(factor);
   system->times.factor += bw_seconds() - start;

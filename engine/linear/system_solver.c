@@ -5,6 +5,7 @@
  * cost some fifteen over the matrix. So it is taken unless it is large. */
 #include "linear/system_solver.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -74,19 +75,6 @@ double bwi_solve_tolerance(const bw_system *system) {
   return !system->iterative ? 0 : given > 0 ? given : BWI_SOLVE_TO;
 }
 
-/* What an iterative system is solved by. */
-static bw_status request_of(bw_context *context, const bw_system *system, bwi_request *request) {
-  bw_status status = bwi_solver_request(context, system->solver, BWI_SOLVE_TO, request);
-  request->way = bwi_system_way(system);
-  return status;
-}
-
-static void begin_report(bw_system *system, const char *reason) {
-  bw_solver_report *report = &system->report;
-  *report = (bw_solver_report){.solver = "", .backend = "", .preconditioner = ""};
-  snprintf(report->reason, sizeof report->reason, "%s", reason);
-}
-
 /* The system is solved by PCG from now on: with `preconditioner`, or NULL, the two-level one. */
 static void set_iterative(bw_system *system, const bw_solver *solver,
                           const bw_solver *preconditioner, const char *reason) {
@@ -95,8 +83,9 @@ static void set_iterative(bw_system *system, const bw_solver *solver,
   bw_release(system->solver);
   system->solver = solver;
   system->iterative = true;
-  begin_report(system, reason);
   bw_solver_report *report = &system->report;
+  *report = (bw_solver_report){.backend = "", .preconditioner = ""};
+  snprintf(report->reason, sizeof report->reason, "%s", reason);
   report->solver = bw_solver_word(refined ? BW_SOLVER_CHOLESKY : BW_SOLVER_PCG);
   if (!refined)
     report->preconditioner =
@@ -121,13 +110,7 @@ static bw_status by_factor(bw_context *context, bw_system *system, const bw_solv
                            bwi_symbolic *old, double available, const char *reason) {
   bw_status status = BW_OK;
   BW_TRY(bwi_system_factor(context, system, solver, old, available));
-  bw_release(system->solver);
-  system->solver = NULL;
-  begin_report(system, reason);
-  system->report.solver = bw_solver_word(BW_SOLVER_CHOLESKY);
-  system->report.backend = system->factor->kernels->backend;
-  system->report.flops = bwi_factor_flops(system->factor);
-  system->report.bytes = (double)bwi_factor_bytes(system->factor);
+  bwi_system_report_factor(system, reason);
 done:
   return status;
 }
@@ -181,6 +164,22 @@ static bw_status by_pcg(bw_context *context, bw_system *system, const bw_solver 
                 reason);
 done:
   return status;
+}
+
+/* What an iterative system is solved by. */
+static bw_status restore(bw_context *context, bw_system *system, bwi_request *request) {
+  bw_status status = BW_OK;
+  BW_TRY(bwi_solver_request(context, system->solver, BWI_SOLVE_TO, request));
+  request->way = bwi_system_way(system);
+  if (request->way == BWI_BY_PCG)
+    BW_TRY(precondition(context, system, request->preconditioner, NULL, bw_available_memory()));
+done:
+  return status;
+}
+
+bw_status bwi_system_restore(bw_context *context, bw_system *system) {
+  bwi_request request;
+  return restore(context, system, &request);
 }
 
 /* What takes the place of a factor where none is asked for. */
@@ -397,11 +396,6 @@ static bw_status give_up(bw_context *context, bw_system *system, const bwi_syste
   bw_warn(context,
           "PCG did not converge in %d iterations; a Cholesky factorisation gives the solution",
           problem->iterations);
-  bw_release(system->two_level->preconditioner); /* their memory first */
-  system->two_level->preconditioner = NULL;
-  bw_release(system->preconditioner);
-  system->preconditioner = NULL;
-  system->iterative = false;
   BW_TRY(by_factor(context, system, NULL, NULL, available, "PCG did not converge"));
 done:
   return status;
@@ -431,9 +425,7 @@ static bw_status solve_iterative(bw_context *context, bw_system *system, int64_t
   bwi_request request;
   int64_t size = 3 * (int64_t)system->mesh->node_count, width = count < SIDES ? count : SIDES;
   double *work = NULL;
-  BW_TRY(request_of(context, system, &request));
-  if (request.way == BWI_BY_PCG) /* statics may have taken another one */
-    BW_TRY(precondition(context, system, request.preconditioner, NULL, bw_available_memory()));
+  BW_TRY(restore(context, system, &request));
   bwi_system_pcg problem = {.way = request.way,
                             .tolerance = request.tolerance,
                             .energy_alone = true,
@@ -480,6 +472,8 @@ bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
 bw_status bwi_system_operator_open(bw_context *context, bw_system *system, bwi_way way,
                                    bwi_system_operator *op) {
   *op = (bwi_system_operator){.system = system, .way = way};
+  assert(way == BWI_BY_TWO_LEVEL ? system->two_level && system->two_level->preconditioner
+                                 : system->preconditioner != NULL);
   if (way == BWI_BY_TWO_LEVEL)
     return bwi_two_level_workspace_open(context, system->two_level->preconditioner, &op->workspace);
   if (system->preconditioner->amg)

@@ -45,6 +45,10 @@ bool bwi_solver_is_external(const bw_solver *solver);
 bw_status bwi_system_prepare(bw_context *context, const bw_model *model, bw_system *system,
                              const bw_solver *solver, bwi_symbolic *old);
 
+/* Gives an iterative system the preconditioner that bw_system_solve takes: statics and modes may
+ * have taken another one since. */
+bw_status bwi_system_restore(bw_context *context, bw_system *system);
+
 /* One call of PCG on a system. */
 typedef struct bwi_system_pcg {
   bwi_way way;

@@ -288,12 +288,11 @@ static bw_status by_factor(statics *s) {
     report->predicted_cost = system->two_level->prediction.factor;
     report->rival_cost = system->two_level->prediction.pcg;
   }
-  if (system->two_level) { /* their memory first */
+  if (system->two_level && !system->iterative) { /* their memory first */
     bw_release(system->two_level->preconditioner);
     system->two_level->preconditioner = NULL;
     bw_release(system->preconditioner);
     system->preconditioner = NULL;
-    system->iterative = false;
   }
   const bw_solver *solver = s->request.way == BWI_BY_TWO_LEVEL ? NULL : s->opts.solver;
   bw_solver wide;

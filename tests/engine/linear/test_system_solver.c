@@ -246,6 +246,60 @@ static void one_system(void **state) {
   free(first);
 }
 
+/* What may happen to a system's preconditioner: a static solution without memory for a factor, by
+ * itself or since a factor is asked for; another preconditioner that could not be made. */
+static void disturb(bw_context *context, const bw_model *model, bw_system *system, int how) {
+  bw_static *result = NULL;
+  bw_solver *factor = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_CHOLESKY});
+  const bw_statics_options little = {.solver = how == 1 ? factor : NULL, .memory = 1e4};
+  if (how == 0)
+    check_ok(context, bw_statics(context, model, system, &little, &result));
+  else if (how == 1)
+    check_fails(context, BW_MEMORY, "the solver pcg",
+                bw_statics(context, model, system, &little, &result));
+  else {
+    bw_release(system->preconditioner);
+    system->preconditioner = NULL;
+  }
+  bw_release(result);
+  bw_release(factor);
+}
+
+/* Then the system is solved as before. */
+static void without_memory_for_a_factor(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = make_model(context, HELD, false, 2);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *force = numbers(size), *u = numbers(size), *first = numbers(size);
+  const double gravity[3] = {0, 0, -9.81};
+  random_field(1, size, force);
+  check_ok(context, bw_model_gravity(context, model, gravity));
+  for (int k = 0; k < ROWS; k++) {
+    bw_solver *solver = solver_of(context, &rows[k]);
+    bw_system *system = NULL;
+    check_ok(context, bw_system_of_model(context, model, solver, NULL, &system));
+    check_ok(context, bw_system_solve(context, system, 1, force, first));
+    for (int how = 0; system->iterative && how < 3; how++) {
+      disturb(context, model, system, how);
+      if (rows[k].preconditioner.kind != BW_SOLVER_JACOBI) /* that takes too long */
+        bw_release(lowest(context, system));
+      check_ok(context, bw_system_solve(context, system, 1, force, u));
+      assert_true(system->iterative && !system->factor);
+      assert_memory_equal(u, first, (size_t)size * sizeof *u);
+    }
+    check_ok(context, bw_system_factor(context, system));
+    assert_true(system->factor && !system->iterative && !system->preconditioner);
+    assert_string_equal(system->report.solver, "cholesky");
+    assert_string_equal(system->report.preconditioner, "");
+    bw_release(system);
+    bw_release(solver);
+  }
+  bw_release(model);
+  free(force);
+  free(u);
+  free(first);
+}
+
 static void refusals(void **state) {
   bw_context *context = check_context(state);
   bw_model *model = make_model(context, HELD, false, 1);
@@ -340,6 +394,7 @@ static void cancelling_and_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(every_solver), check_test(one_system),
-                                     check_test(refusals), check_test(cancelling_and_memory)};
+                                     check_test(without_memory_for_a_factor), check_test(refusals),
+                                     check_test(cancelling_and_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
