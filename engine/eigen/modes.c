@@ -293,32 +293,16 @@ done:
  * *usable is false where the equations are singular for it. */
 static bw_status give_preconditioner(bw_context *context, const bw_model *model, bw_system *system,
                                      const bw_solver *given, bwi_way *way, bool *usable) {
-  bw_status status = BW_OK;
-  bw_solver *amg = NULL;
-  bool quadratic = bwi_two_level_applies(system);
-  bool two_level = given ? given->options.kind == BW_SOLVER_TWO_LEVEL : quadratic;
+  bool two_level =
+      given ? given->options.kind == BW_SOLVER_TWO_LEVEL : bwi_two_level_applies(system);
   *way = two_level ? BWI_BY_TWO_LEVEL : BWI_BY_PCG;
-  if (two_level && !quadratic)
-    return bw_fail(context, BW_INVALID,
-                   "the two-level preconditioner needs quadratic elements: these are linear");
-  if (two_level) {
-    if (!system->two_level)
-      BW_TRY(bwi_two_level_predict(context, system));
-    return bwi_two_level_make(context, model, system, usable);
-  }
-  if (!given) {
-    BW_TRY(bw_solver_create(context, &(bw_solver_options){.kind = BW_SOLVER_AMG}, &amg));
-    given = amg;
-  }
-  if (!bwi_preconditioner_serves(system->preconditioner, given))
-    status = bwi_system_precondition(context, system, given, NULL, 0);
+  bw_status status = two_level ? bwi_two_level_make(context, model, system)
+                               : bwi_system_precondition(context, system, given, NULL, 0);
   *usable = status == BW_OK;
   if (status == BW_SINGULAR) {
     bw_clear_failure(context);
     status = BW_OK;
   }
-done:
-  bw_release(amg);
   return status;
 }
 

@@ -309,7 +309,8 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_sol
                             bwi_symbolic *old, double available);
 /* Begins the report of a system that is solved by its factor. */
 void bwi_system_report_factor(bw_system *system, const char *reason);
-/* Makes the system's preconditioner for PCG: block Jacobi, or a factor. Statuses as there. */
+/* Gives the system its preconditioner for PCG, block Jacobi, multigrid (NULL) or a factor, where it
+ * is not what the system has. Statuses as there. */
 bw_status bwi_system_precondition(bw_context *context, bw_system *system, const bw_solver *solver,
                                   bwi_symbolic *old, double available);
 

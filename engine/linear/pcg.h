@@ -53,7 +53,7 @@ typedef struct bwi_preconditioner {
 bw_status bwi_preconditioner_create(bw_context *context, const bw_solver *solver,
                                     const bwi_matrix *matrix, bwi_symbolic *symbolic,
                                     bwi_preconditioner **preconditioner, int32_t *bad_node);
-/* Whether a preconditioner (or NULL) is what a solver asks for. */
+/* Whether a preconditioner (or NULL) is what a solver asks for; NULL: multigrid. */
 bool bwi_preconditioner_serves(const bwi_preconditioner *preconditioner, const bw_solver *solver);
 /* bwi_pcg.precondition; `data` is a bwi_preconditioner. */
 bw_status bwi_preconditioner_apply(bw_context *context, void *data, int64_t count, const double *r,

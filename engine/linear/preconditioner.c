@@ -147,7 +147,8 @@ done:
 }
 
 bool bwi_preconditioner_serves(const bwi_preconditioner *m, const bw_solver *solver) {
-  return m && (m->solver == solver || (m->amg && solver->options.kind == BW_SOLVER_AMG));
+  bool amg = !solver || solver->options.kind == BW_SOLVER_AMG;
+  return m && (m->solver == solver || (m->amg && amg));
 }
 
 bw_status bwi_factor_precondition(bw_context *context, void *data, int64_t count, const double *r,

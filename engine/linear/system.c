@@ -295,11 +295,18 @@ bw_status bwi_system_precondition(bw_context *context, bw_system *system, const 
   bw_status status = BW_OK;
   bwi_symbolic *symbolic = NULL;
   bwi_preconditioner *made = NULL;
+  bw_solver *amg = NULL;
   bwi_matrix matrix = {.pattern = system->pattern,
                        .stiffness = system->stiffness,
                        .dof_map = system->dof_map,
                        .memory = available};
   int32_t bad = 0;
+  if (bwi_preconditioner_serves(system->preconditioner, solver))
+    return BW_OK;
+  if (!solver) {
+    BW_TRY(bw_solver_create(context, &(bw_solver_options){.kind = BW_SOLVER_AMG}, &amg));
+    solver = amg;
+  }
   bw_release(system->preconditioner); /* its memory first */
   system->preconditioner = NULL;
   if (solver->options.kind == BW_SOLVER_CHOLESKY)
@@ -314,6 +321,7 @@ bw_status bwi_system_precondition(bw_context *context, bw_system *system, const 
   system->preconditioner = made;
   system->times.pcg += bw_seconds() - start;
 done:
+  bw_release(amg);
   bw_release(symbolic);
   return status;
 }

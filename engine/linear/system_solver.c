@@ -118,40 +118,9 @@ done:
 static bw_status by_two_level(bw_context *context, const bw_model *model, bw_system *system,
                               const bw_solver *solver, const char *reason) {
   bw_status status = BW_OK;
-  bool usable;
-  if (!bwi_two_level_applies(system))
-    return bw_fail(context, BW_INVALID,
-                   "the two-level preconditioner needs quadratic elements: these are linear");
-  if (!system->two_level)
-    BW_TRY(bwi_two_level_predict(context, system));
-  BW_TRY(bwi_two_level_make(context, model, system, &usable));
-  if (!usable) {
-    status =
-        bw_fail(context, BW_SINGULAR,
-                "the stiffness of the linear elements is singular, or so nearly that double "
-                "precision cannot tell: parts touch only in a node or an edge, or elements have "
-                "almost no volume (the solver cholesky says where)");
-    goto done;
-  }
+  BW_TRY(bwi_two_level_make(context, model, system));
   set_iterative(system, solver, NULL, reason);
 done:
-  return status;
-}
-
-/* Gives the system its preconditioner; NULL: multigrid. */
-static bw_status precondition(bw_context *context, bw_system *system,
-                              const bw_solver *preconditioner, bwi_symbolic *old,
-                              double available) {
-  bw_status status = BW_OK;
-  bw_solver *amg = NULL;
-  if (!preconditioner) {
-    BW_TRY(bw_solver_create(context, &(bw_solver_options){.kind = BW_SOLVER_AMG}, &amg));
-    preconditioner = amg;
-  }
-  if (!bwi_preconditioner_serves(system->preconditioner, preconditioner))
-    BW_TRY(bwi_system_precondition(context, system, preconditioner, old, available));
-done:
-  bw_release(amg);
   return status;
 }
 
@@ -159,7 +128,7 @@ static bw_status by_pcg(bw_context *context, bw_system *system, const bw_solver 
                         const bw_solver *preconditioner, bwi_symbolic *old, double available,
                         const char *reason) {
   bw_status status = BW_OK;
-  BW_TRY(precondition(context, system, preconditioner, old, available));
+  BW_TRY(bwi_system_precondition(context, system, preconditioner, old, available));
   set_iterative(system, solver, preconditioner ? preconditioner : system->preconditioner->solver,
                 reason);
 done:
@@ -172,7 +141,8 @@ static bw_status restore(bw_context *context, bw_system *system, bwi_request *re
   BW_TRY(bwi_solver_request(context, system->solver, BWI_SOLVE_TO, request));
   request->way = bwi_system_way(system);
   if (request->way == BWI_BY_PCG)
-    BW_TRY(precondition(context, system, request->preconditioner, NULL, bw_available_memory()));
+    BW_TRY(bwi_system_precondition(context, system, request->preconditioner, NULL,
+                                   bw_available_memory()));
 done:
   return status;
 }

@@ -124,27 +124,36 @@ static bw_status find_even(bw_context *context, const bw_system *system, bool *e
   return status;
 }
 
-bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_system *system,
-                             bool *usable) {
+bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_system *system) {
   bw_status status = BW_OK;
-  bwi_two_level_solver *l = system->two_level;
   bwi_two_level *made = NULL;
-  bool even;
-  double start = bw_seconds();
-  *usable = true;
+  bool even, usable;
+  if (!bwi_two_level_applies(system))
+    return bw_fail(context, BW_INVALID,
+                   "the two-level preconditioner needs quadratic elements: these are linear");
+  if (!system->two_level)
+    BW_TRY(bwi_two_level_predict(context, system));
+  bwi_two_level_solver *l = system->two_level;
   if (l->preconditioner)
     return BW_OK;
+  double start = bw_seconds();
   bw_progress(context, "factorisation", 0);
   BW_TRY(find_even(context, system, &even));
   BW_TRY(bwi_two_level_create_over(context, l->coarse, system->mesh, system->pattern, even,
                                    system->stiffness, &made));
-  BW_TRY(bwi_two_level_follow(context, made, model, system->dof_map, system->stiffness, usable));
-  if (*usable) {
-    l->preconditioner = made;
-    l->asked = false;
-    made = NULL;
-    system->times.pcg += bw_seconds() - start;
+  BW_TRY(bwi_two_level_follow(context, made, model, system->dof_map, system->stiffness, &usable));
+  if (!usable) {
+    status =
+        bw_fail(context, BW_SINGULAR,
+                "the stiffness of the linear elements is singular, or so nearly that double "
+                "precision cannot tell: parts touch only in a node or an edge, or elements have "
+                "almost no volume (the solver cholesky says where)");
+    goto done;
   }
+  l->preconditioner = made;
+  l->asked = false;
+  made = NULL;
+  system->times.pcg += bw_seconds() - start;
 done:
   bw_release(made);
   return status;

@@ -37,9 +37,9 @@ bool bwi_two_level_applies(const bw_system *system);
 bw_status bwi_two_level_predict(bw_context *context, bw_system *system);
 /* Seconds of the reference machine of one more solution by the PCG that was predicted. */
 double bwi_predicted_next(const bwi_two_level_solver *solver);
-/* And the preconditioner. *usable is false where the equations are singular. */
-bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_system *system,
-                             bool *usable);
+/* And the preconditioner, where the system has none yet. BW_INVALID for linear elements,
+ * BW_SINGULAR where the equations of those on the corners are singular. */
+bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_system *system);
 /* bwi_two_level_problem.adapt; `data` is the system's bwi_two_level_solver. Where iterations are
  * slow for a reason that rotations cure, corners rotate from here on (corner_rotations.h). */
 bw_status bwi_two_level_adapt(bw_context *context, void *data, int iterations, double done);

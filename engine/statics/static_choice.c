@@ -29,7 +29,6 @@ typedef struct statics {
   const bw_model *model;
   bw_statics_options opts;
   bwi_request request;
-  bw_solver *amg;    /* where it was not given, or NULL */
   double available;  /* bytes that a factor may take */
   bwi_symbolic *old; /* of a former system, or NULL */
   bw_static *result;
@@ -90,18 +89,9 @@ static const char *pcg_name(const bw_system *system) {
   return bwi_two_level_applies(system) ? "two-level PCG" : "multigrid PCG";
 }
 
-/* The way of it. */
-static bw_status take_pcg(statics *s) {
-  bw_status status = BW_OK;
-  const bw_solver_options options = {.kind = BW_SOLVER_AMG};
-  s->request.way = BWI_BY_TWO_LEVEL;
-  if (bwi_two_level_applies(s->result->system))
-    return BW_OK;
-  s->request.way = BWI_BY_PCG;
-  if (!s->amg)
-    status = bw_solver_create(s->context, &options, &s->amg);
-  s->request.preconditioner = s->amg;
-  return status;
+/* The way of it; on linear elements with multigrid, as no preconditioner is named. */
+static bwi_way pcg_way(const bw_system *system) {
+  return bwi_two_level_applies(system) ? BWI_BY_TWO_LEVEL : BWI_BY_PCG;
 }
 
 static bool pcg_is_better(statics *s, const bw_system *system) {
@@ -129,33 +119,27 @@ static bool pcg_is_better(statics *s, const bw_system *system) {
 static bw_status choose(statics *s) {
   bw_status status = BW_OK;
   bw_system *system = s->result->system;
-  const bw_solver *solver = s->opts.solver;
-  bool fit = bwi_two_level_applies(system);
-  if (solver) {
+  if (s->opts.solver) {
     say(s, "it was given");
-    if (s->request.way != BWI_BY_TWO_LEVEL)
-      return BW_OK;
-    if (!fit)
-      return bw_fail(s->context, BW_INVALID,
-                     "the two-level preconditioner needs quadratic elements: these are linear");
-  } else {
-    s->request.way = BWI_BY_FACTOR;
-    if (system->factor)
-      say(s, "the equations have a factor already");
-    else if (system->dof_map->unknown_count < BWI_SMALL_SYSTEM) {
-      if (system->two_level && !has_memory(s, &system->two_level->prediction)) {
-        say(s, "there is no memory for a factor"); /* as an earlier solution found */
-        return take_pcg(s);
-      }
+    return BW_OK;
+  }
+  s->request.way = BWI_BY_FACTOR;
+  if (system->factor) {
+    say(s, "the equations have a factor already");
+    return BW_OK;
+  }
+  if (system->dof_map->unknown_count < BWI_SMALL_SYSTEM) {
+    if (system->two_level && !has_memory(s, &system->two_level->prediction)) {
+      say(s, "there is no memory for a factor"); /* as an earlier solution found */
+      s->request.way = pcg_way(system);
+    } else
       say(s, "the factor of fewer than %d unknowns is cheap", (int)BWI_SMALL_SYSTEM);
-    }
-    if (system->factor || system->dof_map->unknown_count < BWI_SMALL_SYSTEM)
-      return BW_OK;
+    return BW_OK;
   }
   if (!system->two_level)
     BW_TRY(bwi_two_level_predict(s->context, system));
-  if (!solver && pcg_is_better(s, system))
-    BW_TRY(take_pcg(s));
+  if (pcg_is_better(s, system))
+    s->request.way = pcg_way(system);
 done:
   return status;
 }
@@ -213,17 +197,9 @@ static bw_status by_two_level(statics *s) {
   bw_status status = BW_OK;
   bw_system *system = s->result->system;
   bw_solver_report *report = &s->result->report;
-  bool usable, made = system->two_level->preconditioner != NULL;
+  bool made = system->two_level && system->two_level->preconditioner;
   const bwi_static_solver solver = {.solve = iterate, .data = s, .refine_to = s->request.tolerance};
-  BW_TRY(bwi_two_level_make(s->context, s->model, system, &usable));
-  if (!usable) {
-    status =
-        bw_fail(s->context, BW_SINGULAR,
-                "the stiffness of the linear elements is singular, or so nearly that double "
-                "precision cannot tell: parts touch only in a node or an edge, or elements have "
-                "almost no volume (the solver cholesky says where)");
-    goto done;
-  }
+  BW_TRY(bwi_two_level_make(s->context, s->model, system));
   s->limit = limit_of(s);
   BW_TRY(run(s, &solver));
   if (system->two_level->preconditioner->rotations)
@@ -249,19 +225,19 @@ static bw_status by_pcg(statics *s) {
   bw_solver_report *report = &s->result->report;
   const bwi_static_solver solver = {.solve = iterate, .data = s, .refine_to = s->request.tolerance};
   bool made = bwi_preconditioner_serves(system->preconditioner, s->request.preconditioner);
-  if (!made)
-    BW_TRY(bwi_system_precondition(s->context, system, s->request.preconditioner, s->old,
-                                   s->available));
+  BW_TRY(
+      bwi_system_precondition(s->context, system, s->request.preconditioner, s->old, s->available));
   s->limit = limit_of(s);
   BW_TRY(run(s, &solver));
   const bwi_factor *factor = system->preconditioner->factor;
-  bool refined = s->request.preconditioner == s->opts.solver;
+  const bw_solver_kind kind = system->preconditioner->solver->options.kind;
+  bool refined = s->opts.solver && s->request.preconditioner == s->opts.solver;
   if (!s->opts.solver) {
     report->predicted_cost = system->two_level->prediction.pcg;
     report->rival_cost = system->two_level->prediction.factor;
   }
   report->solver = bw_solver_word(refined ? BW_SOLVER_CHOLESKY : BW_SOLVER_PCG);
-  report->preconditioner = refined ? "" : bw_solver_word(s->request.preconditioner->options.kind);
+  report->preconditioner = refined ? "" : bw_solver_word(kind);
   report->backend = factor ? factor->kernels->backend : "";
   report->flops = factor && !made ? bwi_factor_flops(factor) : 0;
   report->bytes = (double)bw_bytes(system->preconditioner);
@@ -360,7 +336,7 @@ static bw_status solve(statics *s) {
     if (!s->result->system->two_level)
       BW_TRY(bwi_two_level_predict(context, s->result->system));
     say(s, "there is no memory for a factor");
-    BW_TRY(take_pcg(s));
+    s->request.way = pcg_way(s->result->system);
     BW_TRY(ways[s->request.way](s));
   }
 done:
@@ -385,7 +361,6 @@ bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *syst
   s.result->report.seconds = bw_seconds() - start;
 done:
   bw_release(dof_map);
-  bw_release(s.amg);
   if (status == BW_OK)
     *out = s.result;
   else
