@@ -82,12 +82,11 @@ static bw_status force_squares(void *data, int64_t begin, int64_t end, int worke
   return BW_OK;
 }
 
-/* r = f - K u of the columns wanted, with its floats, and r . r of all */
+/* r = f - K u of the columns wanted */
 static bw_status set_residual(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const packing *s = data;
   const bwi_packed *m = s->m;
-  double *sum = clear_sum(s, begin);
   int width = m->width;
   for (int64_t k = begin; k < end; k++) {
     int64_t node = m->smoother->node[k];
@@ -104,10 +103,6 @@ static bw_status set_residual(void *data, int64_t begin, int64_t end, int worker
         bwi_project_unknowns(m->dof_map, node, value, value);
         for (int d = 0; d < 3; d++)
           r[d * width] = value[d];
-      }
-      for (int d = 0; d < 3; d++) {
-        m->floats[(3 * k + d) * width + f] = (float)r[d * width];
-        sum[f] += r[d * width] * r[d * width];
       }
     }
   }
@@ -139,11 +134,10 @@ static bw_status residual(bw_context *context, void *data, const bool *wanted, d
     BW_TRY(bwi_smoother_product(context, m->smoother, m->width, m->u, m->ku, NULL));
     keep_unknowns(m, m->ku);
   }
-  BW_TRY(parallel_sums(s, set_residual));
-  if (m->rigid) {
+  BW_TRY(bw_parallel(context, m->smoother->count, ROWS, set_residual, s));
+  if (m->rigid)
     BW_TRY(remove_modes(s, m->r));
-    BW_TRY(parallel_sums(s, measure));
-  }
+  BW_TRY(parallel_sums(s, measure));
   memcpy(r_dot_r, s->sum, (size_t)s->used * sizeof *r_dot_r);
 done:
   return status;
