@@ -165,9 +165,9 @@ function Model:rigid_modes() end
 ---A load that is not balanced on a free body is refused, unless `inertia_relief` is set. A body whose whole boundary is fixed,
 ---and a load on supports only, raise. A warning states where 5 % or more of a load's area lies on supports.
 ---
----Without `solver`, it is chosen by counted costs: a sparse Cholesky factor, or conjugate gradients with a two-level
----preconditioner (PCG over quadratic and linear elements) where that costs less than half, or where the factor would take more than 4 GB or more
----than `memory_limit`. A factor serves later solutions, modes and worst cases of the same model.
+---Without `solver`, it is chosen by counted costs: a sparse Cholesky factor, or conjugate gradients where they cost less than
+---half, or where the factor would take more than 4 GB or more than `memory_limit`. Their preconditioner is the two-level one
+---on quadratic elements, and algebraic multigrid on linear ones. A factor serves later solutions, modes and worst cases of the same model.
 ---
 ---With `error`, elements of order 2 are bisected where the error of the quantity `of` comes from. Supports and loads go with
 ---their facets. The loop ends when the estimated error is small enough, or at a limit; `accuracy.reason` says which.
@@ -257,9 +257,9 @@ function Model:modes(options) end
 ---The equations of the model, ready for many right-hand sides: with a factor, or with the preconditioner of conjugate
 ---gradients. The model keeps them for what follows.
 ---
----Without a solver they have a factor, unless the elements are quadratic and the factor is predicted to take more than 4 GB or
----more than the free memory: then the solver is `bw.solver.pcg()`. Where that does not converge, a factor takes its place, with a
----warning.
+---Without a solver they have a factor, unless that is predicted to take more than 4 GB or more than the free memory: then
+---conjugate gradients solve them, with the two-level preconditioner on quadratic elements and multigrid on linear ones. Where
+---these do not converge, a factor takes their place, with a warning.
 ---
 ---Errors: singular (the matrix is not positive definite), memory (the factor does not fit), unsupported (the backend "petsc").
 ---The two-level preconditioner raises on linear elements.

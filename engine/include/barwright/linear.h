@@ -102,8 +102,8 @@ typedef struct bw_solve_times {
  * preconditioner of PCG in its place. One of them serves statics, modes, objectives and stresses.
  * Solves may not run on one system from two threads at once (the context is busy); a solve itself
  * uses all threads. The equations never change; only how they are solved may. Those that bw_statics
- * made for two-level PCG have no factor and no mass until bw_system_factor is called, or a static
- * solution finds that by now a factor would have been cheaper. */
+ * made for PCG have no factor and no mass until bw_system_factor is called, or a static solution
+ * finds that by now a factor would have been cheaper. */
 typedef struct bw_system bw_system;
 struct bwi_factor;
 struct bwi_two_level_solver;
@@ -140,9 +140,9 @@ BW_API bw_status bw_system_create(bw_context *context, const bw_mesh *mesh,
  * alone.
  *
  * Without a solver (NULL) a factor is made, with the mass, unless it is predicted to take more than
- * four gigabytes or more than the memory that is free, and the elements are quadratic: then it is
- * two-level PCG. Where that does not converge, bw_system_solve makes a factor, where there is
- * memory, and warns.
+ * four gigabytes or more than the memory that is free: then it is PCG, with the two-level
+ * preconditioner on quadratic elements and multigrid on linear ones. Where that does not converge,
+ * bw_system_solve makes a factor, where there is memory, and warns.
  *
  * BW_SINGULAR as in bw_system_create; BW_MEMORY for a factor that is asked for, as
  * bw_system_factor; BW_INVALID for a preconditioner in the place of a solver and for two_level on
@@ -150,9 +150,9 @@ BW_API bw_status bw_system_create(bw_context *context, const bw_mesh *mesh,
 BW_API bw_status bw_system_of_model(bw_context *context, const bw_model *model,
                                     const bw_solver *solver, bw_system *given, bw_system **system);
 /* Mass and factor, where the system has none yet, and solves by it: then it is one as
- * bw_system_create makes it. On
- * failure it is as it was. BW_MEMORY, before any is allocated, where the factor is larger than what
- * is free (bw_available_memory); BW_SINGULAR and BW_LIMIT as bw_system_create. */
+ * bw_system_create makes it. On failure it is as it was. BW_MEMORY, before any is allocated, where
+ * the factor is larger than what is free (bw_available_memory); BW_SINGULAR and BW_LIMIT as
+ * bw_system_create. */
 BW_API bw_status bw_system_factor(bw_context *context, bw_system *system);
 /* u = K^-1 f for homogeneous supports, `count` right-hand sides at once: force (N, count x
  * node_count x 3), displacement (m, count x node_count x 3), which may be the same block. Changes

@@ -37,16 +37,17 @@ typedef struct bw_statics_options {
  * not positive definite, the solution is not finite, or its residual is above a tenth of the load
  * and above the tolerance; BW_INVALID when no load reaches the body (bw_model_check_absorbed).
  * `system` may be NULL or the system of an earlier solve (reused when mesh, material and supports
- * are the same; it may gain a factor, or lose what it has to solve by two-level PCG).
+ * are the same; it may gain a factor, which then takes the place of PCG).
  *
  * Without a solver, a static solution is by a factor where there is one already, or where that
- * counts as cheap (less than five seconds of the reference machine). So it is where two-level PCG
- * does not apply or would cost more than half as much. Else it is by two-level PCG, and also where
- * the factor would take more than four gigabytes or more than `memory`. Costs are operations and
- * bytes, counted, over the rates of one fixed machine, so that the choice is the same everywhere.
- * The costs of solutions by two-level PCG are added up: when the next one would make their sum more
- * than the factor, that is made. Where iterating does not converge, a factor takes its place, and a
- * warning says so; BW_CONVERGENCE where there is no memory for one, or the solver is given.
+ * counts as cheap (less than five seconds of the reference machine), or where PCG would cost more
+ * than half as much. Else it is by PCG, with the two-level preconditioner on quadratic elements and
+ * multigrid on linear ones, and also where the factor would take more than four gigabytes or more
+ * than `memory`. Costs are operations and bytes, counted, over the rates of one fixed machine, so
+ * that the choice is the same everywhere. The costs of solutions by PCG are added up: when the next
+ * one would make their sum more than the factor, that is made. Where iterating does not converge, a
+ * factor takes its place, and a warning says so; BW_CONVERGENCE where there is no memory for one,
+ * or the solver is given.
  *
  * Solvers of the backend BW_BACKEND_PETSC work on all processes: BW_UNSUPPORTED when none is
  * registered, BW_CONVERGENCE when the residual, computed with the engine's own K, is above the
