@@ -293,15 +293,17 @@ bw_status bwi_system_stopped(bw_context *context, const bw_system *system,
                                         ? BW_SOLVER_TWO_LEVEL
                                         : system->preconditioner->solver->options.kind);
   char bytes[60] = "";
+  bool energy = problem->way == BWI_BY_TWO_LEVEL && problem->energy_alone;
   if (two_level)
     snprintf(bytes, sizeof bytes, ", which would take about %.3g GB of memory",
              two_level->prediction.factor_bytes / 1e9);
   bw_fail(context, BW_CONVERGENCE,
           "PCG with the preconditioner %s reached a residual of %.2g of the load in %d iterations; "
-          "%.0e was requested: elements are very flat, walls thinner than elements are long, the "
+          "%s%.0e was requested: elements are very flat, walls thinner than elements are long, the "
           "material is nearly incompressible, or the body nearly a mechanism. Solve by a factor "
           "(the solver cholesky)%s, or mesh again with elements as thick as long",
-          word, problem->residual, problem->iterations, problem->tolerance, bytes);
+          word, problem->residual, problem->iterations, energy ? "an error in energy of " : "",
+          problem->tolerance, bytes);
   bw_detail_number(context, "iterations", problem->iterations);
   bw_detail_number(context, "residual", problem->residual);
   if (two_level)

@@ -53,7 +53,8 @@ bw_status bwi_system_restore(bw_context *context, bw_system *system);
 typedef struct bwi_system_pcg {
   bwi_way way;
   double tolerance;
-  bool energy_alone; /* the tolerance is on the error in energy alone */
+  bool energy_alone; /* two-level PCG: the tolerance is on the error in energy alone. Other
+                        preconditioners say less of that error: the residual counts as well */
   bool adapt;        /* two-level PCG may enlarge its coarse space where iterations are slow */
   int limit;         /* on iterations */
   /* out */
