@@ -248,9 +248,9 @@ static bw_status iterate(iteration *it, bool *more) {
   bw_status status = BW_OK;
   bool ended[COLUMNS], definite = true;
   *more = false;
-  BW_TRY(bw_check_cancel(it->context));
-  if (it->task->progress)
+  if (it->task->progress) /* who is shown it may cancel */
     bw_progress(it->context, "conjugate gradients", fraction_done(it));
+  BW_TRY(bw_check_cancel(it->context));
   BW_TRY(step(it, &definite));
   if (!definite) {
     it->task->indefinite = true;
