@@ -239,8 +239,7 @@ static bw_status fail_convergence(bw_context *context, int iterations, double to
 static bw_status fail_levels(bw_context *context, const bw_incremental_system *incremental,
                              int iterations, double tolerance) {
   if (!bwi_incremental_has_two_level(incremental))
-    return bw_fail(context, BW_INVALID,
-                   "the two-level preconditioner needs quadratic elements: these are linear");
+    return bwi_two_level_refused(context, "cholesky");
   bw_fail(context, BW_CONVERGENCE,
           "conjugate gradients over linear elements did not reach a relative residual of %g in %d "
           "iterations: the body is nearly a mechanism, or elements are very flat; solve directly "

@@ -67,7 +67,11 @@ static bw_status check_solver(bw_context *context, const bw_solver *solver) {
   if (!solver || solver->options.kind == BW_SOLVER_JACOBI)
     return BW_OK;
   if (solver->options.kind == BW_SOLVER_LU || solver->options.kind == BW_SOLVER_BICGSTAB)
-    return bwi_solver_refused(context, solver);
+    return bw_fail(
+        context, BW_INVALID,
+        "\"%s\" is for the unsymmetric equations of flows, this matrix is symmetric: give "
+        "cholesky or jacobi",
+        bw_solver_word(solver->options.kind));
   if (solver->options.kind == BW_SOLVER_PCG)
     return bw_fail(context, BW_INVALID,
                    "conjugate gradients give no inverse: they are not linear. Give cholesky or "

@@ -67,6 +67,8 @@ bw_status bwi_factor_precondition(bw_context *context, void *data, int64_t count
                                   double *z);
 /* BW_INVALID for a solver that solves no symmetric equations: a preconditioner, LU, BiCGSTAB. */
 bw_status bwi_solver_refused(bw_context *context, const bw_solver *solver);
+/* BW_INVALID for two levels on linear elements; `instead` is what serves these. */
+bw_status bwi_two_level_refused(bw_context *context, const char *instead);
 /* The kernels that a solver of the kind BW_SOLVER_CHOLESKY asks for; NULL: the default's. */
 const bwi_kernels *bwi_kernels_of(const bw_solver *solver);
 

@@ -136,6 +136,14 @@ bw_status bwi_solver_refused(bw_context *context, const bw_solver *solver) {
                  word);
 }
 
+bw_status bwi_two_level_refused(bw_context *context, const char *instead) {
+  return bw_fail(
+      context, BW_INVALID,
+      "the two-level preconditioner needs quadratic elements, and these are linear: give "
+      "%s",
+      instead);
+}
+
 /* ---- life ------------------------------------------------------------------------------------ */
 
 bw_status bw_solver_create(bw_context *context, const bw_solver_options *options,

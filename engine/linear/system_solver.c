@@ -211,7 +211,7 @@ bw_status bwi_system_prepare(bw_context *context, const bw_model *model, bw_syst
   if (bwi_solver_is_external(solver))
     return bw_fail(context, BW_UNSUPPORTED,
                    "the backend \"petsc\" solves static solutions and modes, and no equations for "
-                   "many right-hand sides: give another solver");
+                   "many right-hand sides: give cholesky or pcg of another backend");
   BW_TRY(bwi_solver_request(context, solver, BWI_SOLVE_TO, &request));
   if (!solver)
     BW_TRY(prepare_automatic(context, model, system, old, available));

@@ -16,6 +16,7 @@
 #include "barwright/job.h"
 #include "base/cost.h"
 #include "linear/corner_rotations.h"
+#include "linear/pcg.h"
 
 /* Entries and operations over those powers. Measured: 1.26 to 1.52, 1.08 to 1.46. */
 #define MORE_ENTRIES 1.35
@@ -129,8 +130,7 @@ bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_syst
   bwi_two_level *made = NULL;
   bool even, usable;
   if (!bwi_two_level_applies(system))
-    return bw_fail(context, BW_INVALID,
-                   "the two-level preconditioner needs quadratic elements: these are linear");
+    return bwi_two_level_refused(context, "cholesky, or the preconditioner amg");
   if (!system->two_level)
     BW_TRY(bwi_two_level_predict(context, system));
   bwi_two_level_solver *l = system->two_level;

@@ -56,8 +56,8 @@ static bw_status refused(bw_context *context, const bw_solver *solver) {
   bw_solver_describe(solver, text);
   return bw_fail(context, BW_INVALID,
                  "the solver %s does not serve Newton's method: give cholesky of the backend "
-                 "multifrontal in double precision without further options, or pcg with jacobi or "
-                 "two_level",
+                 "multifrontal in double precision without further options, or pcg with jacobi or, "
+                 "in statics, two_level",
                  text);
 }
 

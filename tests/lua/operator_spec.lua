@@ -367,6 +367,7 @@ describe("arguments", function()
     check.raises("option 'guess': 1 columns expected", a.solve, a, ones, {guess = bw.array.zeros(n, 2)})
     check.raises("works on the elements of a body", function() assert(a:inverse(bw.solver.two_level())) end)
     check.raises("conjugate gradients give no inverse", a.inverse, a, bw.solver.pcg())
+    check.raises("give cholesky or jacobi", a.inverse, a, bw.solver.lu())
     check.raises("the matrix of 2 x 3 is not square", function()
       local wide = bw.sparse_matrix.new(2, 3, {}, {}, {})
       wide:solve {1, 2, 3}
