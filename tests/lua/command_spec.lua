@@ -401,6 +401,13 @@ describe("commands that compute", function()
     end
     local kept = assert(bw.json.decode(check.read(folder .. "out/result.json")))
     assert.equal(object.breaking_force_n, kept.breaking_force_n)
+    assert.equal("cholesky", object.solver.solver)
+    assert.equal("multifrontal", object.solver.backend)
+    local _, other = answer("worst " .. folder .. "sound.stl --elements 600 --modes 3 --regions 1 --solver pcg")
+    check.near(object.breaking_force_n, other.breaking_force_n, 1e-4)
+    assert.equal("pcg", other.solver.solver)
+    assert.equal("two_level", other.solver.preconditioner)
+    assert.is_true(other.solver.iterations > 5)
     -- The breaking force does not depend on the force that is asked for; the verdict does.
     local words = "worst %ssound.stl --elements 600 --modes 3 --regions 1 --force %.17gN"
     local scaled, stronger = answer(words:format(folder, 2 * object.breaking_force_high_n))

@@ -34,6 +34,18 @@ model.solver_option = {name = "solver", value = "NAME", default = "auto",
   what = "a sparse factor (cholesky; multifrontal and cholmod name its backend), two-level PCG, which takes a "
     .. "tenth of its memory (pcg), PCG on all processes of mpirun (petsc), or as is cheaper (auto)"}
 
+--- The same of those that solve for many right-hand sides.
+model.many_solver_option = {name = "solver", value = "NAME", default = "auto",
+  one_of = {"auto", "cholesky", "multifrontal", "cholmod", "pcg"},
+  what = "a sparse factor (cholesky; multifrontal and cholmod name its backend), two-level PCG without one, where "
+    .. "the modes are by LOBPCG (pcg), or a factor unless it is too large (auto)"}
+
+--- What a solver's report says, in the JSON object.
+function model.solver_words(report)
+  return {solver = report.solver, backend = report.backend, preconditioner = report.preconditioner,
+    iterations = report.iterations, residual = report.residual}
+end
+
 --- The solver that the options ask for; nil: it is chosen.
 function model.solver(opts) return solvers[opts.solver]() end
 

@@ -262,8 +262,7 @@ local function report(static, part, read, loads, opts, accuracy, out)
     effective_stress_error = critical and critical.estimated_error,
     critical_distance_m = critical and critical.length,
     material = opts.material, energy_j = static.energy,
-    solver = {solver = solved.solver, backend = solved.backend, preconditioner = solved.preconditioner,
-      iterations = solved.iterations, residual = solved.residual}}
+    solver = model.solver_words(solved)}
   local title = static_picture.title(model.name(opts.model), {stress = stress, error = estimated,
     judged = singular and {used = used, error = judged_error, strength = material.strength}, verdict = words})
   return {verdict = verdict, singular = singular, title = title, text = table.concat(text, "\n")}

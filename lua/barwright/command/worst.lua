@@ -27,7 +27,7 @@ local function keep(breaking, verdict, large, opts, out)
     critical_distance_m = opts.length == "critical" and breaking.material.critical_distance or nil,
     beyond_linear_theory = large, max_principal_pa = worst.max_principal, max_principal_at_m = worst.at,
     strength_pa = worst.strength, max_displacement_m = worst.max_displacement, worst_region = worst.region,
-    material = opts.material,
+    material = opts.material, solver = model.solver_words(breaking.reports.solver),
   }
   local history, ties, regions = bw.json.list {}, bw.json.list {}, bw.json.list {}
   for i, level in ipairs(breaking.history) do
@@ -84,6 +84,8 @@ local function report(breaking, verdict, large, mass, opts, out)
     core.quantity(breaking.length, "m"), opts.length == "critical" and ", half the critical distance" or "",
     breaking.failure == "von_mises" and "von Mises against yield"
       or "the largest principal stress")
+  local solved = breaking.reports.solver
+  if solved.solver == "pcg" then out:say("  Solved by %s.", tostring(solved)) end
 end
 
 -- The loads that the options admit, as options of bw.breaking_force; or nil and a sentence.
@@ -246,7 +248,7 @@ local function analyse(opts, out)
   local folder
   if opts.out then
     local options = model.pick({"force", "contact", "fix", "forbid", "friction", "hands", "error", "length",
-      "modes", "regions", "elements", "material", "unit", "young", "poisson", "strength", "density",
+      "modes", "regions", "solver", "elements", "material", "unit", "young", "poisson", "strength", "density",
       "toughness"}, opts)
     local message, details
     folder, message, details = bw.results.open(opts.out, {script = "barwright worst", inputs = {opts.model},
@@ -261,7 +263,7 @@ local function analyse(opts, out)
     force = opts.force, contact = opts.contact, error = opts.error, elements = opts.elements,
     max_elements = opts.error and math.max(MAX_ELEMENTS, opts.elements) or nil, modes = opts.modes,
     regions = opts.regions, fix = limits.fix, forbidden = limits.forbidden, friction = limits.friction,
-    hands = limits.hands, length = opts.length})
+    hands = limits.hands, length = opts.length, solver = model.solver(opts)})
   out:warnings()
   if not breaking then return nil, opts.model .. ": " .. message, details end
   local worst = breaking.worst
@@ -304,6 +306,7 @@ local options = {
   model.elements_option,
   model.search_options[1],
   model.search_options[2],
+  model.many_solver_option,
   {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
     what = "write a page with a 3D view that turns"},
   {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
