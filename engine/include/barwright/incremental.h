@@ -22,7 +22,7 @@ typedef struct bw_reuse {
                                  ancestors (also where nothing had to be done); or "pcg"; static,
                                  NULL before a solution */
   const char *preconditioner; /* of "pcg": "cholesky", the factor as it was, or "two_level"; ""
-                                 otherwise; static */
+                                 otherwise; static, NULL before a solution */
   bool full;                  /* every supernode was computed again */
   double factor_reused;       /* (-) fraction of the factor's work that was not done again */
   int iterations;  /* of conjugate gradients with a factor of a former shape, or by two-level PCG,
