@@ -257,7 +257,8 @@ static int static_tostring(lua_State *L) {
     snprintf(how, sizeof how, ", by %s (%s) in %d iterations", report->solver,
              report->preconditioner, report->iterations);
   else
-    snprintf(how, sizeof how, ", by %s (%s)", report->solver, report->backend);
+    snprintf(how, sizeof how, ", by %s (%s)", report->solver,
+             *report->preconditioner ? report->preconditioner : report->backend);
   snprintf(text, sizeof text,
            "static solution on %d nodes: largest displacement %s, strain energy %s, residual "
            "%.1e%s; %.80s",

@@ -262,6 +262,9 @@ describe("a model", function()
     assert.equal("pcg", free.report.solver)
     assert.is_true((free.displacement - same.displacement):map "norm(a)":max() < 1e-9 * max)
     local linear = bw.model {mesh = bw.mesh.box {}, material = part.material}
+    part:clear_loads():fix(mesh.boundary:below(1, 0)) -- nothing to solve
+    assert.truthy(tostring(part:solve {solver = bw.solver.pcg {}}):find("by pcg (two_level)", 1, true))
+    part:clear_supports()
     check.raises("these are linear: give cholesky", linear.solve, linear, {solver = bw.solver.pcg {}})
     check.raises("goes with a factor on this machine", part.solve, part,
       {solver = bw.solver.pcg {}, memory_limit = 7})
