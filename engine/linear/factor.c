@@ -457,7 +457,7 @@ static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_m
   bw_object_init(factor, &factor_kind);
   factor->symbolic = bw_retain(symbolic);
   factor->kernels = kernels;
-  factor->unit = 1;
+  factor->unit = unit_of(kernels, matrix, symbolic->components);
   if (kernels == &bwi_kernels_cholmod) {
     BW_TRY(bwi_cholmod_create(context, symbolic, matrix, &factor->cholmod));
     if (reach)
@@ -480,7 +480,7 @@ static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_m
                        .symbolic = symbolic,
                        .matrix = matrix,
                        .kernels = kernels,
-                       .unit = 1,
+                       .unit = factor->unit,
                        .value = factor->value,
                        .plan = &symbolic->plan,
                        .store = &fronts};

@@ -94,7 +94,6 @@ bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pai
   const bwi_kernels *kernels = bwi_kernels_of(solver);
   bwi_order *order = NULL;
   bwi_symbolic *symbolic = NULL;
-  bwi_elimination_reach *reach = NULL;
   int32_t *unknown = BW_NEW0(context, int32_t, pair->pattern->node_count), bad = 0;
   bwi_matrix matrix = {.pattern = pair->pattern,
                        .stiffness = pair->k,
@@ -108,9 +107,7 @@ bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pai
   BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &symbolic));
   BW_TRY(check_memory(context, symbolic, kernels));
   bw_progress(context, "factorisation", 0);
-  if (kernels->bits == 32) /* brings entries of any size into the range of float */
-    BW_TRY(bwi_elimination_reach_create_whole(context, symbolic, &reach));
-  status = bwi_factor_create_in(context, symbolic, &matrix, reach, kernels, factor, &bad);
+  status = bwi_factor_create_in(context, symbolic, &matrix, NULL, kernels, factor, &bad);
   if (status == BW_SINGULAR) {
     bw_fail(context, BW_SINGULAR, "\"%s\" is not positive definite: elimination fails at row %d",
             name, bad + 1);
@@ -120,6 +117,5 @@ done:
   bw_free(unknown);
   bw_release(order);
   bw_release(symbolic);
-  bw_release(reach);
   return status;
 }

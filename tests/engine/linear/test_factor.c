@@ -177,6 +177,40 @@ static void against_cholmod(void **state) {
   compare_backend(context, &bwi_kernels_cholmod, BW_ORDERING_BACKEND);
 }
 
+/* In single precision entries of any units are in the range of float: K times 1e-40 or 1e40 has
+ * solutions that are as many times larger or smaller. */
+static void units_of_single_precision(void **state) {
+  bw_context *context = check_context(state);
+  const double unit[3] = {1, 1e-40, 1e40};
+  problem p;
+  open_problem(context, 5, 4, 3, 1, 0, &p);
+  double *exact = numbers(p.count), *force = numbers(p.count), largest = 0;
+  float *x = calloc((size_t)p.count, sizeof *x);
+  random_field(5, p.count, force);
+  for (int k = 0; k < 3; k++) {
+    bwi_factor *factor = NULL;
+    for (int64_t i = 0; i < 9 * p.pattern->block_count; i++)
+      p.stiffness[i] *= k ? unit[k] / unit[k - 1] : 1;
+    const bwi_kernels *kernels = k ? &bwi_kernels_single : &bwi_kernels_double;
+    check_ok(context,
+             bwi_factor_create_in(context, p.symbolic, &p.matrix, NULL, kernels, &factor, NULL));
+    for (int32_t i = 0; i < p.count; i++) {
+      exact[i] = k ? exact[i] : force[i];
+      x[i] = (float)force[i];
+    }
+    check_ok(context, kernels->solve(context, factor, 1, k ? (void *)x : (void *)exact));
+    for (int32_t i = 0; i < p.count; i++)
+      largest = fmax(largest, fabs(exact[i]));
+    for (int32_t i = 0; i < p.count && k; i++)
+      check_near((double)x[i] * factor->unit * unit[k], exact[i], 1e-4 * largest);
+    bw_release(factor);
+  }
+  free(exact);
+  free(force);
+  free(x);
+  close_problem(&p);
+}
+
 /* Negative pivots of K - sigma M for sigma between any two eigenvalues: Sylvester. Shifts up to the
  * middle of the spectrum make many columns negative, in many fronts. */
 static void inertia(void **state) {
@@ -261,7 +295,8 @@ static void same_bits(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(against_cholmod), check_test(inertia),
+  const struct CMUnitTest tests[] = {check_test(against_cholmod),
+                                     check_test(units_of_single_precision), check_test(inertia),
                                      check_test(same_bits)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
