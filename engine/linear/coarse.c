@@ -3,7 +3,6 @@
  * the shape last followed. */
 #include "linear/coarse.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "base/cost.h"
@@ -203,21 +202,25 @@ static bool has_modes(const bw_dof_map *dof_map, int64_t node) {
   return start[1] > start[0];
 }
 
-/* Unknowns and directions of the corners. Isostatic constraints are unknowns here. A corner that
- * would move where a mid-edge node may not is fixed; but not in bodies with rigid-body modes, which
- * the space has to contain. */
-static void number_corners(bwi_coarse *c, const bw_dof_map *dof_map) {
-  const bw_mesh *fine = c->fine;
+void bwi_coarse_supports(const bwi_coarse *c, const bw_dof_map *dof_map, bw_dof_map *corners,
+                         int32_t *unknown) {
   for (int64_t k = 0; k < c->count; k++) {
     int64_t i = c->corner[k];
     int32_t row = dof_map->frame_of[i];
-    c->dof_map.frame_of[k] = row < 0 ? -1 : (int32_t)k;
+    corners->frame_of[k] = row < 0 ? -1 : (int32_t)k;
     if (row >= 0)
-      memcpy(c->dof_map.frame + 9 * k, dof_map->frame + 9 * (int64_t)row, 9 * sizeof(double));
+      memcpy(corners->frame + 9 * k, dof_map->frame + 9 * (int64_t)row, 9 * sizeof(double));
     for (int d = 0; d < 3; d++)
-      c->unknown[3 * k + d] = dof_map->state[3 * i + d] == BW_DOF_PRESCRIBED ? -1 : 0;
+      unknown[3 * k + d] = dof_map->state[3 * i + d] == BW_DOF_PRESCRIBED ? -1 : 0;
   }
-  c->dof_map.frame_count = c->count;
+  corners->frame_count = c->count;
+}
+
+/* Unknowns and directions of the corners. A corner that would move where a mid-edge node may not is
+ * fixed; but not in bodies with rigid-body modes, which the space has to contain. */
+static void number_corners(bwi_coarse *c, const bw_dof_map *dof_map) {
+  const bw_mesh *fine = c->fine;
+  bwi_coarse_supports(c, dof_map, &c->dof_map, c->unknown);
   for (int64_t i = 0; i < fine->node_count; i++)
     for (int side = 0; side < 2 && !has_modes(dof_map, i); side++) {
       int32_t k = c->parent[2 * i + side];
@@ -255,27 +258,24 @@ static bw_status number_modes(bw_context *context, bwi_coarse *c, const bw_dof_m
   return BW_OK;
 }
 
-/* Isostatic constraints where supports leave rigid-body modes free. Where there are none, the
- * factor will find A singular. */
-static bw_status constrain_modes(bw_context *context, bwi_coarse *c, const bw_dof_map *dof_map) {
+bw_status bwi_coarse_constrain(bw_context *context, const bwi_coarse *c, const bw_dof_map *dof_map,
+                               const bwi_rigid_space *former, int32_t *unknown,
+                               bwi_rigid_space **rigid) {
   bw_status status = BW_OK;
-  bwi_rigid_space *former = c->rigid;
   int32_t *row_of = NULL;
-  c->rigid = NULL;
+  *rigid = NULL;
   if (dof_map->rigid_mode_count == 0)
-    goto done;
+    return BW_OK;
   row_of = BW_NEW(context, int32_t, c->fine->node_count);
-  if (!row_of) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  if (!row_of)
+    return BW_MEMORY;
   for (int64_t i = 0; i < c->fine->node_count; i++)
     row_of[i] = c->parent[2 * i] == c->parent[2 * i + 1] ? c->parent[2 * i] : -1;
-  BW_TRY(bwi_rigid_space_create(context, dof_map, row_of, &c->rigid));
-  bwi_rigid_space_constrain(c->rigid, former, c->unknown);
+  BW_TRY(bwi_rigid_space_create(context, dof_map, row_of, rigid));
+  /* where there are none, the factor will find A singular */
+  bwi_rigid_space_constrain(*rigid, former, unknown);
 done:
   bw_free(row_of);
-  bw_release(former);
   return status;
 }
 
@@ -326,15 +326,18 @@ done:
 bw_status bwi_coarse_count(bw_context *context, bwi_coarse *c, const bw_dof_map *dof_map) {
   bw_status status = BW_OK;
   bool first = c->flops == 0;
+  bwi_rigid_space *former = c->rigid;
+  c->rigid = NULL;
   number_corners(c, dof_map);
   BW_TRY(number_modes(context, c, dof_map));
-  BW_TRY(constrain_modes(context, c, dof_map));
+  BW_TRY(bwi_coarse_constrain(context, c, dof_map, former, c->unknown, &c->rigid));
   BW_TRY(update_symbolic(context, c));
   if (first && multigrid_is_better(c)) {
     c->iterative = true;
     release_factor(c);
   }
 done:
+  bw_release(former);
   return status;
 }
 
@@ -363,31 +366,47 @@ done:
 /* Part of a solution that its first refinement may change. */
 #define MAX_CHANGE 0.1
 
-/* Whether the factor has the digits for bodies that can move freely: slender ones lose them, since
- * isostatic constraints leave little of what keeps a held body in its place. */
-static bw_status is_exact_enough(bw_context *context, bwi_coarse *c, bool *enough) {
+bw_status bwi_coarse_check_digits(bw_context *context, const bw_block_pattern *pattern,
+                                  const double *stiffness, bwi_coarse_solver *solve,
+                                  const void *data, const double *load, bool *enough) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)c->count;
+  int64_t size = 3 * (int64_t)pattern->node_count;
   double *x = BW_NEW(context, double, size), *y = BW_NEW(context, double, size);
-  double *b = BW_NEW(context, double, size);
-  bw_random random;
-  bw_random_seed(&random, 1);
-  if (!x || !y || !b) {
+  if (!x || !y) {
     status = BW_MEMORY;
     goto done;
   }
+  memcpy(x, load, (size_t)size * sizeof *x);
+  BW_TRY(solve(context, data, 1, x));
+  BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, x, y));
   for (int64_t i = 0; i < size; i++)
-    x[i] = b[i] = 2 * bw_random_uniform(&random) - 1;
-  BW_TRY(bwi_coarse_solve(context, c, 1, x));
-  BW_TRY(bw_block_multiply(context, c->pattern, c->stiffness, 9, 3, 1, x, y));
-  for (int64_t i = 0; i < size; i++)
-    y[i] = b[i] - y[i];
-  BW_TRY(bwi_coarse_solve(context, c, 1, y));
+    y[i] = load[i] - y[i];
+  BW_TRY(solve(context, data, 1, y));
   *enough = bwi_dot(size, y, y) <= MAX_CHANGE * MAX_CHANGE * bwi_dot(size, x, x);
 done:
   bw_free(x);
   bw_free(y);
-  bw_free(b);
+  return status;
+}
+
+static bw_status solve_load(bw_context *context, const void *data, int64_t count, double *x) {
+  return bwi_coarse_solve(context, data, count, x);
+}
+
+/* Of bodies that can move freely: slender ones lose digits, since isostatic constraints leave
+ * little of what keeps a supported body in its place. */
+static bw_status is_exact_enough(bw_context *context, const bwi_coarse *c, bool *enough) {
+  int64_t size = 3 * (int64_t)c->count;
+  double *load = BW_NEW(context, double, size);
+  bw_random random;
+  bw_random_seed(&random, 1);
+  if (!load)
+    return BW_MEMORY;
+  for (int64_t i = 0; i < size; i++)
+    load[i] = 2 * bw_random_uniform(&random) - 1;
+  bw_status status =
+      bwi_coarse_check_digits(context, c->pattern, c->stiffness, solve_load, c, load, enough);
+  bw_free(load);
   return status;
 }
 
@@ -482,6 +501,10 @@ done:
 
 int32_t bwi_coarse_corners(const bwi_coarse *c) {
   return c->count;
+}
+
+const int32_t *bwi_coarse_nodes(const bwi_coarse *c) {
+  return c->corner;
 }
 
 const int32_t *bwi_coarse_parents(const bwi_coarse *c) {

@@ -15,6 +15,7 @@
 #define BWI_LINEAR_COARSE_H
 
 #include "linear/internal.h"
+#include "linear/rigid_space.h"
 
 typedef struct bwi_coarse bwi_coarse;
 
@@ -33,6 +34,8 @@ bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *coarse, const bw_mo
  * BWI_RIGID_FIELDS. */
 bw_status bwi_coarse_solve(bw_context *context, const bwi_coarse *coarse, int64_t count, double *x);
 int32_t bwi_coarse_corners(const bwi_coarse *coarse);
+/* By corner: its node, ascending. */
+const int32_t *bwi_coarse_nodes(const bwi_coarse *coarse);
 /* By node x 2: the corners between which it lies; twice itself. */
 const int32_t *bwi_coarse_parents(const bwi_coarse *coarse);
 /* Bytes that a solution reads; 0 before a shape is followed. */
@@ -46,5 +49,24 @@ bool bwi_coarse_iterative(const bwi_coarse *coarse);
 double bwi_coarse_flops(const bwi_coarse *coarse);
 double bwi_coarse_entries(const bwi_coarse *coarse);
 int32_t bwi_coarse_unknowns(const bwi_coarse *coarse);
+
+/* ---- what any space on the corners needs ----------------------------------------------------- */
+
+/* The frames of the corners in `corners`, and `unknown` (corners x 3): 0, or -1 where the DOF map
+ * of the body prescribes. Isostatic constraints are unknowns here. */
+void bwi_coarse_supports(const bwi_coarse *coarse, const bw_dof_map *dof_map, bw_dof_map *corners,
+                         int32_t *unknown);
+/* Isostatic constraints of the corners where supports leave rigid-body modes free; else *rigid is
+ * NULL. `former` and `unknown`: as in bwi_rigid_space_constrain. */
+bw_status bwi_coarse_constrain(bw_context *context, const bwi_coarse *coarse,
+                               const bw_dof_map *dof_map, const bwi_rigid_space *former,
+                               int32_t *unknown, bwi_rigid_space **rigid);
+/* x = A^-1 x for `count` fields. */
+typedef bw_status bwi_coarse_solver(bw_context *context, const void *data, int64_t count,
+                                    double *x);
+/* Whether a factor has the digits: refinement changes little of its solution for a load. */
+bw_status bwi_coarse_check_digits(bw_context *context, const bw_block_pattern *pattern,
+                                  const double *stiffness, bwi_coarse_solver *solve,
+                                  const void *data, const double *load, bool *enough);
 
 #endif

@@ -3,7 +3,6 @@
  * of their own, numbered after all corners. */
 #include "linear/corner_rotations.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "base/dense.h"
@@ -13,8 +12,6 @@ enum { CORNERS = 32, FIELDS = BWI_SMOOTHER_SIDES }; /* corners handed to a threa
 /* Of the mean diagonal entry of a corner's rotations, added to each of them. From 1e-10 to 1e-4 the
  * number of iterations is the same. */
 #define STIFFEN 1e-5
-/* Part of a solution that its first refinement may change (as in coarse.c). */
-#define MAX_CHANGE 0.1
 
 struct bwi_corner_rotations {
   bw_object object;
@@ -48,12 +45,6 @@ static size_t rotations_bytes(const void *object) {
 
 static const bw_kind rotations_kind = {"coarse space of corners that rotate", rotations_destroy,
                                        rotations_bytes};
-
-static inline void cross(const double a[3], const double b[3], double c[3]) {
-  c[0] = a[1] * b[2] - a[2] * b[1];
-  c[1] = a[2] * b[0] - a[0] * b[2];
-  c[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 /* ---- P^T K P --------------------------------------------------------------------------------- */
 
@@ -98,7 +89,7 @@ static void add_block(const galerkin *g, int32_t k, int side, int32_t column, co
   for (int j = 0; j < 3; j++) { /* t / 2, and sign w x arm: its transpose is arm x u */
     const double u[3] = {block[j], block[3 + j], block[6 + j]};
     double turn[3];
-    cross(arm, u, turn);
+    bw_cross(arm, u, turn);
     for (int i = 0; i < 3; i++) {
       left[3 * i + j] = 0.5 * u[i];
       left[9 + 3 * i + j] = sign * turn[i];
@@ -109,7 +100,7 @@ static void add_block(const galerkin *g, int32_t k, int side, int32_t column, co
     double towards = to ? -1 : 1;
     for (int i = 0; i < 6; i++) {
       double turn[3];
-      cross(other, left + 3 * i, turn);
+      bw_cross(other, left + 3 * i, turn);
       for (int j = 0; j < 3; j++) {
         at[6 * i + j] += 0.5 * left[3 * i + j];
         at[6 * i + 3 + j] += towards * turn[j];
@@ -205,7 +196,8 @@ done:
 /* ---- unknowns -------------------------------------------------------------------------------- */
 
 static bw_status set_arms(bw_context *context, bwi_corner_rotations *c, const bwi_two_level *l,
-                          const bw_mesh *mesh, const int32_t *corner_node) {
+                          const bw_mesh *mesh) {
+  const int32_t *corner_node = bwi_coarse_nodes(l->coarse);
   c->arm = BW_NEW(context, double, 3 * (int64_t)l->smoother->count);
   if (!c->arm)
     return BW_MEMORY;
@@ -218,43 +210,17 @@ static bw_status set_arms(bw_context *context, bwi_corner_rotations *c, const bw
   return BW_OK;
 }
 
-/* Displacements of corners in their frames, isostatic constraints among them (coarse.c), and all
- * rotations. */
-static bw_status number(bw_context *context, bwi_corner_rotations *c, const bwi_two_level *l,
-                        const int32_t *corner_node) {
-  bw_status status = BW_OK;
-  const bw_dof_map *dof_map = l->dof_map;
-  int32_t *row_of = NULL;
+/* Displacements of corners in their frames, isostatic constraints among them, and all rotations. */
+static bw_status number(bw_context *context, bwi_corner_rotations *c, const bwi_two_level *l) {
   c->dof_map.frame_of = BW_NEW(context, int32_t, 2 * (int64_t)c->corners);
   c->dof_map.frame = BW_NEW0(context, double, 9 * (int64_t)c->corners);
   c->unknown = BW_NEW0(context, int32_t, 6 * (int64_t)c->corners);
   if (!c->dof_map.frame_of || !c->dof_map.frame || !c->unknown)
     return BW_MEMORY;
-  c->dof_map.frame_count = c->corners;
-  for (int64_t k = 0; k < c->corners; k++) {
-    int64_t i = corner_node[k];
-    int32_t row = dof_map->frame_of[i];
-    c->dof_map.frame_of[k] = row < 0 ? -1 : (int32_t)k;
+  bwi_coarse_supports(l->coarse, l->dof_map, &c->dof_map, c->unknown);
+  for (int64_t k = 0; k < c->corners; k++)
     c->dof_map.frame_of[c->corners + k] = -1;
-    if (row >= 0)
-      memcpy(c->dof_map.frame + 9 * k, dof_map->frame + 9 * (int64_t)row, 9 * sizeof(double));
-    for (int d = 0; d < 3; d++)
-      c->unknown[3 * k + d] = dof_map->state[3 * i + d] == BW_DOF_PRESCRIBED ? -1 : 0;
-  }
-  if (dof_map->rigid_mode_count == 0)
-    return BW_OK;
-  row_of = BW_NEW(context, int32_t, l->smoother->count);
-  if (!row_of)
-    return BW_MEMORY;
-  for (int64_t i = 0; i < l->smoother->count; i++)
-    row_of[i] = -1;
-  for (int32_t k = 0; k < c->corners; k++)
-    row_of[corner_node[k]] = k;
-  BW_TRY(bwi_rigid_space_create(context, dof_map, row_of, &c->rigid));
-  bwi_rigid_space_constrain(c->rigid, NULL, c->unknown);
-done:
-  bw_free(row_of);
-  return status;
+  return bwi_coarse_constrain(context, l->coarse, l->dof_map, NULL, c->unknown, &c->rigid);
 }
 
 static bw_status make_pattern(bw_context *context, const bwi_corner_rotations *c,
@@ -279,9 +245,9 @@ static bw_status make_pattern(bw_context *context, const bwi_corner_rotations *c
 /* ---- factor ---------------------------------------------------------------------------------- */
 
 /* x = A^-1 x, of bodies that can move freely with the projector, for `count` fields. */
-static bw_status solve(bw_context *context, const bwi_corner_rotations *c, int64_t count,
-                       double *x) {
+static bw_status solve(bw_context *context, const void *data, int64_t count, double *x) {
   bw_status status = BW_OK;
+  const bwi_corner_rotations *c = data;
   const bwi_field_layout layout = {3, 1, 6 * (int64_t)c->corners};
   if (c->rigid)
     BW_TRY(bwi_rigid_space_project(context, c->rigid, &layout, (int)count, x));
@@ -292,33 +258,20 @@ done:
   return status;
 }
 
-/* Whether the factor has the digits: thin and free bodies lose some in single precision. */
+/* Thin and free bodies lose some digits in single precision. The load is at displacements. */
 static bw_status is_exact_enough(bw_context *context, const bwi_corner_rotations *c,
                                  const bwi_matrix *matrix, bool *enough) {
-  bw_status status = BW_OK;
-  int64_t size = 6 * (int64_t)c->corners;
-  double *x = BW_NEW(context, double, size), *y = BW_NEW(context, double, size);
-  double *b = BW_NEW0(context, double, size);
+  double *load = BW_NEW0(context, double, 6 * (int64_t)c->corners);
   bw_random random;
   bw_random_seed(&random, 1);
-  if (!x || !y || !b) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  for (int64_t i = 0; i < 3 * (int64_t)c->corners; i++) /* at displacements */
+  if (!load)
+    return BW_MEMORY;
+  for (int64_t i = 0; i < 3 * (int64_t)c->corners; i++)
     if (c->unknown[i] >= 0)
-      b[i] = 2 * bw_random_uniform(&random) - 1;
-  memcpy(x, b, (size_t)size * sizeof *x);
-  BW_TRY(solve(context, c, 1, x));
-  BW_TRY(bw_block_multiply(context, matrix->pattern, matrix->stiffness, 9, 3, 1, x, y));
-  for (int64_t i = 0; i < size; i++)
-    y[i] = b[i] - y[i];
-  BW_TRY(solve(context, c, 1, y));
-  *enough = bwi_dot(size, y, y) <= MAX_CHANGE * MAX_CHANGE * bwi_dot(size, x, x);
-done:
-  bw_free(x);
-  bw_free(y);
-  bw_free(b);
+      load[i] = 2 * bw_random_uniform(&random) - 1;
+  bw_status status =
+      bwi_coarse_check_digits(context, matrix->pattern, matrix->stiffness, solve, c, load, enough);
+  bw_free(load);
   return status;
 }
 
@@ -349,7 +302,6 @@ bw_status bwi_corner_rotations_create(bw_context *context, const bwi_two_level *
   bw_block_pattern *pattern = NULL;
   bwi_order *order = NULL;
   bwi_symbolic *symbolic = NULL;
-  int32_t *corner_node = NULL;
   double *value = NULL;
   bwi_corner_rotations *c = BW_NEW0(context, bwi_corner_rotations, 1);
   *out = NULL;
@@ -357,17 +309,13 @@ bw_status bwi_corner_rotations_create(bw_context *context, const bwi_two_level *
     return BW_MEMORY;
   bw_object_init(c, &rotations_kind);
   c->corners = bwi_coarse_corners(l->coarse);
-  corner_node = BW_NEW(context, int32_t, c->corners);
   c->x = BW_NEW(context, double, 6 * FIELDS * (int64_t)c->corners);
-  if (!corner_node || !c->x) {
+  if (!c->x) {
     status = BW_MEMORY;
     goto done;
   }
-  for (int32_t k = 0; k < l->smoother->count; k++)
-    if (l->parent[2 * (int64_t)k] == l->parent[2 * (int64_t)k + 1])
-      corner_node[l->parent[2 * (int64_t)k]] = l->smoother->node[k];
-  BW_TRY(set_arms(context, c, l, mesh, corner_node));
-  BW_TRY(number(context, c, l, corner_node));
+  BW_TRY(set_arms(context, c, l, mesh));
+  BW_TRY(number(context, c, l));
   BW_TRY(make_pattern(context, c, l, mesh, &pattern));
   BW_TRY(bwi_order_create(context, pattern, NULL, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, c->unknown, &symbolic));
@@ -387,7 +335,6 @@ bw_status bwi_corner_rotations_create(bw_context *context, const bwi_two_level *
     status = BW_OK;
   }
 done:
-  bw_free(corner_node);
   bw_free(value);
   bw_release(pattern);
   bw_release(order);
@@ -417,7 +364,7 @@ static bw_status restrict_residual(void *data, int64_t begin, int64_t end, int w
         const float *r = l->residual + 3 * m->width * k + f;
         const double u[3] = {r[0], r[m->width], r[2 * m->width]};
         double turn[3], sign = l->parent[2 * k] == corner ? 1 : -1;
-        cross(m->c->arm + 3 * k, u, turn);
+        bw_cross(m->c->arm + 3 * k, u, turn);
         for (int d = 0; d < 3; d++) {
           force[d] += 0.5 * u[d];
           moment[d] += sign * turn[d];
@@ -445,7 +392,7 @@ static bw_status prolong(void *data, int64_t begin, int64_t end, int worker) {
       double difference[3], turn[3];
       for (int d = 0; d < 3; d++)
         difference[d] = a[3 * corners + d] - b[3 * corners + d];
-      cross(difference, m->c->arm + 3 * k, turn);
+      bw_cross(difference, m->c->arm + 3 * k, turn);
       for (int d = 0; d < 3; d++)
         l->z[(3 * k + d) * m->width + f] += (float)(0.5 * (a[d] + b[d]) + turn[d]);
     }
