@@ -161,17 +161,48 @@ typedef struct sweep {
   float *z, *residual;
 } sweep;
 
-/* z of row k so that its equation holds, the rows before it as they are; `residual` of these then
- * loses what it does to them. Backwards, `residual` is what rows behind did, and is added to. */
-static inline void satisfy_one(const sweep *w, int64_t k, bool backwards) {
+/* What rows outside its own block leave of r at row k; backwards, `residual` is what those behind
+ * did. It becomes 0. */
+static inline quad take_rest(const sweep *w, int64_t k, bool backwards) {
   const bwi_smoother *s = w->s;
-  const float *a = s->inverse + 9 * k, *r = w->r + 3 * k;
-  float *z = w->z + 3 * k, *residual = w->residual + 3 * k;
+  const float *r = w->r + 3 * k;
+  float *residual = w->residual + 3 * k;
   quad sum = row_times_f(FLOATS(s), k, w->z, (quad){0, 0, 0, 0});
   for (int d = 0; d < 3; d++) {
     sum[d] = r[d] - sum[d] - (backwards ? residual[d] : 0);
     residual[d] = 0;
   }
+  return sum;
+}
+
+/* The same for four or eight fields from `first` on. */
+#define TAKE_REST(suffix, all)                                                                     \
+  static inline void take_rest##suffix(const sweep *w, int64_t k, int first, bool backwards,       \
+                                       all sum[3]) {                                               \
+    const bwi_smoother *s = w->s;                                                                  \
+    int64_t stride = w->width;                                                                     \
+    const float *r = w->r + 3 * stride * k + first;                                                \
+    float *residual = w->residual + 3 * stride * k + first;                                        \
+    for (int d = 0; d < 3; d++)                                                                    \
+      sum[d] = (all){0};                                                                           \
+    rows_times##suffix(FLOATS(s), k, stride, w->z + first, sum);                                   \
+    for (int d = 0; d < 3; d++) {                                                                  \
+      sum[d] = at##suffix(r + d * stride) - sum[d];                                                \
+      if (backwards)                                                                               \
+        sum[d] -= at##suffix(residual + d * stride);                                               \
+      put##suffix(residual + d * stride, (all){0});                                                \
+    }                                                                                              \
+  }
+TAKE_REST(_f4, four)
+TAKE_REST(_f8, eight)
+
+/* z of row k so that its equation holds, the rows before it as they are; `residual` of these then
+ * loses what it does to them. Backwards, what it does is added to `residual`. */
+static inline void satisfy_one(const sweep *w, int64_t k, bool backwards) {
+  const bwi_smoother *s = w->s;
+  const float *a = s->inverse + 9 * k;
+  float *z = w->z + 3 * k;
+  quad sum = take_rest(w, k, backwards);
   sum =
       *(const quad *)a * sum[0] + *(const quad *)(a + 3) * sum[1] + *(const quad *)(a + 6) * sum[2];
   for (int d = 0; d < 3; d++)
@@ -184,16 +215,10 @@ static inline void satisfy_one(const sweep *w, int64_t k, bool backwards) {
   static inline void satisfy##suffix(const sweep *w, int64_t k, int first, bool backwards) {       \
     const bwi_smoother *s = w->s;                                                                  \
     int64_t stride = w->width;                                                                     \
-    const float *a = s->inverse + 9 * k, *r = w->r + 3 * stride * k + first;                       \
-    float *z = w->z + 3 * stride * k + first, *residual = w->residual + 3 * stride * k + first;    \
-    all sum[3] = {{0}}, own[3];                                                                    \
-    rows_times##suffix(FLOATS(s), k, stride, w->z + first, sum);                                   \
-    for (int d = 0; d < 3; d++) {                                                                  \
-      sum[d] = at##suffix(r + d * stride) - sum[d];                                                \
-      if (backwards)                                                                               \
-        sum[d] -= at##suffix(residual + d * stride);                                               \
-      put##suffix(residual + d * stride, (all){0});                                                \
-    }                                                                                              \
+    const float *a = s->inverse + 9 * k;                                                           \
+    float *z = w->z + 3 * stride * k + first;                                                      \
+    all sum[3], own[3];                                                                            \
+    take_rest##suffix(w, k, first, backwards, sum);                                                \
     nine_times##suffix(a, sum, own);                                                               \
     for (int d = 0; d < 3; d++) {                                                                  \
       put##suffix(z + d * stride, own[d]);                                                         \
@@ -224,12 +249,9 @@ static void satisfy_block_one(const sweep *w, int64_t block, bool backwards) {
   const float *a = s->block_inverse + s->inverse_start[block];
   float sums[3 * BWI_SMOOTHER_BLOCK], own[3 * BWI_SMOOTHER_BLOCK + 1] = {0};
   for (int64_t k = begin; k < end; k++) {
-    quad sum = row_times_f(FLOATS(s), k, w->z, (quad){0, 0, 0, 0});
-    float *residual = w->residual + 3 * k;
-    for (int d = 0; d < 3; d++) {
-      sums[3 * (k - begin) + d] = w->r[3 * k + d] - sum[d] - (backwards ? residual[d] : 0);
-      residual[d] = 0;
-    }
+    quad sum = take_rest(w, k, backwards);
+    for (int d = 0; d < 3; d++)
+      sums[3 * (k - begin) + d] = sum[d];
   }
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++)
@@ -249,20 +271,9 @@ static void satisfy_block_one(const sweep *w, int64_t block, bool backwards) {
     int n = 3 * (int)(end - begin);                                                                \
     const float *a = s->block_inverse + s->inverse_start[block];                                   \
     all sums[3 * BWI_SMOOTHER_BLOCK], own[3 * BWI_SMOOTHER_BLOCK];                                 \
-    memset(sums, 0, (size_t)n * sizeof *sums);                                                     \
     memset(own, 0, (size_t)n * sizeof *own);                                                       \
-    for (int64_t k = begin; k < end; k++) {                                                        \
-      all *sum = sums + 3 * (k - begin);                                                           \
-      const float *r = w->r + 3 * stride * k + first;                                              \
-      float *residual = w->residual + 3 * stride * k + first;                                      \
-      rows_times##suffix(FLOATS(s), k, stride, w->z + first, sum);                                 \
-      for (int d = 0; d < 3; d++) {                                                                \
-        sum[d] = at##suffix(r + d * stride) - sum[d];                                              \
-        if (backwards)                                                                             \
-          sum[d] -= at##suffix(residual + d * stride);                                             \
-        put##suffix(residual + d * stride, (all){0});                                              \
-      }                                                                                            \
-    }                                                                                              \
+    for (int64_t k = begin; k < end; k++)                                                          \
+      take_rest##suffix(w, k, first, backwards, sums + 3 * (k - begin));                           \
     for (int j = 0; j < n; j++)                                                                    \
       for (int i = 0; i < n; i++)                                                                  \
         own[i] += a[n * j + i] * sums[j];                                                          \
