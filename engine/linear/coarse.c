@@ -12,8 +12,8 @@
 
 /* A solution by the factor, and by multigrid with its setup, are compared for so many of them. */
 #define SOLUTIONS 24.0
-/* The same solution with multigrid in place of the factor takes more iterations, each of which
- * costs several of multigrid's. */
+/* The same solution with multigrid in place of the factor takes more iterations (blocks: 25 for 22,
+ * docs/theory/preconditioners.md), each of which costs several of multigrid's. */
 #define MORE_ITERATIONS 1.15
 #define FINE_OVER_COARSE 14.0
 /* Bytes for a block of two corners, of a cycle and of the setup: fitted, so that blocks, bars and
