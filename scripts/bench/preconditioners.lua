@@ -1,8 +1,11 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Conjugate gradients on one mesh with the engine's preconditioners and with those of PETSc and hypre: processor
--- time, iterations, memory. Each row is a process of its own on one processor.
+-- time, iterations, memory. Each row is a process of its own on one processor. Or two-level PCG on hard bodies.
 local bw = require "barwright"
 local script = require "barwright.command.script"
+package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
+local bodies = require "bodies"
+local options = require "options"
 
 local engine, petsc = {}, {backend = "petsc"}
 local kinds = { -- name, preconditioner, options of PETSc; for quadratic elements alone
@@ -24,7 +27,10 @@ local opts = script.read {
   options = {
     {name = "here", value = "N", type = "integer", min = 1, max = #kinds,
       what = "solve with this preconditioner in this process, and print its row alone"},
-    {name = "hard", type = "flag", what = "two-level PCG on bodies that it finds hard, and no comparison"},
+    {name = "hard", type = "flag", what = "two-level PCG on boxes that it finds hard, and no comparison"},
+    {name = "models", value = "DIR", type = "folder",
+      what = "the same on the surfaces of this folder that scripts/bench/bodies.lua names"},
+    options.containing, options.elements(8000),
     {name = "order", value = "N", type = "integer", default = 2, min = 1, max = 2,
       what = "order of elements, of --here"},
   },
@@ -51,16 +57,19 @@ local function measure(kind, cells, order)
   print(("%s %.1f | %d | %.2f | %.1e |"):format(head, processor, static.report.iterations, peak, static.residual))
 end
 
+local function isotropic(poisson) return bw.material.isotropic {young = 1e9, poisson = poisson} end
+
+local function fibres(contrast, axes)
+  local small = 0.3 / contrast
+  return bw.material.orthotropic {young = {contrast * 1e7, 1e7, 1e7}, shear = {4e6, 4e6, 4e6},
+    poisson = {0.3, small, small}, axes = axes}
+end
+
+local c, s = math.cos(0.6), math.sin(0.6)
+local oblique = {{c, 0.8 * s, 0.6 * s}, {-s, 0.8 * c, 0.6 * c}, {0, -0.6, 0.8}}
+
 -- Name, cells, size (m), material, the axis along which it is fixed and loaded.
 local function hard_bodies()
-  local function isotropic(poisson) return bw.material.isotropic {young = 1e9, poisson = poisson} end
-  local function fibres(contrast, axes)
-    local small = 0.3 / contrast
-    return bw.material.orthotropic {young = {contrast * 1e7, 1e7, 1e7}, shear = {4e6, 4e6, 4e6},
-      poisson = {0.3, small, small}, axes = axes}
-  end
-  local c, s = math.cos(0.6), math.sin(0.6)
-  local oblique = {{c, 0.8 * s, 0.6 * s}, {-s, 0.8 * c, 0.6 * c}, {0, -0.6, 0.8}}
   local list, cube, unit = {}, {8, 8, 8}, {1, 1, 1}
   for _, wide in ipairs {2, 5, 10} do
     for layers = 1, 2 do
@@ -79,18 +88,35 @@ local function hard_bodies()
   return list
 end
 
-if opts.hard then
-  print "| body | unknowns | iterations | processor seconds | MB | corners rotate |"
-  print "|---|---|---|---|---|---|"
-  for _, body in ipairs(hard_bodies()) do
+-- Two-level PCG on a mesh that is fixed where it is lowest along an axis, and loaded where it is highest, within
+-- these fractions of its size.
+local function print_hard(name, mesh, material, axis, fixed, loaded)
+  local part, low, high = bw.model {mesh = mesh, material = material}, mesh.box.min[axis], mesh.box.max[axis]
+  local size = high - low
+  part:fix(mesh.boundary:below(axis, low + fixed * size))
+  part:load {on = mesh.boundary:above(axis, high - loaded * size), force = {1, 0.3, -1}}
+  local processor = os.clock()
+  local report = assert(part:solve {solver = bw.solver.pcg {}}).report
+  print(("| %s | %d | %d | %d | %.2f | %.0f | %s |"):format(name, mesh.element_count, mesh.node_count * 3,
+    report.iterations, os.clock() - processor, report.bytes / 1e6,
+    report.reason:find "corners rotate" and "yes" or "no"))
+end
+
+if opts.hard or opts.models then
+  print "| body | elements | unknowns | iterations | processor seconds | MB | corners rotate |"
+  print "|---|---|---|---|---|---|---|"
+  for _, body in ipairs(opts.hard and hard_bodies() or {}) do
     local name, cells, size, material, axis = table.unpack(body)
     local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = size, cells = cells, order = 2})
-    local part = bw.model {mesh = mesh, material = material}
-    part:fix(mesh.boundary:below(axis, 0)):load {on = mesh.boundary:above(axis, size[axis]), force = {1, 0.3, -1}}
-    local processor = os.clock()
-    local report = assert(part:solve {solver = bw.solver.pcg {}}).report
-    print(("| %s | %d | %d | %.2f | %.0f | %s |"):format(name, mesh.node_count * 3, report.iterations,
-      os.clock() - processor, report.bytes / 1e6, report.reason:find "corners rotate" and "yes" or "no"))
+    print_hard(name, mesh, material, axis, 0, 0)
+  end
+  local materials = {{"ν = 0.35", isotropic(0.35)}, {"ν = 0.45", isotropic(0.45)},
+    {"15 times as stiff obliquely", fibres(15, oblique)}, {"100 times as stiff obliquely", fibres(100, oblique)}}
+  for _, body in ipairs(opts.models and bodies(opts) or {}) do
+    local mesh = assert(bw.mesh.fill(body.surface(), {elements = opts.elements, order = 2}))
+    for _, kind in ipairs(materials) do
+      print_hard(("%s, %s"):format(body.name, kind[1]), mesh, kind[2], 3, 0.02, 0.05)
+    end
   end
   return
 end
