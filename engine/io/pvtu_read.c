@@ -28,6 +28,7 @@ typedef struct joining {
   const char *path;
   bw_mesh_file *piece;
   size_t count, capacity;
+  int64_t skipped;                  /* other elements, of pieces without tetrahedra */
   bool numbered, elements_numbered; /* nodes, elements */
   item *node, *element;
   int64_t nodes, elements; /* of all pieces, ghosts left out */
@@ -51,6 +52,8 @@ static char *beside(bw_context *context, const char *path, bwi_word source) {
   return name;
 }
 
+/* Programs that run in parallel write a piece for each process, also where it has no elements. Such
+ * a piece is left out. */
 static bw_status parse_piece(joining *j, const char *name, const unsigned char *bytes,
                              size_t count) {
   bw_status status = BW_OK;
@@ -60,8 +63,12 @@ static bw_status parse_piece(joining *j, const char *name, const unsigned char *
   bwi_cursor_init(&cursor, j->context, name, bytes, count);
   bwi_raw_init(&raw, j->context, name);
   BW_TRY(bwi_vtu_read(&cursor, &raw, &format));
-  BW_TRY(bwi_raw_mesh(&raw, format, &j->piece[j->count]));
-  j->count++;
+  if (raw.tet_count == 0 && raw.solids == 0)
+    j->skipped += raw.skipped + (int64_t)raw.facet_count;
+  else {
+    BW_TRY(bwi_raw_mesh(&raw, format, &j->piece[j->count]));
+    j->count++;
+  }
 done:
   bwi_raw_clear(&raw);
   return status;
@@ -82,7 +89,7 @@ static bw_status read_piece(bwi_cursor *cursor, joining *j, bwi_word source) {
   }
   BW_TRY(bw_read_file(j->context, name, &bytes, &count));
   BW_TRY(parse_piece(j, name, bytes, count));
-  if (j->piece[j->count - 1].mesh->order != j->piece[0].mesh->order)
+  if (j->count > 0 && j->piece[j->count - 1].mesh->order != j->piece[0].mesh->order)
     status = bw_fail(
         j->context, BW_FORMAT, "%s: elements of %d nodes, but the first piece has elements of %d",
         name, j->piece[j->count - 1].mesh->nodes_per_element, j->piece[0].mesh->nodes_per_element);
@@ -95,13 +102,15 @@ done:
 static bw_status read_pieces(bwi_cursor *cursor, joining *j) {
   bw_status status = BW_OK;
   bwi_tag tag;
-  bool any, started = false;
+  bool any, started = false, named = false, whole = false;
   for (;;) {
     BW_TRY(bwi_xml_next(cursor, &tag, &any));
     if (!any)
       break;
-    if (tag.closing)
+    if (tag.closing) {
+      whole = whole || bwi_word_is(tag.name, "PUnstructuredGrid");
       continue;
+    }
     if (bwi_word_is(tag.name, "VTKFile")) {
       bwi_word type = bwi_xml_value(&tag, "type");
       if (!bwi_word_is(type, "PUnstructuredGrid"))
@@ -112,11 +121,17 @@ static bw_status read_pieces(bwi_cursor *cursor, joining *j) {
     } else if (!started)
       return bwi_fail_line(cursor, "found the XML tag '%s' where VTKFile was expected",
                            bwi_show(tag.name));
-    else if (bwi_word_is(tag.name, "Piece"))
+    else if (bwi_word_is(tag.name, "Piece")) {
+      named = true;
       BW_TRY(read_piece(cursor, j, bwi_xml_value(&tag, "Source")));
+    }
   }
-  if (j->count == 0)
+  if (!named)
     status = bwi_fail_line(cursor, "the file names no Piece");
+  else if (!whole) /* it may have named more */
+    status = bwi_fail_line(cursor, "the file ends before </PUnstructuredGrid>");
+  else if (j->count == 0)
+    status = bwi_fail_line(cursor, "no Piece holds tetrahedra");
 done:
   return status;
 }
@@ -391,7 +406,7 @@ bw_status bwi_pvtu_read(bw_context *context, const char *path, const unsigned ch
   BW_TRY(join_nodes(&j));
   BW_TRY(join_elements(&j));
   qsort(j.node, (size_t)j.nodes, sizeof *j.node, by_at);
-  out.info = (bw_read_info){.format = "PVTU", .group_count = 1};
+  out.info = (bw_read_info){.format = "PVTU", .group_count = 1, .skipped = j.skipped};
   for (size_t k = 0; k < j.count; k++)
     out.info.skipped += j.piece[k].info.skipped;
   BW_TRY(make_mesh(&j, &out.mesh));

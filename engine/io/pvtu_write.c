@@ -5,13 +5,14 @@
  *
  * A piece is a run of elements along a space-filling curve, so that few nodes are in two pieces.
  * The cut depends on the mesh alone. Pieces are written before the file that names them: who
- * finds that file finds all of them. */
+ * finds that file finds all of them. An older one is emptied first, as its pieces are replaced. */
 #include "io/raw.h"
 #include "io/vtu.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum { PIECE_ELEMENTS = 100000 };
 
@@ -184,6 +185,15 @@ static bw_status write_index(const pieces *p) {
   return bw_writer_commit(writer);
 }
 
+/* An older file of this name names no pieces from now on, so that it does not join old and new ones
+ * where writing fails. */
+static bw_status empty_old(const pieces *p) {
+  struct stat old;
+  if (stat(p->path, &old) != 0 || !S_ISREG(old.st_mode))
+    return BW_OK;
+  return write_index(&(pieces){.context = p->context, .mesh = p->mesh, .path = p->path});
+}
+
 bw_status bwi_pvtu_write(bw_context *context, const bw_mesh *mesh, const char *path,
                          int field_count, const bw_field *fields) {
   bw_status status = BW_OK;
@@ -208,6 +218,7 @@ bw_status bwi_pvtu_write(bw_context *context, const bw_mesh *mesh, const char *p
     goto done;
   }
   memset(p.local, 0xff, (size_t)mesh->node_count * sizeof *p.local);
+  BW_TRY(empty_old(&p));
   for (int k = 0; k < p.count; k++) {
     BW_TRY(bw_check_cancel(context));
     bw_progress(context, "writing", (double)k / p.count);

@@ -119,12 +119,17 @@ static void threads_do_not_matter(void **state) {
   "<PointData><DataArray type=\"Float64\" Name=\"t\">" t "</DataArray></PointData>"
 
 static const char whole[] = "<VTKFile type=\"PUnstructuredGrid\">\n<PUnstructuredGrid>\n"
-                            "<Piece Source=\"p.vtu\"/>\n<Piece Source=\"q.vtu\"/>\n"
+                            "<Piece Source=\"e.vtu\"/>\n<Piece Source=\"p.vtu\"/>\n"
+                            "<Piece Source=\"q.vtu\"/>\n"
                             "</PUnstructuredGrid></VTKFile>\n";
 
-/* Two tetrahedra on either side of a face; each piece has the other's as a copy. Without numbers
- * nodes are joined by their places. */
+/* Two tetrahedra on either side of a face; each piece has the other's as a copy, and one piece has
+ * none. Without numbers nodes are joined by their places. */
 static void write_pieces(void) {
+  write_text("e.vtu", "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece "
+                      "NumberOfPoints=\"0\" NumberOfCells=\"0\"><Points><DataArray "
+                      "type=\"Float32\" NumberOfComponents=\"3\"/></Points></Piece>"
+                      "</UnstructuredGrid></VTKFile>");
   write_text("p.vtu", PIECE("0 0 0 1 0 0 0 1 0 0 0 1 1 1 1", "0 1 2 3 1 2 3 4",
                             NODE_DATA("0 1 2 3 4")
                                 CELL_DATA("0 1", "<DataArray type=\"Int32\" Name=\"c\">7 8"
@@ -167,6 +172,10 @@ static void refusals(void **state) {
       {BW_FORMAT, "where VTKFile was expected", "<Piece Source=\"p.vtu\"/>"},
       {BW_FORMAT, "names no Piece", "<VTKFile type=\"PUnstructuredGrid\"></VTKFile>"},
       {BW_FORMAT, "without Source", "<VTKFile type=\"PUnstructuredGrid\"><Piece/></VTKFile>"},
+      {BW_FORMAT, "ends before </PUnstructuredGrid>",
+       "<VTKFile type=\"PUnstructuredGrid\"><Piece Source=\"p.vtu\"/>"},
+      {BW_FORMAT, "no Piece holds tetrahedra",
+       "<VTKFile type=\"PUnstructuredGrid\"><Piece Source=\"e.vtu\"/></PUnstructuredGrid>"},
       {BW_IO, "none.vtu", "<VTKFile type=\"PUnstructuredGrid\"><Piece Source=\"none.vtu\"/>"},
       {BW_FORMAT, "only UnstructuredGrid",
        "<VTKFile type=\"PUnstructuredGrid\"><Piece Source=\"r.pvtu\"/>"},
@@ -178,9 +187,26 @@ static void refusals(void **state) {
   write_text("p.vtu", PIECE("0 0 0 1 0 0 0 1 0 0 0 1 1 1 1", "0 1 2 3 1 2 3 4",
                             CELL_DATA("0 0", "<DataArray type=\"Int32\" "
                                              "Name=\"GlobalElementId\">3 3</DataArray>")));
-  write_text("r.pvtu", "<VTKFile type=\"PUnstructuredGrid\"><Piece Source=\"p.vtu\"/>");
+  write_text("r.pvtu", "<VTKFile type=\"PUnstructuredGrid\"><Piece Source=\"p.vtu\"/>"
+                       "</PUnstructuredGrid>");
   check_fails(context, BW_FORMAT, "element number 3 occurs twice",
               bw_mesh_read(context, path, &file));
+}
+
+/* A file that names old pieces is not left beside new ones. */
+static void failure_leaves_no_mixture(void **state) {
+  bw_context *context = check_context(state);
+  char path[400], piece[400];
+  bw_mesh_file file;
+  bw_mesh *mesh = large(context, 1);
+  check_ok(context, bw_mesh_write(context, mesh, in_folder(path, "m.pvtu"), 0, NULL));
+  in_folder(piece, "m_1.vtu");
+  assert_int_equal(unlink(piece), 0);
+  assert_int_equal(mkdir(piece, 0700), 0);
+  check_fails(context, BW_IO, "m_1.vtu", bw_mesh_write(context, mesh, path, 0, NULL));
+  assert_int_equal(rmdir(piece), 0);
+  check_fails(context, BW_FORMAT, "names no Piece", bw_mesh_read(context, path, &file));
+  bw_release(mesh);
 }
 
 static void out_of_memory(void **state) {
@@ -209,8 +235,8 @@ static void out_of_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(round_trip), check_test(threads_do_not_matter),
-                                     check_test(pieces_of_others), check_test(refusals),
-                                     check_test(out_of_memory)};
+  const struct CMUnitTest tests[] = {
+      check_test(round_trip), check_test(threads_do_not_matter),     check_test(pieces_of_others),
+      check_test(refusals),   check_test(failure_leaves_no_mixture), check_test(out_of_memory)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
