@@ -44,9 +44,11 @@ typedef struct pencil {
 /* A quotient of rounding size says nothing. */
 #define ROUNDING 1e-10
 
-/* BW_SINGULAR where x . y is negative for a product y of a positive definite operator. */
-static bw_status check_positive(bw_context *context, const char *name, int64_t count, int64_t size,
-                                const double *x, const double *y) {
+/* BW_SINGULAR where x . y is negative; y is the product of x with `a`, or with `a` less its shift.
+ */
+static bw_status check_positive(bw_context *context, const bw_operator *a, bool shifted,
+                                int64_t count, const double *x, const double *y) {
+  int64_t size = a->size;
   for (int64_t k = 0; k < count; k++, x += size, y += size) {
     double xy = 0, xx = 0, yy = 0;
     for (int64_t i = 0; i < size; i++) {
@@ -56,9 +58,9 @@ static bw_status check_positive(bw_context *context, const char *name, int64_t c
     }
     if (xy < -ROUNDING * sqrt(xx) * sqrt(yy))
       return bw_fail(context, BW_SINGULAR,
-                     "%s is not positive definite: x . A x = %g for a vector with x . x = %g; of a "
-                     "stiffness, give a shift below its smallest eigenvalue",
-                     name, xy, xx);
+                     "\"%s\"%s is not positive definite: x . A x = %g for a vector with x . x = "
+                     "%g; of a stiffness, give a shift below its smallest eigenvalue",
+                     a->name.text, shifted ? " less its shift" : "", xy, xx);
   }
   return BW_OK;
 }
@@ -71,8 +73,7 @@ static bw_status pencil_mass(bw_context *context, void *data, int64_t count, con
     return BW_OK;
   }
   bw_status status = bw_operator_apply(context, p->m, count, x, y);
-  return status == BW_OK ? check_positive(context, p->m->name.text, count, p->k->size, x, y)
-                         : status;
+  return status == BW_OK ? check_positive(context, p->m, false, count, x, y) : status;
 }
 
 /* y = K x - sigma M x */
@@ -81,16 +82,13 @@ static bw_status pencil_stiffness(bw_context *context, void *data, int64_t count
   bw_status status = BW_OK;
   const pencil *p = data;
   int64_t size = p->k->size;
-  char name[2 * BW_NAME];
   BW_TRY(bw_operator_apply(context, p->k, count, x, y));
   for (int64_t k = 0; p->options.shift != 0 && k < count; k++) {
     BW_TRY(pencil_mass(context, data, 1, x + k * size, p->product));
     for (int64_t i = 0; i < size; i++)
       y[k * size + i] -= p->options.shift * p->product[i];
   }
-  snprintf(name, sizeof name, "\"%s\"%s", p->k->name.text,
-           p->options.shift != 0 ? " less its shift" : "");
-  status = check_positive(context, name, count, size, x, y);
+  status = check_positive(context, p->k, p->options.shift != 0, count, x, y);
 done:
   return status;
 }

@@ -345,7 +345,7 @@ static void failures_are_reported(void **state) {
   FAILS(BW_INVALID, "the tolerance on eigenpairs is 2", k, m, .tolerance = 2);
   FAILS(BW_INVALID, "the shift is nan", k, m, .shift = NAN);
   FAILS(BW_SINGULAR, "\"bad\" is not positive definite: x . A x = -", bad, m, .seed = 1);
-  FAILS(BW_SINGULAR, "bad is not positive definite: x . A x = -", k, bad, .seed = 1);
+  FAILS(BW_SINGULAR, "\"bad\" is not positive definite: x . A x = -", k, bad, .seed = 1);
   check_ok(context, bw_operator_create(context, N, skew, stiff, NULL, "skew", &other));
   FAILS(BW_INVALID, "\"skew\" is not symmetric", other, m, .seed = 1);
   FAILS(BW_INVALID, "\"skew\" is not symmetric", k, other, .seed = 1);
