@@ -253,9 +253,11 @@ describe("every command", function()
     status, _, err = check.run "lvie x.lua"
     assert.equal(2, status)
     assert.truthy(err:find("did you mean 'live'?", 1, true), err)
-    status, _, err = check.run "part.STL"
-    assert.equal(2, status)
-    assert.truthy(err:find("part.STL is no script: `barwright check part.STL`", 1, true), err)
+    for _, file in ipairs {"part.STL", "part.pvtu"} do
+      status, _, err = check.run(file)
+      assert.equal(2, status)
+      assert.truthy(err:find(("%s is no script: `barwright check %s`"):format(file, file), 1, true), err)
+    end
     for _, name in ipairs {"init", "arguments", "output", "help_text", "quantity"} do
       assert.is_false(commands.known(name))
     end
