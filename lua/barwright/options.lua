@@ -25,9 +25,12 @@ function options.countable(value)
   return ok and math.type(count) == "integer" and count >= 0 and count < 1e9
 end
 
+-- Where objects of a class come from.
+local origin = {solver = " of bw.solver", eigensolver = " of bw.eigensolver", linear_program_solver = " of bw.lp"}
+
 -- What a rule expects, in words.
 local function expected(rule)
-  return rule.type == "integer" and "a whole number" or core.spoken(rule.type)
+  return rule.type == "integer" and "a whole number" or core.spoken(rule.type) .. (origin[rule.type] or "")
 end
 
 -- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, min =,

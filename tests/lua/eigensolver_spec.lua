@@ -119,7 +119,8 @@ describe("eigensolvers", function()
     check.raises("option 'solver': an eigensolver (bw.eigensolver.lanczos {}) or \"auto\" expected, got string",
       part.modes, part, {solver = "arpack"})
     check.raises("option 'solver'", part.modes, part, {solver = part})
-    check.raises("option 'eigensolver': an eigensolver or \"auto\" expected, got 3", bw.worst_case, part,
+    check.raises("option 'eigensolver': an eigensolver of bw.eigensolver or \"auto\" expected, got 3",
+      bw.worst_case, part,
       {eigensolver = 3})
     check.raises("unknown option 'with'", part.modes, part, {with = "slepc"})
     check.raises("a basis of -3 vectors", bw.eigensolver.arpack, {basis = -3})

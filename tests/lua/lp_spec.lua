@@ -80,8 +80,8 @@ describe("solvers of linear programs", function()
   end)
 
   it("are refused where they are something else", function()
-    check.raises("option 'lp': a linear program solver or \"auto\" expected, got string 'simplex'", bw.worst_case,
-      part, with(limits, "simplex"))
+    check.raises("option 'lp': a linear program solver of bw.lp or \"auto\" expected, got string 'simplex'",
+      bw.worst_case, part, with(limits, "simplex"))
     check.raises("option 'glpk'", bw.worst_case, part, {["glpk"] = true})
     local basis, system = assert(bw.pressure_basis(mesh)), assert(part:system())
     check.raises("option 'lp': bw.lp.dual_simplex {}, bw.lp.glpk {} or \"auto\" expected", bw.worst_loads,

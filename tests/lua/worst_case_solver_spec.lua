@@ -97,7 +97,7 @@ describe("worst cases without a factor", function()
       {force = 20, pressure = 2e6, solver = bw.solver.pcg(), eigensolver = bw.eigensolver.lanczos {}})
     assert.equal("cholesky", assert(bw.worst_case(part, {force = 20, pressure = 2e6, modes = 2, regions = 1,
       eigensolver = bw.eigensolver.arpack {}})).reports.solver.solver)
-    check.raises("a solver or \"auto\" expected", bw.worst_case, part, {solver = "pcg"})
+    check.raises("a solver of bw.solver or \"auto\" expected", bw.worst_case, part, {solver = "pcg"})
     check.raises("preconditioner and no solver", bw.worst_case, part, {solver = bw.solver.amg()})
     local system = assert(part:system {solver = bw.solver.pcg()})
     check.raises("needs a factor", system.modes, system, {solver = bw.eigensolver.lanczos {}})
