@@ -228,8 +228,12 @@ static bw_status solve_pcg(linear_solve *s, int count, const double *b, const do
                        .limit = s->max_iterations,
                        .progress = true};
   bw_status ran = bwi_pcg_fields_run(s->context, &fields, &task, b, x);
-  if (ran == BW_INVALID) /* where it is not symmetric, vectors may grow without bound */
+  if (ran == BW_INVALID) { /* where it is not symmetric, vectors may grow without bound */
+    char message[500];
+    snprintf(message, sizeof message, "%s", bw_message(s->context));
     BW_TRY(bwi_operator_check_symmetric(s->context, s->a, NULL));
+    bw_fail(s->context, ran, "%s", message); /* the products may have replaced it */
+  }
   BW_TRY(ran);
   s->iterations = task.iterations > s->iterations ? task.iterations : s->iterations;
   if (task.indefinite) {

@@ -226,6 +226,13 @@ describe("the function of an operator", function()
     end)
   end)
 
+  it("is named where its product as a preconditioner is not finite", function()
+    local a = chain(2)
+    local own = operator(function(x) return a:apply(x) end)
+    check.raises("the product of \"near\" has nan in row 1", own.solve, own, ones,
+      {preconditioner = operator(function(x) return x * (0 / 0) end, "near")})
+  end)
+
   it("must be linear, symmetric and positive definite", function()
     local a = chain(2)
     check.fails("singular", "\"mine\" is not positive definite: p . A p = -",
