@@ -364,7 +364,7 @@ end
 
 -- ---- showing ------------------------------------------------------------------------------------------
 
---- The answer in one line. It is of one mesh: bw.breaking_force has an error.
+--- The answer in one line. It is of one mesh: bw.breaking_force has an error. Where PCG solved, the line states its error too.
 function worst_case:__tostring()
   if not self.regions then return "worst case (closed)" end
   local head
@@ -380,8 +380,10 @@ function worst_case:__tostring()
     tail = ("%s; at most %s on this mesh%s"):format(tail, core.quantity(self.upper_bound, "Pa"),
       self.bounded and " " .. self.bounded or "")
   end
-  return ("%s: %s; %s%s; %s"):format(head, self.regions[self.region].label, tail,
-    load_limits.describe(self.options), core.error_unknown)
+  local solve = self.solve_error > 0
+    and ("; the solver changes the stress by at most %s"):format(shown.error(self.solve_error)) or ""
+  return ("%s: %s; %s%s%s; %s"):format(head, self.regions[self.region].label, tail,
+    load_limits.describe(self.options), solve, core.error_unknown)
 end
 
 --- Everything as a .vtu: the weakness map, and pressure, displacement and stress of the worst load.
