@@ -2,8 +2,8 @@
  * MPI, PETSc and SLEPc), which nothing else links: a program that wants it loads it.
  *
  * Rank 0 decides. The others serve it in one of two ways: bw_world_serve works for the solver that
- * is registered on rank 0 (bw_external, external.h); bw_world_send and bw_world_receive exchange byte
- * strings whose meaning is the caller's. A rank that waits sleeps. */
+ * is registered on rank 0 (bw_external, external.h); bw_world_send and bw_world_receive exchange
+ * byte strings whose meaning is the caller's. A rank that waits sleeps. */
 #ifndef BARWRIGHT_DISTRIBUTED_H
 #define BARWRIGHT_DISTRIBUTED_H
 
