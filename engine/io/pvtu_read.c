@@ -8,17 +8,26 @@
 #include "io/raw.h"
 #include "io/vtu.h"
 
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* VTK's mark of an element that belongs to another piece. */
 enum { DUPLICATE_CELL = 1 };
-#define GHOSTS "vtkGhostType"
+/* Of the largest coordinate: places of one node in several pieces differ by no more. */
+#define PLACE_ROUNDING 1e-6
+
+bool bwi_pvtu_joins(const char *name) {
+  return !strcmp(name, BWI_PVTU_NODE) || !strcmp(name, BWI_PVTU_ELEMENT) ||
+         !strcmp(name, BWI_PVTU_GHOST);
+}
 
 /* A node or an element of a piece. */
 typedef struct item {
   int64_t number; /* that the file gives; of nodes without numbers 0 */
-  double x[3];    /* of nodes without numbers */
+  double x[3];    /* of nodes */
   int32_t piece, local;
   int32_t at; /* among those of all pieces, one piece behind the other */
 } item;
@@ -36,6 +45,19 @@ typedef struct joining {
   int32_t *from;           /* node of the mesh -> its first place in `node`, ordered by `at` */
   int32_t node_count;
 } joining;
+
+/* A failure with the name of the file in message and details. */
+__attribute__((format(printf, 3, 4))) static bw_status refuse(const joining *j, bw_status status,
+                                                              const char *format, ...) {
+  char text[400];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  bw_fail(j->context, status, "%s: %s", j->path, text);
+  bw_detail_text(j->context, "file", j->path);
+  return status;
+}
 
 /* ---- the names of the pieces ----------------------------------------------------------------- */
 
@@ -90,9 +112,9 @@ static bw_status read_piece(bwi_cursor *cursor, joining *j, bwi_word source) {
   BW_TRY(bw_read_file(j->context, name, &bytes, &count));
   BW_TRY(parse_piece(j, name, bytes, count));
   if (j->count > 0 && j->piece[j->count - 1].mesh->order != j->piece[0].mesh->order)
-    status = bw_fail(
-        j->context, BW_FORMAT, "%s: elements of %d nodes, but the first piece has elements of %d",
-        name, j->piece[j->count - 1].mesh->nodes_per_element, j->piece[0].mesh->nodes_per_element);
+    status = refuse(j, BW_FORMAT, "elements of %d nodes in %s, but of %d in the first piece",
+                    j->piece[j->count - 1].mesh->nodes_per_element, name,
+                    j->piece[0].mesh->nodes_per_element);
 done:
   bw_free(bytes);
   bw_free(name);
@@ -176,14 +198,10 @@ static int compare_numbers(const item *p, const item *q) {
   return p->number < q->number ? -1 : p->number > q->number;
 }
 
-static int compare_nodes(const item *p, const item *q) {
-  int order = compare_numbers(p, q);
-  return order ? order : memcmp(p->x, q->x, sizeof p->x);
-}
-
 static int by_node(const void *a, const void *b) {
-  int order = compare_nodes(a, b);
-  return order ? order : by_place(a, b);
+  const item *p = a, *q = b;
+  int order = memcmp(p->x, q->x, sizeof p->x);
+  return order ? order : by_place(p, q);
 }
 
 static int by_number(const void *a, const void *b) {
@@ -200,16 +218,15 @@ static void list_nodes(joining *j, size_t k) {
     j->nodes++;
     if (j->numbered)
       n->number = integer(number, i);
-    else
-      for (int c = 0; c < 3; c++) /* -0 is 0 */
-        n->x[c] = file->mesh->node[3 * (int64_t)i + c] + 0.0;
+    for (int c = 0; c < 3; c++) /* -0 is 0 */
+      n->x[c] = file->mesh->node[3 * (int64_t)i + c] + 0.0;
   }
 }
 
 static void list_elements(joining *j, size_t k) {
   const bw_mesh_file *file = &j->piece[k];
   const bw_array *number = find(file, BW_ON_ELEMENTS, BWI_PVTU_ELEMENT);
-  const bw_array *ghost = find(file, BW_ON_ELEMENTS, GHOSTS);
+  const bw_array *ghost = find(file, BW_ON_ELEMENTS, BWI_PVTU_GHOST);
   for (int32_t e = 0; e < file->mesh->element_count; e++)
     if (!ghost || !(integer(ghost, e) & DUPLICATE_CELL)) {
       j->element[j->elements] = (item){.number = j->elements_numbered ? integer(number, e) : 0,
@@ -229,9 +246,8 @@ static bw_status list_items(joining *j) {
     elements += j->piece[k].mesh->element_count;
   }
   if (nodes > INT32_MAX || elements > INT32_MAX)
-    return bw_fail(j->context, BW_LIMIT,
-                   "%s: pieces of %lld nodes and %lld elements: at most 2147483647 of each",
-                   j->path, (long long)nodes, (long long)elements);
+    return refuse(j, BW_LIMIT, "pieces of %lld nodes and %lld elements: at most 2147483647 of each",
+                  (long long)nodes, (long long)elements);
   j->node = BW_NEW(j->context, item, nodes);
   j->element = BW_NEW(j->context, item, elements);
   j->joined = BW_NEW(j->context, int32_t, nodes);
@@ -245,12 +261,34 @@ static bw_status list_items(joining *j) {
   return bw_check_cancel(j->context);
 }
 
+/* Nodes of one number lie at one place, but for the rounding of a file's single precision. */
+static bw_status check_places(const joining *j) {
+  double largest = 0;
+  for (int64_t i = 0; i < j->nodes; i++)
+    for (int c = 0; c < 3; c++)
+      largest = fmax(largest, fabs(j->node[i].x[c]));
+  for (int64_t i = 1; i < j->nodes; i++) {
+    const item *p = &j->node[i - 1], *q = &j->node[i];
+    for (int c = 0; c < 3 && p->number == q->number; c++)
+      if (fabs(p->x[c] - q->x[c]) > PLACE_ROUNDING * largest)
+        return refuse(j, BW_FORMAT,
+                      "node number %lld lies at (%g, %g, %g) in one piece and at (%g, %g, %g) in "
+                      "another: " BWI_PVTU_NODE " must number the nodes of all pieces together",
+                      (long long)q->number, p->x[0], p->x[1], p->x[2], q->x[0], q->x[1], q->x[2]);
+  }
+  return BW_OK;
+}
+
 /* Which node of the mesh each node of a piece is. */
 static bw_status join_nodes(joining *j) {
   item *node = j->node;
-  qsort(node, (size_t)j->nodes, sizeof *node, by_node);
+  int (*compare)(const void *, const void *) = j->numbered ? by_number : by_node;
+  qsort(node, (size_t)j->nodes, sizeof *node, compare);
+  if (j->numbered && check_places(j) != BW_OK)
+    return BW_FORMAT;
   for (int64_t i = 0, first = 0; i < j->nodes; i++) {
-    if (i == 0 || compare_nodes(&node[i - 1], &node[i]) != 0) {
+    if (i == 0 || (j->numbered ? node[i - 1].number != node[i].number
+                               : memcmp(node[i - 1].x, node[i].x, sizeof node->x) != 0)) {
       first = i;
       if (j->numbered)
         j->from[j->node_count++] = node[i].at;
@@ -275,10 +313,10 @@ static bw_status join_elements(joining *j) {
   qsort(j->element, (size_t)j->elements, sizeof *j->element, by_number);
   for (int64_t e = 1; e < j->elements && j->elements_numbered; e++)
     if (j->element[e].number == j->element[e - 1].number)
-      return bw_fail(j->context, BW_FORMAT,
-                     "%s: element number %lld occurs twice: an element that is in several pieces "
-                     "must be marked as a copy (" GHOSTS ") in all but one",
-                     j->path, (long long)j->element[e].number);
+      return refuse(j, BW_FORMAT,
+                    "element number %lld occurs twice: an element that is in several pieces must "
+                    "be marked as a copy (" BWI_PVTU_GHOST ") in all but one",
+                    (long long)j->element[e].number);
   return BW_OK;
 }
 
@@ -326,10 +364,6 @@ done:
 }
 
 /* ---- fields ---------------------------------------------------------------------------------- */
-
-static bool is_bookkeeping(const char *name) {
-  return !strcmp(name, BWI_PVTU_NODE) || !strcmp(name, BWI_PVTU_ELEMENT) || !strcmp(name, GHOSTS);
-}
 
 /* The field of a piece that is number i of the first one, or NULL. */
 static const bw_array *counterpart(const joining *j, size_t k, int i) {
@@ -383,7 +417,7 @@ static bw_status join_fields(joining *j, bw_mesh_file *out) {
   if (!out->field_name || !out->field_place || !out->field_array)
     return BW_MEMORY;
   for (int i = 0; i < count; i++)
-    if (!is_bookkeeping(j->piece[0].field_name[i]))
+    if (!bwi_pvtu_joins(j->piece[0].field_name[i]))
       BW_TRY(join_field(j, i, out));
 done:
   /* names that moved are the mesh's now */

@@ -205,10 +205,9 @@ bw_status bwi_pvtu_write(bw_context *context, const bw_mesh *mesh, const char *p
               .fields = fields};
   BW_TRY(bwi_check_fields(context, mesh->node_count, mesh->element_count, field_count, fields));
   for (int i = 0; i < field_count; i++)
-    if (!strcmp(fields[i].name, BWI_PVTU_NODE) || !strcmp(fields[i].name, BWI_PVTU_ELEMENT))
+    if (bwi_pvtu_joins(fields[i].name))
       return bw_fail(context, BW_INVALID,
-                     "%s: a field named '%s', which the pieces have for their numbers: give it "
-                     "another name",
+                     "%s: a field named '%s', by which pieces are joined: give it another name",
                      path, fields[i].name);
   BW_TRY(bw_mesh_curve_order(context, mesh, &p.along));
   p.local = BW_NEW(context, int32_t, mesh->node_count);

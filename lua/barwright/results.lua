@@ -3,6 +3,7 @@
 -- manifest.json (what made them). Files are written beside their target and renamed.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
+local input_files = require "barwright.input_files"
 local json = require "barwright.json"
 local options = require "barwright.options"
 local writable = require "barwright.writable"
@@ -93,19 +94,15 @@ function results.open(folder, about)
   local fits, why, details = writable(folder .. "/result.json")
   if not fits then return nil, why, details end
   local self = setmetatable({folder = folder}, results)
-  local files = json.list {}
-  for _, path in ipairs(about.inputs) do
-    local digest, message_of, details_of = core.sha256(path)
-    if not digest then return nil, message_of, details_of end
-    files[#files + 1] = {file = path, sha256 = digest}
-  end
+  local files, message_of, details_of = input_files.digests(about.inputs)
+  if not files then return nil, message_of, details_of end
   local words = started_by()
   self.manifest = results.surroundings()
   self.manifest.started_by = words -- what `barwright rerun` runs again
   self.manifest.script = about.script or words[1]
   self.manifest.script_sha256 = words[1] and core.sha256(words[1]) or json.null
   self.manifest.folder = folder
-  self.manifest.inputs = files
+  self.manifest.inputs = json.list(files)
   self.manifest.options = about.options
   self.manifest.seed = about.seed or json.null
   return self

@@ -29,7 +29,7 @@ function results_module.open(folder, about) end
 ---What made the results, for the manifest.
 ---@class bw.ResultsAbout
 ---@field script? string its name. Default: the file that runs
----@field inputs? string[] paths of files, which are named with their SHA-256. Default: none
+---@field inputs? string[] paths of files, which are named with their SHA-256; pieces that a .pvtu file names are inputs too. Default: none
 ---@field options? table<string, any> what the script was asked for. Default: none
 ---@field seed? integer|bw.JsonNull (seed) of random numbers; `bw.json.null`: none. Default: none
 

@@ -6,6 +6,7 @@
 -- name and renamed, so that a half-written one is never seen, and one that is damaged is made again.
 -- When the entries pass the limit, those that were used longest ago go.
 local core = require "barwright.core"
+local input_files = require "barwright.input_files"
 local key = require "barwright.study.key"
 local options = require "barwright.options"
 local pack = require "barwright.study.pack"
@@ -103,11 +104,9 @@ local function name_of(what, opts)
       :format(why or "nil"))
   end
   local parts = {MARK, core.version, core.commit, text}
-  for _, file in ipairs(opts.files or {}) do
-    local digest, message, details = core.sha256(file)
-    if not digest then return nil, message, details end
-    parts[#parts + 1] = digest
-  end
+  local files, message, details = input_files.digests(opts.files or {})
+  if not files then return nil, message, details end
+  for _, file in ipairs(files) do parts[#parts + 1] = file.sha256 end
   return core.sha256_of(table.concat(parts, "\0"))
 end
 

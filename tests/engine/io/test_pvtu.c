@@ -80,9 +80,11 @@ static void round_trip(void **state) {
     assert_memory_equal(surface->point, boundary->point, 24 * (size_t)boundary->point_count);
     bw_release(surface);
     bw_release(boundary);
-    field[0].name = "GlobalNodeId";
-    check_fails(context, BW_INVALID, "give it another name",
-                bw_mesh_write(context, mesh, path, 2, field));
+    static const char *const joins[] = {"GlobalNodeId", "GlobalElementId", "vtkGhostType"};
+    for (int k = 0; k < 3; k++) {
+      field[0].name = joins[k];
+      check_fails(context, BW_INVALID, joins[k], bw_mesh_write(context, mesh, path, 2, field));
+    }
     bw_release(u);
     bw_release(stress);
     bw_release(mesh);
@@ -158,6 +160,47 @@ static void pieces_of_others(void **state) {
   bw_mesh_file_clear(&file);
 }
 
+/* The last failure names a file that ends so, in its details too. */
+static void check_file(bw_context *context, const char *end) {
+  const char *key, *text = NULL, *file = "";
+  double number;
+  for (int i = 0; bw_detail(context, i, &key, &number, &text); i++)
+    if (strcmp(key, "file") == 0)
+      file = text;
+  assert_true(strlen(file) > strlen(end));
+  assert_string_equal(file + strlen(file) - strlen(end), end);
+}
+
+#define IDS(ids)                                                                                   \
+  "<PointData><DataArray type=\"Int64\" Name=\"GlobalNodeId\">" ids "</DataArray></PointData>"
+
+/* Nodes of one number at two places are not one node; rounding to single precision is none. */
+static void numbers_of_other_places(void **state) {
+  bw_context *context = check_context(state);
+  char path[400];
+  bw_mesh_file file;
+  in_folder(path, "n.pvtu");
+  write_text("n.pvtu", "<VTKFile type=\"PUnstructuredGrid\"><PUnstructuredGrid>"
+                       "<Piece Source=\"p.vtu\"/><Piece Source=\"q.vtu\"/>"
+                       "</PUnstructuredGrid></VTKFile>");
+  write_text("p.vtu", PIECE("0 0 0 1 0 0 0 1 0 0 0 1 1 1 1", "0 1 2 3 1 2 3 4", IDS("0 1 2 3 4")));
+  for (int wrong = 0; wrong < 2; wrong++) {
+    write_text("q.vtu", wrong ? PIECE("2 2 2 1 2 2 2 1 2 2 2 1 1 1.01 1", "0 1 2 3 1 2 3 4",
+                                      IDS("5 6 7 8 4"))
+                              : PIECE("2 2 2 1 2 2 2 1 2 2 2 1 1 1.0000001 1", "0 1 2 3 1 2 3 4",
+                                      IDS("5 6 7 8 4")));
+    if (wrong) {
+      check_fails(context, BW_FORMAT, "node number 4 lies at (1, 1, 1)",
+                  bw_mesh_read(context, path, &file));
+      check_file(context, "n.pvtu");
+    } else {
+      check_ok(context, bw_mesh_read(context, path, &file));
+      assert_int_equal(file.mesh->node_count, 9);
+      bw_mesh_file_clear(&file);
+    }
+  }
+}
+
 static void refusals(void **state) {
   bw_context *context = check_context(state);
   char path[400];
@@ -183,6 +226,7 @@ static void refusals(void **state) {
   for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
     write_text("r.pvtu", bad[i].text);
     check_fails(context, bad[i].status, bad[i].message, bw_mesh_read(context, path, &file));
+    check_file(context, bad[i].status == BW_IO ? "none.vtu" : "r.pvtu");
   }
   write_text("p.vtu", PIECE("0 0 0 1 0 0 0 1 0 0 0 1 1 1 1", "0 1 2 3 1 2 3 4",
                             CELL_DATA("0 0", "<DataArray type=\"Int32\" "
@@ -191,6 +235,7 @@ static void refusals(void **state) {
                        "</PUnstructuredGrid>");
   check_fails(context, BW_FORMAT, "element number 3 occurs twice",
               bw_mesh_read(context, path, &file));
+  check_file(context, "r.pvtu");
 }
 
 /* A file that names old pieces is not left beside new ones. */
@@ -236,7 +281,9 @@ static void out_of_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(round_trip), check_test(threads_do_not_matter),     check_test(pieces_of_others),
-      check_test(refusals),   check_test(failure_leaves_no_mixture), check_test(out_of_memory)};
+      check_test(round_trip),       check_test(threads_do_not_matter),
+      check_test(pieces_of_others), check_test(numbers_of_other_places),
+      check_test(refusals),         check_test(failure_leaves_no_mixture),
+      check_test(out_of_memory)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
