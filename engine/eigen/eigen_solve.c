@@ -132,6 +132,29 @@ static bw_status check_size(bw_context *context, const pencil *p, const bw_opera
                  other->name.text, (long long)other->size, p->k->name.text, (long long)p->k->size);
 }
 
+/* Without a mass there are no eigenvalues. */
+static bw_status check_mass(bw_context *context, const bw_operator *m) {
+  bw_status status = BW_OK;
+  int64_t size = m->size;
+  bool any = false;
+  bw_random random;
+  double *x = BW_NEW(context, double, 2 * size);
+  if (!x)
+    return BW_MEMORY;
+  bw_random_seed(&random, 1);
+  for (int64_t i = 0; i < size; i++)
+    x[i] = bw_random_uniform(&random) - 0.5;
+  BW_TRY(bw_operator_apply(context, m, 1, x, x + size));
+  for (int64_t i = 0; i < size && !any; i++)
+    any = x[size + i] != 0;
+  if (!any)
+    status = bw_fail(context, BW_SINGULAR, "the mass \"%s\" is zero: there are no eigenpairs",
+                     m->name.text);
+done:
+  bw_free(x);
+  return status;
+}
+
 static bw_status check_options(bw_context *context, const pencil *p) {
   bw_status status = BW_OK;
   const bw_eigen_solve_options *o = &p->options;
@@ -149,8 +172,10 @@ static bw_status check_options(bw_context *context, const pencil *p) {
   BW_TRY(check_size(context, p, p->m, "mass"));
   BW_TRY(check_size(context, p, o->preconditioner, "preconditioner"));
   BW_TRY(bwi_operator_check_symmetric(context, p->k, NULL));
-  if (p->m)
+  if (p->m) {
     BW_TRY(bwi_operator_check_symmetric(context, p->m, NULL));
+    BW_TRY(check_mass(context, p->m));
+  }
   if (o->preconditioner)
     BW_TRY(bwi_operator_check_symmetric(context, o->preconditioner, NULL));
 done:

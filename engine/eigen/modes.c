@@ -344,7 +344,7 @@ bw_status bwi_modes_of_model(bw_context *context, const bw_model *model, bw_syst
   if (given && given->factor)
     old = given->factor->symbolic;
   if (is_automatic(solver)) {
-    if (!used->iterative)
+    if (!used->iterative && !used->factor) /* else the report says by what, and why */
       BW_TRY(bwi_system_prepare(context, model, used, NULL, old));
   } else if (solver->options.kind == BW_EIGENSOLVER_LOBPCG)
     BW_TRY(modes_by_lobpcg(context, model, used, options, &found, modes));

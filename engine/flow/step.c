@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "flow/internal.h"
+#include "incremental/lagged_factor.h"
 #include "responsive/internal.h"
 
 enum {
@@ -405,7 +406,7 @@ bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options
   bw_flow_options_default(&options);
   if (given)
     options = *given;
-  reuse = reuse ? reuse : &ignored;
+  reuse = bwi_reuse_of(reuse, &ignored);
   if (!(options.step >= 0) || !isfinite(options.step) || options.bdf < 1 || options.bdf > 2 ||
       options.iterations < 0 || !(options.tolerance > 0))
     return bw_fail(context, BW_INVALID,

@@ -518,6 +518,14 @@ done:
   return status;
 }
 
+bw_plane_reuse *bwi_reuse_of(bw_plane_reuse *given, bw_plane_reuse *own) {
+  bw_plane_reuse *reuse = given ? given : own;
+  bw_solver_report *report = &reuse->report;
+  if (!report->solver)
+    report->solver = report->backend = report->preconditioner = "";
+  return reuse;
+}
+
 static void fill_report(const bw_lagged_factor *lagged, const lag_plan *plan,
                         const prediction *cost, const char *reason, bool factored, double seconds,
                         bw_plane_reuse *reuse) {
@@ -553,7 +561,7 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
   prediction cost = {0};
   double square, start = bw_seconds();
   bw_lagged_factor_options_default(&defaults);
-  reuse = reuse ? reuse : &ignored;
+  reuse = bwi_reuse_of(reuse, &ignored);
   BW_TRY(make_plan(context, lagged, options ? options : &defaults, &plan));
   BW_TRY(prepare(context, lagged, pattern));
   size_t n = lagged->size;

@@ -24,6 +24,9 @@ typedef struct bwi_lagged_work {
   bool reordered; /* and the order too */
 } bwi_lagged_work;
 
+/* The caller's record, or `own` where there is none; its report has words. */
+bw_plane_reuse *bwi_reuse_of(bw_plane_reuse *given, bw_plane_reuse *own);
+
 typedef struct bwi_lagged_symmetric bwi_lagged_symmetric;
 bw_status bwi_lagged_symmetric_create(bw_context *context, int components,
                                       bwi_lagged_symmetric **out);

@@ -233,6 +233,7 @@ bw_status bw_solid_transient_create(bw_context *context, const bw_solid *solid,
   if (!motion)
     return BW_MEMORY;
   bw_object_init(motion, &motion_kind);
+  motion->report.solver = motion->report.backend = motion->report.preconditioner = "";
   motion->solid = bw_retain(solid);
   motion->load_case = bw_retain(load_case);
   motion->options = *options;

@@ -16,6 +16,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "incremental/lagged_factor.h"
 #include "linear/vectors.h"
 #include "responsive/large_deflection.h"
 
@@ -330,7 +331,7 @@ bw_status bw_sheet_large_deflection(bw_context *context, bw_sheet *sheet,
   bool made;
   bw_large_deflection_options_default(&defaults);
   n.options = options ? options : &defaults;
-  n.reuse = reuse ? reuse : &ignored;
+  n.reuse = bwi_reuse_of(reuse, &ignored);
   n.report = report ? report : &unread;
   *n.report = (bw_large_deflection_report){0};
   if (!(n.options->tolerance > 0) || n.options->iterations < 1 || n.options->load_steps < 1)

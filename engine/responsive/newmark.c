@@ -15,6 +15,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "incremental/lagged_factor.h"
 #include "linear/pcg_space.h"
 #include "responsive/sheet.h"
 
@@ -245,7 +246,7 @@ bw_status bw_sheet_transient(bw_context *context, bw_sheet *sheet, const bw_newm
   bool made;
   bw_newmark_default(&defaults);
   newmark = newmark ? newmark : &defaults;
-  reuse = reuse ? reuse : &ignored;
+  reuse = bwi_reuse_of(reuse, &ignored);
   double start = bw_seconds();
   BW_TRY(check(context, newmark));
   BW_TRY(bwi_sheet_prepare(context, sheet, &made));

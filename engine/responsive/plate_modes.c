@@ -254,7 +254,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
   bw_plane_reuse none = {0};
   double start = bw_seconds();
-  reuse = reuse ? reuse : &none;
+  reuse = bwi_reuse_of(reuse, &none);
   if (options.modes < 1 || options.modes >= n - GUARDS - RIGID)
     return bw_fail(context, BW_INVALID,
                    "%d modes requested of a plate with %lld unknowns: from 1 to %lld expected",

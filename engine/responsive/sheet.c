@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "incremental/lagged_factor.h"
 #include "linear/vectors.h"
 #include "responsive/sheet.h"
 
@@ -164,7 +165,7 @@ bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet,
   bw_sheet_state *next = NULL;
   bw_plane_reuse ignored = {0};
   bool made;
-  reuse = reuse ? reuse : &ignored;
+  reuse = bwi_reuse_of(reuse, &ignored);
   double start = bw_seconds();
   BW_TRY(bwi_sheet_next(context, sheet, sheet->mesh, true, &next));
   BW_TRY(bwi_sheet_statics(context, sheet, &made));

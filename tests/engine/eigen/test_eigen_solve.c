@@ -341,6 +341,15 @@ static void failures_are_reported(void **state) {
         .solver = of_bodies);
   bw_release(of_bodies);
   bw_release(amg);
+  double nothing[2] = {0, 0};
+  bw_operator *empty = operator_of(context, nothing, false, NULL);
+  for (bw_eigensolver_kind kind = BW_EIGENSOLVER_AUTO; kind < BW_EIGENSOLVER_SLEPC; kind++) {
+    bw_eigensolver *solver = eigensolver(context, kind);
+    FAILS(BW_SINGULAR, "is zero: there are no eigenpairs", matrix, empty, .solver = solver,
+          .seed = 1);
+    bw_release(solver);
+  }
+  bw_release(empty);
   FAILS(BW_INVALID, "-1 eigenpairs were requested", k, m, .count = -1);
   FAILS(BW_INVALID, "the tolerance on eigenpairs is 2", k, m, .tolerance = 2);
   FAILS(BW_INVALID, "the shift is nan", k, m, .shift = NAN);

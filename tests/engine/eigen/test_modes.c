@@ -446,6 +446,33 @@ static void system_of_another_mesh(void **state) {
   }
 }
 
+/* Modes leave what a system says of its solver: that it was given. */
+static void report_of_a_given_solver(void **state) {
+  bw_context *context = check_context(state);
+  static const bw_solver_options solvers[] = {
+      {.kind = BW_SOLVER_CHOLESKY, .backend = BW_BACKEND_CHOLMOD}, {.kind = BW_SOLVER_PCG}};
+  bw_model *model = held_bar(context, 2, 2, true);
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  options.count = 4;
+  for (size_t k = 0; k < sizeof solvers / sizeof *solvers; k++) {
+    bw_solver *solver = NULL;
+    bw_system *given = NULL, *used = NULL;
+    bw_modes *modes = NULL;
+    check_ok(context, bw_solver_create(context, &solvers[k], &solver));
+    check_ok(context, bw_system_of_model(context, model, solver, NULL, &given));
+    check_ok(context, bw_modes_of_model(context, model, given, &options, &used, &modes));
+    assert_ptr_equal(used, given);
+    assert_string_equal(given->report.reason, "it was given");
+    assert_string_equal(given->report.solver, bw_solver_word(solvers[k].kind));
+    bw_release(modes);
+    bw_release(used);
+    bw_release(given);
+    bw_release(solver);
+  }
+  bw_release(model);
+}
+
 /* Allocations that fail one after the other; thinned out, since there are thousands. */
 static void check_memory(bw_context *context, int order) {
   bw_model *model = held_bar(context, 1, order, order == 1);
@@ -517,6 +544,7 @@ int main(void) {
                                      check_test(lobpcg_without_factor),
                                      check_test(lobpcg_memory),
                                      check_test(system_of_another_mesh),
+                                     check_test(report_of_a_given_solver),
                                      check_test(refused_options)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

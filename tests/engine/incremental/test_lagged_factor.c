@@ -315,9 +315,11 @@ static void test_refused(void **state) {
         context, BW_INVALID, "not finite",
         bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL, NULL));
     memset(f.rhs, 0, f.size * sizeof *f.rhs);
-    check_ok(context,
-             bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL, NULL));
+    bw_plane_reuse reuse = {0};
+    check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL,
+                                             &reuse));
     assert_true(f.x[0] == 0);
+    assert_string_equal(reuse.report.solver, ""); /* nothing was solved */
     bw_lagged_factor_destroy(lagged);
     clear(&f);
   }

@@ -292,6 +292,54 @@ static void without_memory_for_a_factor(void **state) {
   free(first);
 }
 
+/* Where nothing was asked for, a factor takes the place of iterations that do not converge: here of
+ * a nearly incompressible body, after as many as the factor costs. In place and not, in two blocks.
+ */
+static void a_factor_in_place_of_iterations(void **state) {
+  bw_context *context = check_context(state);
+  const bw_isotropic rubber = {.name = "rubber", .young = 1e6, .poisson = 0.4999, .density = 1e3};
+  const double origin[3] = {0, 0, 0}, x[3] = {1, 0, 0};
+  bw_mesh *mesh = body_box(context, 3, 1.1, 0.9, 6, 3, 3, 2);
+  bw_material *material = NULL;
+  bw_model *model = NULL;
+  bw_selection *end = NULL;
+  check_ok(context, bw_material_isotropic(context, &rubber, &material));
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_select_plane(context, mesh, origin, x, 1e-9, &end));
+  check_ok(context, bw_model_fix(context, model, end));
+  bw_release(end);
+  bw_release(material);
+  bw_release(mesh);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *force = numbers(SIDES * size), *u = numbers(SIDES * size), *first = numbers(SIDES * size);
+  bw_system *system = NULL, *factored = NULL;
+  bw_solver *pcg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG});
+  random_field(3, SIDES * size, force);
+  check_ok(context, bw_system_of_model(context, model, NULL, NULL, &factored));
+  check_ok(context, bw_system_solve(context, factored, SIDES, force, first));
+  for (int in_place = 0; in_place < 2; in_place++) {
+    check_ok(context, bw_system_of_model(context, model, pcg, NULL, &system));
+    bw_release(system->solver); /* as where a factor was too large */
+    system->solver = NULL;
+    bw_clear_warnings(context);
+    memcpy(u, force, (size_t)(SIDES * size) * sizeof *u);
+    check_ok(context, bw_system_solve(context, system, SIDES, in_place ? u : force, u));
+    assert_true(system->factor && !system->iterative);
+    assert_string_equal(system->report.solver, "cholesky");
+    assert_string_equal(system->report.reason, "PCG did not converge");
+    assert_non_null(strstr(bw_warning_at(context, 0), "a Cholesky factorisation gives"));
+    assert_true(largest_difference(u, first, SIDES * size) < 1e-10);
+    bw_release(system);
+  }
+  bw_clear_warnings(context);
+  bw_release(pcg);
+  bw_release(factored);
+  bw_release(model);
+  free(force);
+  free(u);
+  free(first);
+}
+
 static void refusals(void **state) {
   bw_context *context = check_context(state);
   bw_model *model = make_model(context, HELD, false, 1, 2);
@@ -385,8 +433,11 @@ static void cancelling_and_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(every_solver), check_test(one_system),
-                                     check_test(without_memory_for_a_factor), check_test(refusals),
+  const struct CMUnitTest tests[] = {check_test(every_solver),
+                                     check_test(one_system),
+                                     check_test(without_memory_for_a_factor),
+                                     check_test(a_factor_in_place_of_iterations),
+                                     check_test(refusals),
                                      check_test(cancelling_and_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -771,8 +771,8 @@ static void test_without_matrix(void **state) {
     options.stiffness_damping = 2e-3;
     options.tolerance = 1e-10;
     m[k] = motion_of(context, &b, load_case, &options, NULL, NULL);
-    bw_release(solver); /* the motion keeps it */
-    assert_null(m[k]->report.solver);
+    bw_release(solver);                           /* the motion keeps it */
+    assert_string_equal(m[k]->report.solver, ""); /* nothing is solved yet */
     steps(context, m[k], 25);
     assert_string_equal(m[k]->report.solver, k ? "pcg" : "cholesky");
     assert_string_equal(m[k]->report.preconditioner, k ? "jacobi" : "");
