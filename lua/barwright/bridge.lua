@@ -288,11 +288,13 @@ local design_rules = {
   report = {type = "function"}, -- of {start, round, rounds, area, utilisation, passes, outline}
 }
 
-local function reported(self, opts, name, first, count, report_total)
+-- `stop` gets message and details where the progress function asks to stop.
+local function reported(self, opts, name, first, count, report_total, stop)
   return function(round, here, best)
     local fraction = (first + round / count) / report_total
-    core.report_progress(("bridge: %s, %s"):format(name, quantity(2 * best.area, "m2")), math.min(fraction, 1))
-    if core.interrupted() then return false end
+    stop.message, stop.details = select(2, core.report_progress(("bridge: %s, %s"):format(name,
+      quantity(2 * best.area, "m2")), math.min(fraction, 1)))
+    if stop.message or core.interrupted() then return false end
     if opts.report then
       return opts.report {start = name, round = round, rounds = count, area = 2 * here.area,
         utilisation = here.max / self.opts.stress_limit, best_area = 2 * best.area,
@@ -406,7 +408,7 @@ function class.design(self, given)
         quantity(self.opts.thickness * fraction * math.sqrt(3) / 2, "m")),
       {status = "infeasible", moment_fraction = fraction}
   end
-  local results, best = {}, nil
+  local results, stop, best = {}, {}, nil
   opts.starts = opts.starts or self.edited and {"current"} or order_of_starts
   local kept = starts.kept_holes(self.outline, self.designed)
   local total = #opts.starts + 1
@@ -419,8 +421,10 @@ function class.design(self, given)
     local form, message = form_of_start(self, name, kept)
     local found
     if form then
-      found, message = shape_design.search(problem, form, reported(self, opts, name, i - 1, opts.rounds, total))
+      found, message = shape_design.search(problem, form,
+        reported(self, opts, name, i - 1, opts.rounds, total, stop))
     end
+    if stop.message then return nil, stop.message, stop.details end
     if found then
       results[i] = {start = name, area = 2 * found.area, utilisation = found.max / self.opts.stress_limit,
         passes = found.passes and found.max <= self.opts.stress_limit, converged = found.converged,
@@ -440,7 +444,8 @@ function class.design(self, given)
       {status = "infeasible"}
   end
   local last, message, details = settled(self, opts, best, reported(self, opts, best.start, total - 1,
-    math.max(opts.polish, 10), total))
+    math.max(opts.polish, 10), total, stop))
+  if stop.message then return nil, stop.message, stop.details end
   if not last then return nil, message, details end
   note_designed(self, kept)
   local max = last.worst / self.opts.stress_limit

@@ -65,8 +65,9 @@ function methods:step(count)
   local function steps(report)
     if not next(self.signals) then return advance(self, report, step, count) end
     for i = 1, count do
-      if count > 1 then core.report_progress("time steps", (i - 1) / count) end
-      local ok, message, details = advance(self, report, step)
+      local ok, message, details = true
+      if count > 1 then ok, message, details = core.report_progress("time steps", (i - 1) / count) end
+      if ok then ok, message, details = advance(self, report, step) end
       if not ok then return nil, message, details end
       record(self)
     end

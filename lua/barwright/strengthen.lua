@@ -154,9 +154,10 @@ end
 -- A step from a surface, {surface, breaking, fraction}, or why there is none. Its advice is kept: a further
 -- step from there has smaller offsets.
 local function step_from(self, from, goal)
-  local message, details
+  local ok, message, details
   if not from.advised then
-    core.report_progress("advice", 0)
+    ok, message, details = core.report_progress("advice", 0)
+    if not ok then return nil, message, details end
     from.advised, message, details = from.breaking:advice {force = self.options.force, keep = self.options.keep,
       estimate = goal}
     from.breaking:close()
@@ -167,7 +168,8 @@ local function step_from(self, from, goal)
   if from.fraction < MIN_FRACTION or largest < MIN_OFFSET * self.length then
     return nil, "thickening around the weak places does not help any more", {status = "infeasible"}
   end
-  core.report_progress("thickening", 0)
+  ok, message, details = core.report_progress("thickening", 0)
+  if not ok then return nil, message, details end
   local moved
   moved, message, details = apply(self, from)
   if not moved then return nil, message, details end

@@ -199,7 +199,7 @@ static void on_progress(void *data, const char *stage, double fraction) {
   }
   /* Returning false asks the engine to stop. */
   if (lua_isboolean(L, -1) && !lua_toboolean(L, -1)) {
-    state->asked = state->running;
+    state->asked = true;
     bw_cancel(state->context);
   }
   lua_pop(L, 1);
@@ -234,21 +234,22 @@ static int core_progress(lua_State *L) {
   return 1;
 }
 
-/* report_progress(stage, fraction): of work in Lua. Inside of a progress function: to the program's
- * line, so that a function can show what the engine tells in other words. */
+/* report_progress(stage, fraction): of work in Lua. True, or nil, message, details where the
+ * progress function asks to stop: the caller ends its work then. Inside of a progress function: to
+ * the program's line, so that a function can show what the engine tells in other words. */
 static int core_report_progress(lua_State *L) {
   lbw_state *state = lbw_state_of(L);
   const char *stage = lbw_check_text(L, 1, NULL);
   double fraction = lbw_check_number(L, 2);
   if (state->reporting && state->progress)
     state->progress(state->progress_data, stage, fraction);
+  lua_pushboolean(L, true);
   if (state->running || state->reporting)
-    return 0;
+    return 1;
   state->caller = L;
   state->callback_failed = false;
   on_progress(state, stage, fraction);
-  finish(L, state);
-  return 0;
+  return lbw_leave(L, state->asked ? bw_check_cancel(state->context) : BW_OK, 1);
 }
 
 static int core_threads(lua_State *L) {

@@ -293,6 +293,15 @@ describe("a run", function()
     assert.same({false, "my own error"}, {ok, message})
   end)
 
+  it("is stopped by a progress function that returns false, at the end too, and no other call is", function()
+    for _, at in ipairs {0, 1} do
+      local before = bw.progress(function(_, fraction) return fraction < at end)
+      check.fails("cancelled", "run it again", study({objectives = {"mass"}}):run())
+      bw.progress(before)
+      assert(bw.mesh.box {max = {1, 1, 1}, cells = {1, 1, 1}})
+    end
+  end)
+
   it("lets a function be the design", function()
     local rounds = 0
     local one = study {objectives = {"mass"}, design = function(evaluate, problem)

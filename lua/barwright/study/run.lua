@@ -89,13 +89,20 @@ local function look_at_finished(self)
   end
 end
 
+local function interrupted(self)
+  return ("interrupted: %d trials more are in %s; run it again to go on"):format(self.finished, self.store.path),
+    {status = "cancelled"}
+end
+
 local function show_progress(self, now)
   if now - self.shown < 0.1 then return end
   self.shown = now
   local left = #self.missing - self.finished_of_batch
   local total = self.total and self.total - self.reused or 0
   total = math.max(total, self.finished + left)
-  core.report_progress(self.stage, total > 0 and self.finished / total or 1)
+  if not core.report_progress(self.stage, total > 0 and self.finished / total or 1) then
+    give_up(interrupted(self))
+  end
 end
 
 local function take(self, record, outcome)
@@ -124,8 +131,7 @@ local function wait_for_one(self)
   if record then
     take(self, record, outcome)
   elseif outcome == "cancelled" or core.interrupted() then
-    give_up(("interrupted: %d trials more are in %s; run it again to go on"):format(self.finished,
-      self.store.path), {status = "cancelled"})
+    give_up(interrupted(self))
   elseif outcome then
     give_up(outcome, {status = "internal"})
   end
@@ -305,7 +311,7 @@ function run.run(study, given)
   local closing <close> = setmetatable({}, {__close = function() own:close() end})
   local out
   out, message, details = run_design(self, design)
-  core.report_progress(self.stage, 1)
+  if not core.report_progress(self.stage, 1) then return nil, interrupted(self) end
   assert(closing)
   if not out then return nil, message, details end
   return out
