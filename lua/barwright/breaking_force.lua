@@ -300,13 +300,14 @@ local function hidden_by(background, mesh)
 end
 
 -- Finer meshes show larger stresses, so the interval reaches further down than up. A surface that was moved may be
--- either.
+-- either, and so may stresses by a solver with a tolerance.
 local function summarise(self)
   local last, former = self.history[#self.history], self.history[#self.history - 1]
   local change = estimate(self)
   local max = math.max(last.utilisation, former and former.utilisation or 0)
   self.force = 1 / last.utilisation
-  local higher = math.max(change / 2, MOVED * last.moved / self.length, HIGHER)
+  local solve = self.worst.solve_error
+  local higher = math.max(change / 2, MOVED * last.moved / self.length, HIGHER) + solve
   self.at, self.region = last.at, last.region
   self.singular = find_singular(self)
   self.excess = excess_at(self.singular)
@@ -314,7 +315,7 @@ local function summarise(self)
   local hidden, factor = weak_places.unsettled(self.history, self.length)
   local hidden_use = hidden[1] and factor * hidden[1].utilisation or 0
   local thin = hidden_by(self.background, self.mesh)
-  self.low = 1 / math.max(max * (1 + change + SEARCH + thin), hidden_use)
+  self.low = 1 / math.max(max * (1 + change + SEARCH + thin + solve), hidden_use)
   self.estimated_error = math.max(self.high / self.force - 1, 1 - self.low / self.force)
   if self.estimated_error >= 1 then self.low = 0 end -- which decides nothing
   self.ties = ties(self, last.places)

@@ -364,7 +364,8 @@ end
 
 -- ---- showing ------------------------------------------------------------------------------------------
 
---- The answer in one line. It is of one mesh: bw.breaking_force has an error. Where PCG solved, the line states its error too.
+--- The answer in one line. It is of one mesh: bw.breaking_force has an error. Where PCG solved, the line states its
+--- error too.
 function worst_case:__tostring()
   if not self.regions then return "worst case (closed)" end
   local head
@@ -381,7 +382,7 @@ function worst_case:__tostring()
       self.bounded and " " .. self.bounded or "")
   end
   local solve = self.solve_error > 0
-    and ("; the solver changes the stress by at most %s"):format(shown.error(self.solve_error)) or ""
+    and ("; the solver is estimated to change the stress by %s"):format(shown.error(self.solve_error)) or ""
   return ("%s: %s; %s%s%s; %s"):format(head, self.regions[self.region].label, tail,
     load_limits.describe(self.options), solve, core.error_unknown)
 end

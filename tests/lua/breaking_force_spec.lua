@@ -48,6 +48,16 @@ describe("the breaking force", function()
     assert.is_true(assert(breaking(mesh, {contact = 2e-5})).force < one.force)
   end)
 
+  it("has an interval that contains what the tolerance of its solver may change", function()
+    local mesh = assert(bw.mesh.fill(bar, {elements = 600, order = 2}))
+    local exact = assert(breaking(mesh))
+    local loose = assert(breaking(mesh, {solver = bw.solver.pcg {tolerance = 1e-3}}))
+    local error = loose.worst.solve_error
+    assert.is_true(error > 1e-3)
+    check.near(loose.force / loose.low, exact.force / exact.low + error, 1e-6)
+    assert.is_true(loose.high / loose.force > exact.high / exact.force + error)
+  end)
+
   it("is refined at the edge of a support, where the nearest node of the next mesh may lie within it", function()
     local box = assert(bw.surface.box {min = {-0.01, -0.01, 0}, max = {0.052, 0.01, 0.022}})
     local found = assert(breaking(box, {elements = 4000, fix = function(mesh)

@@ -45,9 +45,9 @@ describe("worst cases without a factor", function()
         assert.equal(0, own.solve_error)
         assert.is_true(found.solve_error > 0 and found.solve_error < 1e-5)
         assert.is_true(math.abs(found.max_principal / own.max_principal - 1) <= found.solve_error)
-        local sentence = "the solver changes the stress by at most [%d.e-]+ %%; error unknown: one mesh$"
+        local sentence = "the solver is estimated to change the stress by [%d.e-]+ %%; error unknown: one mesh$"
         assert.truthy(tostring(found):find(sentence))
-        assert.is_nil(tostring(own):find "the solver changes")
+        assert.is_nil(tostring(own):find "the solver is estimated")
         assert.equal("cholesky", own.reports.solver.solver)
         assert.equal("a factor serves many right-hand sides", own.reports.solver.reason)
         local report = found.reports.solver

@@ -338,10 +338,10 @@ typedef struct bw_worst_case_visit {
   const double *stress;        /* (Pa, element_count x 6) */
   const double *max_principal; /* (Pa, element_count) */
   double objective;            /* (any) of the linear program */
-  double solve_error;          /* (Pa) bound of what the error of the last solve does to the stress
-                                  where max_principal is largest; 0 by a factor */
-  bool flipped;                /* reached with the opposite signs of the weights */
-  double seconds;              /* the region's share of its batch */
+  double solve_error; /* (Pa) estimate of what the error of the last solve does to the stress
+                         where max_principal is largest; 0 by a factor */
+  bool flipped;       /* reached with the opposite signs of the weights */
+  double seconds;     /* the region's share of its batch */
 } bw_worst_case_visit;
 /* Regions -> right-hand sides -> solves -> linear programs -> solves -> stresses, in batches of
  * `batch` (0: 16) with progress "worst loads". `visit` is called in region order; a status other
