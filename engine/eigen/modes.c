@@ -293,11 +293,11 @@ done:
  * *usable is false where the equations are singular for it. */
 static bw_status give_preconditioner(bw_context *context, const bw_model *model, bw_system *system,
                                      const bw_solver *given, bwi_way *way, bool *usable) {
-  bool two_level =
-      given ? given->options.kind == BW_SOLVER_TWO_LEVEL : bwi_two_level_applies(system);
-  *way = two_level ? BWI_BY_TWO_LEVEL : BWI_BY_PCG;
-  bw_status status = two_level ? bwi_two_level_make(context, model, system)
-                               : bwi_system_precondition(context, system, given, NULL, 0);
+  bool made;
+  *way = !given                                       ? bwi_way_without_factor(system)
+         : given->options.kind == BW_SOLVER_TWO_LEVEL ? BWI_BY_TWO_LEVEL
+                                                      : BWI_BY_PCG;
+  bw_status status = bwi_system_make(context, model, system, *way, given, NULL, 0, &made);
   *usable = status == BW_OK;
   if (status == BW_SINGULAR) {
     bw_clear_failure(context);

@@ -307,8 +307,14 @@ bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_ma
  * with what of an order fits (or NULL), and the bytes that a factor may take. */
 bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_solver *solver,
                             bwi_symbolic *old, double available);
-/* Begins the report of a system that is solved by its factor. */
-void bwi_system_report_factor(bw_system *system, const char *reason);
+/* What solves the equations: a factor, PCG with two levels, or PCG with another preconditioner. */
+typedef enum bwi_way { BWI_BY_FACTOR, BWI_BY_TWO_LEVEL, BWI_BY_PCG } bwi_way;
+/* Names, operations and memory of what solves a system, and of what was chosen by cost (`solver` is
+ * NULL) the predictions. */
+void bwi_report_way(const bw_system *system, bwi_way way, const bw_solver *solver,
+                    bw_solver_report *report);
+/* Begins the report of a system. */
+void bwi_system_report(bw_system *system, bwi_way way, const bw_solver *solver, const char *reason);
 /* Gives the system its preconditioner for PCG, block Jacobi, multigrid (NULL) or a factor, where it
  * is not what the system has. Statuses as there. */
 bw_status bwi_system_precondition(bw_context *context, bw_system *system, const bw_solver *solver,

@@ -229,13 +229,38 @@ done:
   return status;
 }
 
-void bwi_system_report_factor(bw_system *system, const char *reason) {
-  system->report = (bw_solver_report){.solver = bw_solver_word(BW_SOLVER_CHOLESKY),
-                                      .backend = system->factor->kernels->backend,
-                                      .preconditioner = "",
-                                      .flops = bwi_factor_flops(system->factor),
-                                      .bytes = (double)bwi_factor_bytes(system->factor)};
+void bwi_report_way(const bw_system *system, bwi_way way, const bw_solver *solver,
+                    bw_solver_report *report) {
+  const bwi_preconditioner *m = system->preconditioner;
+  const bwi_two_level_solver *l = system->two_level;
+  const bwi_factor *factor = way == BWI_BY_FACTOR ? system->factor
+                             : way == BWI_BY_PCG  ? m->factor
+                                                  : NULL;
+  const bw_solver_kind inner = way == BWI_BY_TWO_LEVEL ? BW_SOLVER_TWO_LEVEL
+                               : m                     ? m->solver->options.kind
+                                                       : 0;
+  bool direct = way == BWI_BY_FACTOR || (way == BWI_BY_PCG && m->solver == solver); /* refined */
+  report->solver = bw_solver_word(direct ? BW_SOLVER_CHOLESKY : BW_SOLVER_PCG);
+  report->backend = factor ? factor->kernels->backend : "";
+  report->preconditioner = direct ? "" : bw_solver_word(inner);
+  if (factor)
+    report->flops = bwi_factor_flops(factor);
+  else if (way == BWI_BY_TWO_LEVEL && !bwi_coarse_iterative(l->coarse))
+    report->flops = bwi_coarse_flops(l->coarse);
+  report->bytes = way == BWI_BY_FACTOR      ? (double)bwi_factor_bytes(factor)
+                  : way == BWI_BY_TWO_LEVEL ? (double)bw_bytes(l->preconditioner)
+                                            : (double)bw_bytes(m);
+  if (!solver && way != BWI_BY_FACTOR) {
+    report->predicted_cost = l->prediction.pcg;
+    report->rival_cost = l->prediction.factor;
+  }
+}
+
+void bwi_system_report(bw_system *system, bwi_way way, const bw_solver *solver,
+                       const char *reason) {
+  system->report = (bw_solver_report){0};
   snprintf(system->report.reason, sizeof system->report.reason, "%s", reason);
+  bwi_report_way(system, way, solver, &system->report);
 }
 
 /* Only now that there is a factor: without it the preconditioner solves. */
@@ -247,7 +272,7 @@ static void leave_pcg(bw_system *system) {
   system->preconditioner = NULL;
   system->solver = NULL;
   system->iterative = false;
-  bwi_system_report_factor(system, "the equations have a factor by now");
+  bwi_system_report(system, BWI_BY_FACTOR, NULL, "the equations have a factor by now");
 }
 
 bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_solver *solver,

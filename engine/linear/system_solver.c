@@ -59,15 +59,46 @@ int bwi_pcg_break_even(const bwi_two_level_solver *solver, double available, int
 
 /* ---- preparation ----------------------------------------------------------------------------- */
 
+bwi_way bwi_way_without_factor(const bw_system *system) {
+  return bwi_two_level_applies(system) ? BWI_BY_TWO_LEVEL : BWI_BY_PCG;
+}
+
 bwi_way bwi_system_way(const bw_system *system) {
   if (!system->iterative)
     return BWI_BY_FACTOR;
-  const bw_solver *solver = system->solver;
-  const bw_solver *m = solver ? solver->options.preconditioner : NULL;
-  bool two_level = !solver ? bwi_two_level_applies(system)
-                           : solver->options.kind == BW_SOLVER_PCG &&
-                                 (!m || m->options.kind == BW_SOLVER_TWO_LEVEL);
+  if (!system->solver)
+    return bwi_way_without_factor(system);
+  const bw_solver *m = system->solver->options.preconditioner;
+  bool two_level = system->solver->options.kind == BW_SOLVER_PCG &&
+                   (!m || m->options.kind == BW_SOLVER_TWO_LEVEL);
   return two_level ? BWI_BY_TWO_LEVEL : BWI_BY_PCG;
+}
+
+bw_status bwi_system_make(bw_context *context, const bw_model *model, bw_system *system,
+                          bwi_way way, const bw_solver *preconditioner, bwi_symbolic *old,
+                          double available, bool *made) {
+  const bwi_two_level_solver *l = system->two_level;
+  *made = way == BWI_BY_TWO_LEVEL
+              ? !l || !l->preconditioner
+              : !bwi_preconditioner_serves(system->preconditioner, preconditioner);
+  return way == BWI_BY_TWO_LEVEL
+             ? bwi_two_level_make(context, model, system)
+             : bwi_system_precondition(context, system, preconditioner, old, available);
+}
+
+bool bwi_factor_replaces(bw_context *context, const bw_system *system, bw_status status,
+                         int iterations, double available, char reason[160]) {
+  const char *name = bwi_two_level_applies(system) ? "two-level PCG" : "multigrid PCG";
+  bool slow = status == BW_CONVERGENCE && system->two_level->prediction.factor_bytes <= available;
+  if (!slow && status != BW_SINGULAR && status != BW_LIMIT)
+    return false;
+  bw_clear_failure(context);
+  if (slow)
+    bw_warn(context,
+            "%s did not converge in %d iterations; a Cholesky factorisation gives the solution",
+            name, iterations);
+  snprintf(reason, 160, slow ? "%s did not converge" : "the stiffness is not one for %s", name);
+  return true;
 }
 
 double bwi_solve_tolerance(const bw_system *system) {
@@ -75,62 +106,28 @@ double bwi_solve_tolerance(const bw_system *system) {
   return !system->iterative ? 0 : given > 0 ? given : BWI_SOLVE_TO;
 }
 
-/* The system is solved by PCG from now on: with `preconditioner`, or NULL, the two-level one. */
-static void set_iterative(bw_system *system, const bw_solver *solver,
-                          const bw_solver *preconditioner, const char *reason) {
-  bool refined = preconditioner && preconditioner == solver;
-  bw_retain(solver);
-  bw_release(system->solver);
-  system->solver = solver;
-  system->iterative = true;
-  bw_solver_report *report = &system->report;
-  *report = (bw_solver_report){.backend = "", .preconditioner = ""};
-  snprintf(report->reason, sizeof report->reason, "%s", reason);
-  report->solver = bw_solver_word(refined ? BW_SOLVER_CHOLESKY : BW_SOLVER_PCG);
-  if (!refined)
-    report->preconditioner =
-        bw_solver_word(preconditioner ? preconditioner->options.kind : BW_SOLVER_TWO_LEVEL);
-  if (preconditioner) {
-    const bwi_factor *factor = system->preconditioner->factor;
-    report->backend = factor ? factor->kernels->backend : "";
-    report->flops = factor ? bwi_factor_flops(factor) : 0;
-    report->bytes = (double)bw_bytes(system->preconditioner);
-  } else {
-    const bwi_coarse *coarse = system->two_level->coarse;
-    report->flops = bwi_coarse_iterative(coarse) ? 0 : bwi_coarse_flops(coarse);
-    report->bytes = (double)bw_bytes(system->two_level->preconditioner);
-  }
-  if (!solver) {
-    report->predicted_cost = system->two_level->prediction.pcg;
-    report->rival_cost = system->two_level->prediction.factor;
-  }
-}
-
 static bw_status by_factor(bw_context *context, bw_system *system, const bw_solver *solver,
                            bwi_symbolic *old, double available, const char *reason) {
   bw_status status = BW_OK;
   BW_TRY(bwi_system_factor(context, system, solver, old, available));
-  bwi_system_report_factor(system, reason);
+  bwi_system_report(system, BWI_BY_FACTOR, solver, reason);
 done:
   return status;
 }
 
-static bw_status by_two_level(bw_context *context, const bw_model *model, bw_system *system,
-                              const bw_solver *solver, const char *reason) {
+/* The system is solved by PCG from now on. */
+static bw_status by_iterations(bw_context *context, const bw_model *model, bw_system *system,
+                               const bw_solver *solver, bwi_way way,
+                               const bw_solver *preconditioner, bwi_symbolic *old, double available,
+                               const char *reason) {
   bw_status status = BW_OK;
-  BW_TRY(bwi_two_level_make(context, model, system));
-  set_iterative(system, solver, NULL, reason);
-done:
-  return status;
-}
-
-static bw_status by_pcg(bw_context *context, bw_system *system, const bw_solver *solver,
-                        const bw_solver *preconditioner, bwi_symbolic *old, double available,
-                        const char *reason) {
-  bw_status status = BW_OK;
-  BW_TRY(bwi_system_precondition(context, system, preconditioner, old, available));
-  set_iterative(system, solver, preconditioner ? preconditioner : system->preconditioner->solver,
-                reason);
+  bool made;
+  BW_TRY(bwi_system_make(context, model, system, way, preconditioner, old, available, &made));
+  bw_retain(solver);
+  bw_release(system->solver);
+  system->solver = solver;
+  system->iterative = true;
+  bwi_system_report(system, way, solver, reason);
 done:
   return status;
 }
@@ -152,11 +149,10 @@ bw_status bwi_system_restore(bw_context *context, bw_system *system) {
   return restore(context, system, &request);
 }
 
-/* What takes the place of a factor where none is asked for. */
 static bw_status without_factor(bw_context *context, const bw_model *model, bw_system *system,
                                 const char *reason) {
-  return bwi_two_level_applies(system) ? by_two_level(context, model, system, NULL, reason)
-                                       : by_pcg(context, system, NULL, NULL, NULL, 0, reason);
+  return by_iterations(context, model, system, NULL, bwi_way_without_factor(system), NULL, NULL, 0,
+                       reason);
 }
 
 /* Whether a factor is too large, and the sentence that says so. */
@@ -193,11 +189,10 @@ static bw_status prepare_automatic(bw_context *context, const bw_model *model, b
     BW_TRY(without_factor(context, model, system, "there is no memory for a factor"));
   } else {
     status = without_factor(context, model, system, reason);
-    if (status != BW_SINGULAR && status != BW_LIMIT)
+    if (status == BW_OK ||
+        !bwi_factor_replaces(context, system, status, 0, available, reason)) /* or says where */
       goto done;
-    bw_clear_failure(context); /* a factor does, or says where */
-    BW_TRY(by_factor(context, system, NULL, old, available,
-                     "the stiffness is not one for PCG without a factor"));
+    BW_TRY(by_factor(context, system, NULL, old, available, reason));
   }
 done:
   return status;
@@ -217,10 +212,9 @@ bw_status bwi_system_prepare(bw_context *context, const bw_model *model, bw_syst
     BW_TRY(prepare_automatic(context, model, system, old, available));
   else if (request.way == BWI_BY_FACTOR)
     BW_TRY(by_factor(context, system, solver, old, available, "it was given"));
-  else if (request.way == BWI_BY_TWO_LEVEL)
-    BW_TRY(by_two_level(context, model, system, solver, "it was given"));
   else
-    BW_TRY(by_pcg(context, system, solver, request.preconditioner, old, available, "it was given"));
+    BW_TRY(by_iterations(context, model, system, solver, request.way, request.preconditioner, old,
+                         available, "it was given"));
   BW_TRY(bwi_system_mass(context, system));
 done:
   return status;
@@ -282,6 +276,9 @@ bw_status bwi_system_iterate(bw_context *context, bw_system *system, bwi_system_
     problem->converged = p.converged;
     problem->residual = p.residual;
   }
+  if (two_level)
+    two_level->spent +=
+        (double)count * (1 + problem->iterations) * two_level->prediction.one_iteration;
 done:
   return status;
 }
@@ -361,16 +358,13 @@ done:
 
 /* A factor in the place of iterations that do not converge, where nothing was asked for. */
 static bw_status give_up(bw_context *context, bw_system *system, const bwi_system_pcg *problem) {
-  bw_status status = BW_OK;
   double available = bw_available_memory();
-  if (system->solver || system->two_level->prediction.factor_bytes > available)
-    return bwi_system_stopped(context, system, problem);
-  bw_warn(context,
-          "PCG did not converge in %d iterations; a Cholesky factorisation gives the solution",
-          problem->iterations);
-  BW_TRY(by_factor(context, system, NULL, NULL, available, "PCG did not converge"));
-done:
-  return status;
+  char reason[160];
+  bw_status status = bwi_system_stopped(context, system, problem);
+  if (system->solver ||
+      !bwi_factor_replaces(context, system, status, problem->iterations, available, reason))
+    return status;
+  return by_factor(context, system, NULL, NULL, available, reason);
 }
 
 static bw_status solve_by_factor(bw_context *context, const bw_system *system, int64_t count,

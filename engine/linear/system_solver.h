@@ -20,8 +20,6 @@ enum {
 /* Bytes of a factor: there are machines with less memory than this, but few. */
 #define BWI_LARGE_FACTOR 4e9
 
-typedef enum bwi_way { BWI_BY_FACTOR, BWI_BY_TWO_LEVEL, BWI_BY_PCG } bwi_way;
-
 /* What a solver asks for. */
 typedef struct bwi_request {
   bwi_way way;
@@ -35,6 +33,17 @@ bw_status bwi_solver_request(bw_context *context, const bw_solver *solver, doubl
                              bwi_request *request);
 /* By what bw_system_solve solves. */
 bwi_way bwi_system_way(const bw_system *system);
+/* What takes the place of a factor: two levels on quadratic elements, multigrid on linear ones. */
+bwi_way bwi_way_without_factor(const bw_system *system);
+/* Gives a system the preconditioner of a way, unless it has it: *made. The others as in
+ * bwi_two_level_make and bwi_system_precondition. */
+bw_status bwi_system_make(bw_context *context, const bw_model *model, bw_system *system,
+                          bwi_way way, const bw_solver *preconditioner, bwi_symbolic *old,
+                          double available, bool *made);
+/* Where nothing was asked for: whether a factor replaces what failed with `status`, which is no
+ * failure then; `reason` says why. It warns where iterations did not converge. */
+bool bwi_factor_replaces(bw_context *context, const bw_system *system, bw_status status,
+                         int iterations, double available, char reason[160]);
 /* The error in energy that it leaves, over that of the solution; 0 by a factor. */
 double bwi_solve_tolerance(const bw_system *system);
 /* Whether the external solver is asked for. */

@@ -24,6 +24,9 @@
 /* Of the factor's cost that PCG may be at most: it may serve again. */
 #define MAX_COST_RATIO 0.5
 
+/* Where an earlier solution was asked to be by PCG. */
+#define FORMER_LEFT "; the preconditioner of an earlier solution is left"
+
 typedef struct statics {
   bw_context *context;
   const bw_model *model;
@@ -84,16 +87,6 @@ static bool has_memory(const statics *s, const bwi_cost_prediction *cost) {
   return cost->factor_bytes <= s->available;
 }
 
-/* What takes the place of a factor. */
-static const char *pcg_name(const bw_system *system) {
-  return bwi_two_level_applies(system) ? "two-level PCG" : "multigrid PCG";
-}
-
-/* The way of it; on linear elements with multigrid, as no preconditioner is named. */
-static bwi_way pcg_way(const bw_system *system) {
-  return bwi_two_level_applies(system) ? BWI_BY_TWO_LEVEL : BWI_BY_PCG;
-}
-
 static bool pcg_is_better(statics *s, const bw_system *system) {
   const bwi_two_level_solver *two_level = system->two_level;
   const bwi_cost_prediction *cost = &two_level->prediction;
@@ -102,7 +95,7 @@ static bool pcg_is_better(statics *s, const bw_system *system) {
         fmin(BWI_LARGE_FACTOR, s->available) / 1e9);
     return true;
   }
-  const char *name = pcg_name(system);
+  const char *name = bwi_two_level_applies(system) ? "two-level PCG" : "multigrid PCG";
   bool made = two_level->preconditioner || (system->preconditioner && system->preconditioner->amg);
   double next = two_level->spent + bwi_predicted_next(two_level);
   bool better = made ? next <= cost->factor
@@ -131,15 +124,20 @@ static bw_status choose(statics *s) {
   if (system->dof_map->unknown_count < BWI_SMALL_SYSTEM) {
     if (system->two_level && !has_memory(s, &system->two_level->prediction)) {
       say(s, "there is no memory for a factor"); /* as an earlier solution found */
-      s->request.way = pcg_way(system);
-    } else
+      s->request.way = bwi_way_without_factor(system);
+    } else {
       say(s, "the factor of fewer than %d unknowns is cheap", (int)BWI_SMALL_SYSTEM);
+      if (system->preconditioner || (system->two_level && system->two_level->preconditioner))
+        say_more(s, FORMER_LEFT);
+    }
     return BW_OK;
   }
   if (!system->two_level)
     BW_TRY(bwi_two_level_predict(s->context, system));
   if (pcg_is_better(s, system))
-    s->request.way = pcg_way(system);
+    s->request.way = bwi_way_without_factor(system);
+  else if (system->preconditioner || system->two_level->preconditioner)
+    say_more(s, FORMER_LEFT);
 done:
   return status;
 }
@@ -182,9 +180,6 @@ static bw_status iterate(bw_context *context, void *data, const double *force,
   double start = bw_seconds();
   BW_TRY(bwi_system_iterate(context, system, &problem, 1, force, displacement));
   s->result->report.iterations += problem.iterations;
-  if (system->two_level)
-    system->two_level->spent +=
-        (1 + problem.iterations) * system->two_level->prediction.one_iteration;
   system->times.solve += bw_seconds() - start;
   if (!problem.converged && s->passes == 0) /* a refinement need not: it is taken if it helped */
     status = bwi_system_stopped(context, system, &problem);
@@ -193,55 +188,21 @@ done:
   return status;
 }
 
-static bw_status by_two_level(statics *s) {
+static bw_status by_iterations(statics *s) {
   bw_status status = BW_OK;
   bw_system *system = s->result->system;
   bw_solver_report *report = &s->result->report;
-  bool made = system->two_level && system->two_level->preconditioner;
   const bwi_static_solver solver = {.solve = iterate, .data = s, .refine_to = s->request.tolerance};
-  BW_TRY(bwi_two_level_make(s->context, s->model, system));
+  bool made;
+  BW_TRY(bwi_system_make(s->context, s->model, system, s->request.way, s->request.preconditioner,
+                         s->old, s->available, &made));
   s->limit = limit_of(s);
   BW_TRY(run(s, &solver));
-  if (system->two_level->preconditioner->rotations)
+  if (s->request.way == BWI_BY_TWO_LEVEL && system->two_level->preconditioner->rotations)
     say_more(s, "; corners rotate in the coarse space, since iterations were slow");
-  report->solver = bw_solver_word(BW_SOLVER_PCG);
-  report->preconditioner = bw_solver_word(BW_SOLVER_TWO_LEVEL);
-  if (!s->opts.solver) {
-    report->predicted_cost = system->two_level->prediction.pcg;
-    report->rival_cost = system->two_level->prediction.factor;
-  }
-  report->flops = made || bwi_coarse_iterative(system->two_level->coarse)
-                      ? 0
-                      : bwi_coarse_flops(system->two_level->coarse);
-  report->bytes = (double)bw_bytes(system->two_level->preconditioner);
-  report->reused = made;
-done:
-  return status;
-}
-
-static bw_status by_pcg(statics *s) {
-  bw_status status = BW_OK;
-  bw_system *system = s->result->system;
-  bw_solver_report *report = &s->result->report;
-  const bwi_static_solver solver = {.solve = iterate, .data = s, .refine_to = s->request.tolerance};
-  bool made = bwi_preconditioner_serves(system->preconditioner, s->request.preconditioner);
-  BW_TRY(
-      bwi_system_precondition(s->context, system, s->request.preconditioner, s->old, s->available));
-  s->limit = limit_of(s);
-  BW_TRY(run(s, &solver));
-  const bwi_factor *factor = system->preconditioner->factor;
-  const bw_solver_kind kind = system->preconditioner->solver->options.kind;
-  bool refined = s->opts.solver && s->request.preconditioner == s->opts.solver;
-  if (!s->opts.solver) {
-    report->predicted_cost = system->two_level->prediction.pcg;
-    report->rival_cost = system->two_level->prediction.factor;
-  }
-  report->solver = bw_solver_word(refined ? BW_SOLVER_CHOLESKY : BW_SOLVER_PCG);
-  report->preconditioner = refined ? "" : bw_solver_word(kind);
-  report->backend = factor ? factor->kernels->backend : "";
-  report->flops = factor && !made ? bwi_factor_flops(factor) : 0;
-  report->bytes = (double)bw_bytes(system->preconditioner);
-  report->reused = made;
+  bwi_report_way(system, s->request.way, s->opts.solver, report);
+  report->flops = made ? report->flops : 0;
+  report->reused = !made;
 done:
   return status;
 }
@@ -279,65 +240,53 @@ static bw_status by_factor(statics *s) {
   }
   BW_TRY(bwi_system_factor(s->context, system, solver, s->old, s->available));
   BW_TRY(run(s, &by_solves));
-  report->solver = bw_solver_word(BW_SOLVER_CHOLESKY);
-  report->backend = system->factor->kernels->backend;
+  bwi_report_way(system, BWI_BY_FACTOR, s->opts.solver, report);
   report->reused = system->factor == before;
-  report->flops = system->factor == before ? 0 : bwi_factor_flops(system->factor);
-  report->bytes = (double)bwi_factor_bytes(system->factor);
+  report->flops = system->factor == before ? 0 : report->flops;
 done:
   return status;
 }
 
 /* ---- together -------------------------------------------------------------------------------- */
 
-/* Whether a failure of one way is no failure while the other may do. */
-static bool other_way(const statics *s, bw_status status) {
-  const bw_system *system = s->result->system;
-  if (s->opts.solver) /* a factor in single precision may lack digits */
-    return s->request.way == BWI_BY_PCG && s->opts.solver->options.kind == BW_SOLVER_CHOLESKY &&
-           (status == BW_CONVERGENCE || status == BW_SINGULAR);
-  if (s->request.way != BWI_BY_FACTOR)
-    return (status == BW_CONVERGENCE && has_memory(s, &system->two_level->prediction)) ||
-           status == BW_SINGULAR || status == BW_LIMIT;
-  return status == BW_MEMORY;
+static bw_status by_request(statics *s) {
+  return s->request.way == BWI_BY_FACTOR ? by_factor(s) : by_iterations(s);
 }
 
+/* A failure of one way is no failure while another may do. */
 static bw_status solve(statics *s) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
-  static bw_status (*const ways[])(statics *) = {
-      [BWI_BY_FACTOR] = by_factor, [BWI_BY_TWO_LEVEL] = by_two_level, [BWI_BY_PCG] = by_pcg};
+  bw_system *system = s->result->system;
+  bw_solver_report *report = &s->result->report;
   BW_TRY(choose(s));
-  status = ways[s->request.way](s);
-  if (status == BW_OK || !other_way(s, status))
+  status = by_request(s);
+  if (status == BW_OK)
     goto done;
-  bw_clear_failure(context);
-  if (s->opts.solver) {
+  if (s->opts.solver) { /* a factor in single precision may lack digits */
+    if (s->request.way != BWI_BY_PCG || s->opts.solver->options.kind != BW_SOLVER_CHOLESKY ||
+        (status != BW_CONVERGENCE && status != BW_SINGULAR))
+      goto done;
+    bw_clear_failure(context);
     bw_warn(context, "the factor in single precision lacks digits; one in double precision gives "
                      "the solution");
-    bw_release(s->result->system->preconditioner);
-    s->result->system->preconditioner = NULL;
+    bw_release(system->preconditioner);
+    system->preconditioner = NULL;
     BW_TRY(by_factor(s));
   } else if (s->request.way != BWI_BY_FACTOR) {
-    const char *name = pcg_name(s->result->system);
-    if (status == BW_CONVERGENCE)
-      bw_warn(context,
-              "%s did not converge in %d iterations; a Cholesky factorisation gives the solution",
-              name, s->result->report.iterations);
-    if (status == BW_CONVERGENCE)
-      say(s, "%s did not converge", name);
-    else
-      say(s, s->request.way == BWI_BY_PCG ? "the stiffness is not one for multigrid"
-                                          : "the stiffness of the linear elements is singular");
+    if (!bwi_factor_replaces(context, system, status, report->iterations, s->available,
+                             report->reason))
+      goto done;
     s->request.way = BWI_BY_FACTOR;
     BW_TRY(by_factor(s));
-  } else {
+  } else if (status == BW_MEMORY) {
+    bw_clear_failure(context);
     s->available = 0; /* there is none */
-    if (!s->result->system->two_level)
-      BW_TRY(bwi_two_level_predict(context, s->result->system));
+    if (!system->two_level)
+      BW_TRY(bwi_two_level_predict(context, system));
     say(s, "there is no memory for a factor");
-    s->request.way = pcg_way(s->result->system);
-    BW_TRY(ways[s->request.way](s));
+    s->request.way = bwi_way_without_factor(system);
+    BW_TRY(by_request(s));
   }
 done:
   return status;
