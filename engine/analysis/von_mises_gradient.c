@@ -17,6 +17,7 @@
 #include "analysis/gradient.h"
 
 #include "barwright/analysis.h"
+#include "model/internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -342,12 +343,10 @@ static bw_status take_inertia(bw_context *context, const bw_model *model, const 
     body->volume = dof_map->body_volume[b];
     for (int m = dof_map->rigid_mode_start[b]; m < dof_map->rigid_mode_start[b + 1]; m++) {
       const bw_rigid_mode *motion = &dof_map->rigid_mode[m];
-      double arm[3], turn[3];
-      for (int k = 0; k < 3; k++)
-        arm[k] = centre[k] - motion->centre[k];
-      bw_cross(motion->rotation, arm, turn);
+      double at_centre[3];
+      bwi_motion_at(motion, centre, at_centre);
       for (int k = 0; k < 3; k++) {
-        body->t[k] += part[m] * (motion->translation[k] + turn[k]);
+        body->t[k] += part[m] * at_centre[k];
         body->w[k] += part[m] * motion->rotation[k];
       }
     }

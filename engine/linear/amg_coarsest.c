@@ -7,20 +7,16 @@
  * that the pseudo-inverse A^+ has. */
 #include "base/dense.h"
 #include "linear/amg_setup.h"
+#include "model/internal.h"
 
 enum { MODES = BWI_AMG_MODES };
 
 /* A mode of a body as combination of the six that are smoothed: t and size w, about their centre.
  */
 static void coefficients(const bwi_amg_setup *s, const bw_rigid_mode *mode, double of[MODES]) {
-  double arm[3], turn[3];
+  bwi_motion_at(mode, s->centre, of);
   for (int d = 0; d < 3; d++)
-    arm[d] = s->centre[d] - mode->centre[d];
-  bw_cross(mode->rotation, arm, turn);
-  for (int d = 0; d < 3; d++) {
-    of[d] = mode->translation[d] + turn[d];
     of[3 + d] = s->size * mode->rotation[d];
-  }
 }
 
 /* N, a row for each mode; made orthonormal among those of its body by Gram and Schmidt's method,

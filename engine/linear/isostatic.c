@@ -2,9 +2,9 @@
 /* Rigid-body motions by what they are at isostatic constraints (isostatic.h). */
 #include "linear/isostatic.h"
 
-#include <math.h>
 #include <string.h>
 
+#include "linear/blas.h"
 #include "model/internal.h"
 
 typedef struct constraint {
@@ -42,35 +42,16 @@ static size_t isostatic_bytes(const void *object) {
 
 static const bw_kind isostatic_kind = {"isostatic constraints", isostatic_destroy, isostatic_bytes};
 
-/* By Gauss and Jordan's method with pivots from the column. */
+/* Of a matrix by rows, which is lost: A^T by columns, and A^-T comes by columns, A^-1 by rows. */
 static bool invert(int n, double *a, double *inverse) {
+  int pivot[6], info;
   memset(inverse, 0, 36 * sizeof *inverse);
   for (int i = 0; i < n; i++)
     inverse[i * n + i] = 1;
-  for (int c = 0; c < n; c++) {
-    int pivot = c;
-    for (int i = c + 1; i < n; i++)
-      if (fabs(a[i * n + c]) > fabs(a[pivot * n + c]))
-        pivot = i;
-    double by = a[pivot * n + c];
-    if (by == 0)
-      return false;
-    for (int j = 0; j < n; j++) {
-      double x = a[pivot * n + j], y = inverse[pivot * n + j];
-      a[pivot * n + j] = a[c * n + j];
-      inverse[pivot * n + j] = inverse[c * n + j];
-      a[c * n + j] = x / by;
-      inverse[c * n + j] = y / by;
-    }
-    for (int i = 0; i < n; i++) {
-      double factor = a[i * n + c];
-      for (int j = 0; j < n && i != c; j++) {
-        a[i * n + j] -= factor * a[c * n + j];
-        inverse[i * n + j] -= factor * inverse[c * n + j];
-      }
-    }
-  }
-  return true;
+  bwi_blas_enter();
+  dgesv_(&n, &n, a, &n, pivot, inverse, &n, &info);
+  bwi_blas_leave();
+  return info == 0;
 }
 
 /* The constraints of a body with modes; false where they are not as many, or do not tell the modes
@@ -90,10 +71,8 @@ static bool take_body(bwi_isostatic *s, int32_t component) {
       if (found == modes)
         return false;
       constraint *c = &s->constraint[first + found];
-      int32_t frame = d->frame_of[i];
       c->node = (int32_t)i;
-      for (int l = 0; l < 3; l++)
-        c->direction[l] = frame < 0 ? k == l : d->frame[9 * (int64_t)frame + 3 * k + l];
+      bwi_direction_of(d, c->node, k, c->direction);
       for (int m = 0; m < modes; m++) {
         double u[3];
         bwi_motion_at(&d->rigid_mode[first + m], d->mesh->node + 3 * i, u);

@@ -7,24 +7,16 @@
 #include <string.h>
 
 #include "base/dense.h"
+#include "model/internal.h"
 
 enum { ROWS = 512, FIELDS = BWI_RIGID_FIELDS, SUMS = 6 * FIELDS };
-
-/* Isostatic constraints as in model/isostatic.c: within this many radii of gyration, at so many
- * candidates, none weaker than a fraction of the first. Those of a former shape may be weaker. */
-#define MAX_REACH 1.5
-#define WEAK 0.1
-#define KEPT_REACH 3.0
-#define KEPT_WEAK 0.03
-#define TINY 1e-7
-enum { CANDIDATES = 4096 };
 
 typedef struct body {
   int32_t first, count; /* of its nodes in `node` */
   int modes;
   double centre[3], radius; /* of gyration of the nodes */
-  double translation[6][3], rotation[6][3];
-  int32_t constraint[6]; /* 3 * row + component */
+  bw_rigid_mode mode[6];    /* about the centre, orthonormal */
+  int32_t constraint[6];    /* 3 * row + component */
 } body;
 
 struct bwi_rigid_space {
@@ -71,31 +63,19 @@ static void arm_of(const bwi_rigid_space *s, const body *b, int64_t at, double a
     arm[d] = x[d] - b->centre[d];
 }
 
-static void mode_at(const body *b, int mode, const double arm[3], double u[3]) {
-  bw_cross(b->rotation[mode], arm, u);
-  for (int d = 0; d < 3; d++)
-    u[d] += b->translation[mode][d];
-}
-
 /* Modes about the centre of the nodes, made orthonormal by Cholesky's factor of their products. */
 static bool orthonormalise(const bwi_rigid_space *s, body *b, const bw_rigid_mode *mode) {
   double gram[36] = {0};
   int m = b->modes;
   for (int i = 0; i < m; i++) {
-    double arm[3];
-    for (int d = 0; d < 3; d++)
-      arm[d] = b->centre[d] - mode[i].centre[d];
-    bw_cross(mode[i].rotation, arm, b->translation[i]);
-    for (int d = 0; d < 3; d++) {
-      b->translation[i][d] += mode[i].translation[d];
-      b->rotation[i][d] = mode[i].rotation[d];
-    }
+    b->mode[i] = mode[i];
+    bwi_motion_at(&mode[i], b->centre, b->mode[i].translation);
+    memcpy(b->mode[i].centre, b->centre, sizeof b->centre);
   }
   for (int64_t k = b->first; k < b->first + b->count; k++) {
-    double arm[3], u[6][3];
-    arm_of(s, b, k, arm);
+    double u[6][3];
     for (int i = 0; i < m; i++)
-      mode_at(b, i, arm, u[i]);
+      bwi_motion_at(&b->mode[i], s->dof_map->mesh->node + 3 * (int64_t)s->node[k], u[i]);
     for (int i = 0; i < m; i++)
       for (int j = 0; j <= i; j++)
         gram[i * m + j] += bw_dot(u[i], u[j]);
@@ -105,14 +85,14 @@ static bool orthonormalise(const bwi_rigid_space *s, body *b, const bw_rigid_mod
   for (int d = 0; d < 3; d++) { /* Z = R L^-T */
     double t[6], w[6];
     for (int i = 0; i < m; i++) {
-      t[i] = b->translation[i][d];
-      w[i] = b->rotation[i][d];
+      t[i] = b->mode[i].translation[d];
+      w[i] = b->mode[i].rotation[d];
     }
     bwi_lower_solve(m, gram, t);
     bwi_lower_solve(m, gram, w);
     for (int i = 0; i < m; i++) {
-      b->translation[i][d] = t[i];
-      b->rotation[i][d] = w[i];
+      b->mode[i].translation[d] = t[i];
+      b->mode[i].rotation[d] = w[i];
     }
   }
   return true;
@@ -245,10 +225,11 @@ static void combine(projection *p) {
     memset(p->translation[f], 0, sizeof p->translation[f]);
     memset(p->rotation[f], 0, sizeof p->rotation[f]);
     for (int m = 0; m < b->modes; m++) {
-      double along = bw_dot(b->translation[m], sum) + bw_dot(b->rotation[m], sum + 3);
+      const bw_rigid_mode *mode = &b->mode[m];
+      double along = bw_dot(mode->translation, sum) + bw_dot(mode->rotation, sum + 3);
       for (int d = 0; d < 3; d++) {
-        p->translation[f][d] += along * b->translation[m][d];
-        p->rotation[f][d] += along * b->rotation[m][d];
+        p->translation[f][d] += along * mode->translation[d];
+        p->rotation[f][d] += along * mode->rotation[d];
       }
     }
   }
@@ -271,71 +252,20 @@ done:
 
 /* ---- isostatic constraints ----------------------------------------------------------------- */
 
-typedef struct pivot {
-  double size, direction[6];
-  int32_t at;
-} pivot;
+typedef struct candidates {
+  const bwi_rigid_space *s;
+  const body *b;
+  const int32_t *former; /* constraints, or NULL */
+  const int32_t *unknown;
+} candidates;
 
-/* What is left of component d at a node, seen by the modes, beside the `done` chosen ones. */
-static void weigh(const bwi_rigid_space *s, const body *b, int64_t at, int d, int done,
-                  const double chosen[6][6], pivot *best) {
-  int32_t frame = s->dof_map->frame_of[s->node[at]];
-  double arm[3], row[6], size = 0, direction[3];
-  arm_of(s, b, at, arm);
-  for (int k = 0; k < 3; k++)
-    direction[k] = frame < 0 ? k == d : s->dof_map->frame[9 * (int64_t)frame + 3 * d + k];
-  for (int m = 0; m < b->modes; m++) {
-    double u[3];
-    mode_at(b, m, arm, u);
-    row[m] = bw_dot(u, direction);
-  }
-  for (int pass = 0; pass < 2; pass++)
-    for (int p = 0; p < done; p++) {
-      double part = bwi_dot(b->modes, row, chosen[p]);
-      for (int m = 0; m < b->modes; m++)
-        row[m] -= part * chosen[p][m];
-    }
-  for (int m = 0; m < b->modes; m++)
-    size += row[m] * row[m];
-  if (size > best->size * (1 + 1e-6)) { /* ties go to the first, whatever the rounding */
-    best->size = size;
-    best->at = 3 * s->row[at] + d;
-    memcpy(best->direction, row, sizeof row);
-  }
-}
-
-static bool is_among(const int32_t *list, int32_t what) {
-  for (int k = 0; k < 6; k++)
-    if (list[k] == what)
-      return true;
-  return false;
-}
-
-/* Constraints at every stride-th node within `reach` of the centre, of those in `among` where
- * given. */
-static bool choose(const bwi_rigid_space *s, body *b, double reach, int64_t stride, double weakest,
-                   const int32_t *among, const int32_t *unknown) {
-  double chosen[6][6], first = 0;
-  for (int done = 0; done < b->modes; done++) {
-    pivot best = {.size = 0};
-    for (int64_t k = b->first; k < b->first + b->count; k += stride) {
-      double arm[3];
-      arm_of(s, b, k, arm);
-      for (int d = 0; d < 3 && bw_dot(arm, arm) <= reach * reach; d++) {
-        int32_t at = 3 * s->row[k] + d;
-        if (unknown[at] >= 0 && (!among || is_among(among, at)))
-          weigh(s, b, k, d, done, chosen, &best);
-      }
-    }
-    double size = sqrt(best.size);
-    first = done == 0 ? size : first;
-    if (!(size > weakest * first) || size == 0)
-      return false;
-    for (int m = 0; m < b->modes; m++)
-      chosen[done][m] = best.direction[m] / size;
-    b->constraint[done] = best.at;
-  }
-  return true;
+static bool is_open(const void *data, int64_t at, int k, bool former) {
+  const candidates *c = data;
+  int32_t component = 3 * c->s->row[c->b->first + at] + k;
+  bool among = !former;
+  for (int m = 0; m < 6 && !among; m++)
+    among = c->former[m] == component;
+  return among && c->unknown[component] >= 0;
 }
 
 bool bwi_rigid_space_constrain(bwi_rigid_space *s, const bwi_rigid_space *former,
@@ -343,13 +273,23 @@ bool bwi_rigid_space_constrain(bwi_rigid_space *s, const bwi_rigid_space *former
   bool keep = former && former->body_count == s->body_count;
   for (int32_t k = 0; k < s->body_count; k++) {
     body *b = &s->body[k];
-    const int32_t *kept = keep ? former->body[k].constraint : NULL;
-    if (!(kept && choose(s, b, KEPT_REACH * b->radius, 1, KEPT_WEAK, kept, unknown)) &&
-        !choose(s, b, MAX_REACH * b->radius, b->count / CANDIDATES + 1, WEAK, NULL, unknown) &&
-        !choose(s, b, HUGE_VAL, 1, TINY, NULL, unknown))
+    const candidates data = {s, b, keep ? former->body[k].constraint : NULL, unknown};
+    bwi_isostatic_choice choice = {.dof_map = s->dof_map,
+                                   .count = b->modes,
+                                   .mode = b->mode,
+                                   .centre = b->centre,
+                                   .length = b->radius,
+                                   .node_count = b->count,
+                                   .node = s->node + b->first,
+                                   .open = is_open,
+                                   .data = &data,
+                                   .former = keep};
+    if (!bwi_choose_isostatic(&choice))
       return false;
-    for (int m = 0; m < b->modes; m++)
+    for (int m = 0; m < b->modes; m++) {
+      b->constraint[m] = 3 * s->row[b->first + choice.at[m]] + choice.component[m];
       unknown[b->constraint[m]] = -1;
+    }
   }
   return true;
 }

@@ -68,6 +68,27 @@ typedef struct bwi_follow {
 bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t constraint_count,
                      const bwi_constraint *constraint, const bwi_follow *follow,
                      bw_dof_map **dof_map);
+/* The displacement direction of component k at a node. */
+void bwi_direction_of(const bw_dof_map *dof_map, int32_t node, int k, double d[3]);
+/* Isostatic constraints of a body: as many components of its nodes as there are modes, such that no
+ * mode vanishes at all of them. */
+typedef struct bwi_isostatic_choice {
+  const bw_dof_map *dof_map;
+  int count;
+  const bw_rigid_mode *mode; /* count */
+  const double *centre;      /* of the nodes, */
+  double length;             /* and their radius of gyration */
+  int64_t node_count;
+  const int32_t *node;
+  /* Whether component k at node[at] may be constrained; `former`: and was, in a former shape. */
+  bool (*open)(const void *data, int64_t at, int k, bool former);
+  const void *data;
+  bool former;      /* there was one */
+  int64_t at[6];    /* what was chosen: places in `node`, */
+  int component[6]; /* and components there */
+} bwi_isostatic_choice;
+/* False where the modes cannot be told apart at what may be constrained. */
+bool bwi_choose_isostatic(bwi_isostatic_choice *choice);
 /* Mark the isostatic constraints of a body that has `count` rigid-body modes and the radius of
  * gyration `length`. */
 bw_status bwi_add_isostatic(bw_context *context, bw_dof_map *dof_map, int32_t body, int count,

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/internal.h"
 #include "statics/internal.h"
 
 enum { REFINEMENTS = 3 };
@@ -55,12 +56,8 @@ static bw_status check_balance(bw_context *context, const bw_dof_map *dof_map, c
     for (int64_t i = 0; i < nodes; i++) {
       if (dof_map->mesh->component[i] != motion->component)
         continue;
-      double arm[3], shift[3];
-      for (int c = 0; c < 3; c++)
-        arm[c] = dof_map->mesh->node[3 * i + c] - motion->centre[c];
-      bw_cross(motion->rotation, arm, shift);
-      for (int c = 0; c < 3; c++)
-        shift[c] += motion->translation[c];
+      double shift[3];
+      bwi_motion_at(motion, dof_map->mesh->node + 3 * i, shift);
       size += bw_norm(shift) * bw_norm(force + 3 * i);
     }
     if (size > 0 && fabs(part[m]) / size > excess) {
