@@ -161,13 +161,13 @@ static PetscErrorCode converged(KSP solver, PetscInt iteration, PetscReal norm,
     return code;
   if (iteration == 0)
     w->first = norm;
-  if (*reason == KSP_CONVERGED_ITERATING && iteration % CANCEL_EVERY == 0 && iteration > 0) {
-    if (bwd_cancelled(w->context))
-      *reason = KSP_DIVERGED_BREAKDOWN; /* distinguished by the flag */
+  if (*reason == KSP_CONVERGED_ITERATING && iteration % CANCEL_EVERY == 0) {
     PetscReal wanted = -log(w->system->tolerance);
     if (w->system->rank == 0 && w->first > 0 && norm > 0 && wanted > 0)
       bw_progress(w->context, "conjugate gradients",
                   fmin(0.99, fmax(0, log(w->first / norm) / wanted)));
+    if (bwd_cancelled(w->context))      /* who is shown progress may cancel */
+      *reason = KSP_DIVERGED_BREAKDOWN; /* distinguished by the flag */
   }
   return 0;
 }

@@ -276,6 +276,7 @@ static bw_status lanczos_iterate(bwi_eigen_iteration *iteration, int wanted, dou
     BW_TRY(ritz(l));
     int found = lanczos_converged(iteration, wanted, tolerance);
     bw_progress(l->base.context, "modes", (double)found / wanted);
+    BW_TRY(bw_check_cancel(l->base.context));
     if (found >= wanted)
       break;
     if (l->used + l->block > l->capacity && l->done < l->base.problem->dimension) {

@@ -526,10 +526,10 @@ static bw_status iterate(lobpcg *l, int wanted, double tolerance, bool *live) {
   bool all = true;
   for (int round = 0;; round++) {
     int count;
-    BW_TRY(bw_check_cancel(context));
     BW_TRY(find_residuals(l, wanted, tolerance, all, live));
     int found = lobpcg_converged(&l->base, wanted, tolerance);
     bw_progress(context, "modes", (double)found / wanted);
+    BW_TRY(bw_check_cancel(context));
     if (l->block >= problem->dimension || (found == wanted && all))
       break;
     all = found == wanted; /* those locked long ago are measured once more at the end */

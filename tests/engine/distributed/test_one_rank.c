@@ -100,10 +100,18 @@ static void test_memory(void **state) {
   }
 }
 
+typedef struct stopper {
+  bw_context *context;
+  int reports;
+} stopper;
+
 static void stop(void *data, const char *stage, double fraction) {
+  stopper *s = data;
   (void)fraction;
-  if (strcmp(stage, "modes") == 0 || strcmp(stage, "conjugate gradients") == 0)
-    bw_cancel(data);
+  if (strcmp(stage, "modes") == 0 || strcmp(stage, "conjugate gradients") == 0) {
+    s->reports++;
+    bw_cancel(s->context);
+  }
 }
 
 static void test_cancel(void **state) {
@@ -112,11 +120,15 @@ static void test_cancel(void **state) {
   bw_model *model = body(context, 2, false);
   bw_static *result = NULL;
   bw_modes *modes = NULL;
-  bw_set_progress(context, stop, context);
+  stopper s = {.context = context};
+  bw_set_progress(context, stop, &s);
   check_fails(context, BW_CANCELLED, "cancel", statics(context, model, BW_SOLVER_PCG, &result));
+  assert_int_equal(s.reports, 1);
   bw_clear_cancel(context);
+  s.reports = 0;
   check_fails(context, BW_CANCELLED, "cancel",
               modes_of(context, model, BW_SOLVER_CHOLESKY, &modes));
+  assert_int_equal(s.reports, 1);
   bw_clear_cancel(context);
   bw_set_progress(context, NULL, NULL);
   check_ok(context, statics(context, model, BW_SOLVER_PCG, &result));

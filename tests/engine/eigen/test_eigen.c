@@ -256,6 +256,46 @@ static void cancelled(void **state) {
   free(value);
 }
 
+typedef struct reports {
+  bw_context *context;
+  int count, last;
+} reports;
+
+static void report(void *data, const char *stage, double fraction) {
+  reports *r = data;
+  (void)stage;
+  (void)fraction;
+  if (++r->count == r->last)
+    bw_cancel(r->context);
+}
+
+/* Whoever is shown the last report, and cancels then, gets no modes. */
+static void cancelled_at_the_last_report(void **state) {
+  bw_context *context = check_context(state);
+  enum { SIZE = 300 };
+  double *value = numbers(SIZE);
+  for (int i = 0; i < SIZE; i++)
+    value[i] = 1 + i;
+  for (int k = 0; k < KINDS; k++) {
+    bw_eigensolver *solver = eigensolver(context, kinds[k]);
+    reports r = {.context = context};
+    bwi_eigen_result result;
+    bw_set_progress(context, report, &r);
+    diagonal d = {.size = SIZE, .value = value};
+    check_ok(context, lowest(context, &d, solver, 5, &result));
+    bwi_eigen_result_clear(&result);
+    assert_true(r.count > 0);
+    r = (reports){.context = context, .last = r.count};
+    d = (diagonal){.size = SIZE, .value = value};
+    check_fails(context, BW_CANCELLED, "", lowest(context, &d, solver, 5, &result));
+    assert_int_equal(r.count, r.last);
+    bw_set_progress(context, NULL, NULL);
+    bw_clear_cancel(context);
+    bw_release(solver);
+  }
+  free(value);
+}
+
 typedef struct beside {
   diagonal d;
   bw_eigensolver_kind kind;
@@ -392,6 +432,7 @@ int main(void) {
                                      check_test(small_spaces),
                                      check_test(same_bits_again),
                                      check_test(cancelled),
+                                     check_test(cancelled_at_the_last_report),
                                      check_test(threads_beside_each_other),
                                      check_test(without_a_factor),
                                      check_test(refused),
