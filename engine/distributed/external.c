@@ -73,11 +73,9 @@ bw_status bwd_run_multiply(bw_context *context, int count, const double *x, doub
   return ended(context, bwd_multiply(context, current, count, x, kx, mx, magnitude));
 }
 
-/* The solver is made at the first solve: modes want a tolerance of their own. */
 bw_status bwd_run_solve(bw_context *context, const double *force, double *displacement) {
   bw_status status = BW_OK;
-  if (!current->solver)
-    BW_TRY(bwd_solver_create(context, current, 0.5 * current->tolerance));
+  BW_TRY(bwd_solver_create(context, current, 0.5 * current->tolerance));
   BW_TRY(bwd_scatter(context, current, force, current->force));
   BW_TRY(bwd_solver_apply(context, current, current->force, current->displacement));
   BW_TRY(bwd_gather(context, current, current->displacement, displacement));

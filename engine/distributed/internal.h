@@ -139,6 +139,7 @@ typedef struct bwd_system {
   Vec ghosted;            /* of this rank: a field at its own nodes and ghost nodes */
   VecScatter to_ghosted;
   KSP solver;
+  bool ready; /* the solver is: it is completed at the first use, which has its tolerance */
   int iterations;
   double seconds_send, seconds_assembly, seconds_setup, seconds_solve;
   double processor; /* of this process when the system was opened */
@@ -209,7 +210,9 @@ void bwd_out_of_frame(const double *frame, const double *own, double *global);
  * directions. */
 bw_status bwd_ghosted(bw_context *context, bwd_system *system, Vec vector, double *field);
 
-/* linear.c */
+/* linear.c: the multigrid of the linear elements, before there is K. */
+bw_status bwd_coarse_create(bw_context *context, bwd_system *system);
+/* The rest, at the first call; then the tolerance alone. */
 bw_status bwd_solver_create(bw_context *context, bwd_system *system, double rtol);
 /* displacement = K^-1 force in the system's vectors or others of their shape; the force is masked
  * in place. */

@@ -197,12 +197,49 @@ done:
   return status;
 }
 
-/* Two levels, quadratic and linear elements; the linear ones by a cycle of GAMG. */
-static bw_status with_linear_elements(bw_context *context, bwd_system *system, PC pc) {
+/* What the setup of multigrid leaves behind for a matrix with other values, which never comes: the
+ * factors of its products, and the vectors that eigenvalues were estimated with. */
+static bw_status forget_setup(bw_context *context, PC multigrid) {
   bw_status status = BW_OK;
+  PetscInt levels = 0;
+  BWD_TRY(PCMGGetLevels(multigrid, &levels));
+  for (PetscInt l = 0; l < levels; l++) {
+    KSP smoother;
+    Mat matrix = NULL, interpolation = NULL;
+    BWD_TRY(PCMGGetSmoother(multigrid, l, &smoother));
+    BWD_TRY(KSPGetOperators(smoother, &matrix, NULL));
+    BWD_TRY(MatProductClear(matrix));
+    if (l == 0)
+      continue;
+    BWD_TRY(PCMGGetInterpolation(multigrid, l, &interpolation));
+    BWD_TRY(MatProductClear(interpolation));
+    BWD_TRY(KSPChebyshevEstEigSet(smoother, 0, 0, 0, 0)); /* nothing where it is another one */
+  }
+done:
+  return status;
+}
+
+static bw_status begin_solver(bw_context *context, bwd_system *system) {
+  bw_status status = BW_OK;
+  if (!system->solver) {
+    BWD_TRY(KSPCreate(PETSC_COMM_WORLD, &system->solver));
+    BWD_TRY(KSPSetOptionsPrefix(system->solver, "barwright_"));
+  }
+done:
+  return status;
+}
+
+bw_status bwd_coarse_create(bw_context *context, bwd_system *system) {
+  bw_status status = BW_OK;
+  double begin = bw_seconds();
   bwd_linear_elements linear = {0};
   KSP coarse, smoother;
-  PC below, point;
+  PC pc, below, point;
+  if (system->rank == 0)
+    bw_progress(context, "multigrid", 0);
+  BW_TRY(begin_solver(context, system));
+  BW_TRY(multigrid_defaults(context));
+  BWD_TRY(KSPGetPC(system->solver, &pc));
   BW_TRY(bwd_linear_elements_create(context, system, &linear));
   BW_TRY(near_null_space(context, system, &linear));
   BW_TRY(null_space(context, system, &linear));
@@ -214,6 +251,9 @@ static bw_status with_linear_elements(bw_context *context, bwd_system *system, P
   BWD_TRY(KSPSetType(coarse, KSPPREONLY));
   BWD_TRY(KSPGetPC(coarse, &below));
   BWD_TRY(PCSetType(below, PCGAMG));
+  BWD_TRY(KSPSetFromOptions(coarse));
+  BWD_TRY(KSPSetUp(coarse));
+  BW_TRY(forget_setup(context, below));
   BWD_TRY(PCMGGetSmoother(pc, 1, &smoother));
   BWD_TRY(KSPSetType(smoother, KSPCHEBYSHEV));
   BWD_TRY(KSPSetTolerances(smoother, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, 2));
@@ -221,6 +261,7 @@ static bw_status with_linear_elements(bw_context *context, bwd_system *system, P
   BWD_TRY(PCSetType(point, PCPBJACOBI));
 done:
   bwd_linear_elements_clear(&linear);
+  system->seconds_setup += bw_seconds() - begin;
   return status;
 }
 
@@ -238,12 +279,10 @@ static bw_status with_multigrid(bw_context *context, bwd_system *system, double 
   BWD_TRY(KSPConvergedDefaultCreate(&w->test));
   BWD_TRY(KSPSetConvergenceTest(system->solver, converged, w, watch_destroy));
   w = NULL;
-  BW_TRY(multigrid_defaults(context));
-  BWD_TRY(KSPGetPC(system->solver, &pc));
-  if (system->two_level)
-    BW_TRY(with_linear_elements(context, system, pc));
-  else {
+  if (!system->two_level) {
+    BW_TRY(multigrid_defaults(context));
     BW_TRY(near_null_space(context, system, NULL));
+    BWD_TRY(KSPGetPC(system->solver, &pc));
     BWD_TRY(PCSetType(pc, PCGAMG));
   }
 done:
@@ -304,14 +343,19 @@ static bool wants_memory(Mat factor) {
 
 static bw_status set_up(bw_context *context, bwd_system *system, double rtol, int percent) {
   bw_status status = BW_OK;
-  BWD_TRY(KSPCreate(PETSC_COMM_WORLD, &system->solver));
-  BWD_TRY(KSPSetOptionsPrefix(system->solver, "barwright_"));
+  PC pc;
+  PetscBool multigrid;
+  BW_TRY(begin_solver(context, system));
   if (system->direct)
     BW_TRY(with_factor(context, system, percent));
   else
     BW_TRY(with_multigrid(context, system, rtol));
   BWD_TRY(KSPSetFromOptions(system->solver)); /* PETSC_OPTIONS="-barwright_..." for who knows */
   BWD_TRY(KSPSetUp(system->solver));
+  BWD_TRY(KSPGetPC(system->solver, &pc));
+  BWD_TRY(PetscObjectTypeCompareAny((PetscObject)pc, &multigrid, PCMG, PCGAMG, ""));
+  if (multigrid)
+    BW_TRY(forget_setup(context, pc));
 done:
   return status;
 }
@@ -319,6 +363,10 @@ done:
 bw_status bwd_solver_create(bw_context *context, bwd_system *system, double rtol) {
   bw_status status = BW_OK;
   double begin = bw_seconds();
+  if (system->ready) {
+    BWD_TRY(KSPSetTolerances(system->solver, rtol, 0, 1e10, system->max_iterations));
+    return status;
+  }
   if (system->rank == 0)
     bw_progress(context, system->direct ? "factorisation" : "multigrid", 0);
   BW_TRY(set_up(context, system, rtol, memory_percent[0]));
@@ -333,6 +381,7 @@ bw_status bwd_solver_create(bw_context *context, bwd_system *system, double rtol
     BW_TRY(set_up(context, system, rtol, memory_percent[k]));
   }
   BW_TRY(factor_failed(context, system));
+  system->ready = true;
 done:
   system->seconds_setup += bw_seconds() - begin;
   return status;

@@ -121,8 +121,10 @@ static bw_status make_interpolation(bw_context *context, bwd_system *system, con
   const bwd_local_mesh *mesh = &system->mesh;
   const struct bwd_local_counts *n = &mesh->count;
   int32_t *end = BW_NEW(context, int32_t, 2 * (int64_t)n->owned);
-  int frames = n->frames > 0, any = 0;
-  if (end) {
+  PetscInt *own = BW_NEW0(context, PetscInt, 3 * (int64_t)n->owned);
+  PetscInt *other = BW_NEW0(context, PetscInt, 3 * (int64_t)n->owned);
+  bool complete = end && own && other;
+  if (complete) {
     for (int64_t i = 0; i < 2 * (int64_t)n->owned; i++)
       end[i] = (int32_t)(i / 2); /* a corner is both of its ends */
     for (int64_t e = 0; e < n->elements; e++)
@@ -131,12 +133,17 @@ static bw_status make_interpolation(bw_context *context, bwd_system *system, con
         for (int s = 0; s < 2 && node[4 + k] < n->owned; s++)
           end[2 * (int64_t)node[4 + k] + s] = node[bw_tet_edge[k][s]];
       }
+    for (int32_t i = 0; i < n->owned; i++)
+      for (int s = 0; s < (number[i] >= 0 ? 1 : 2); s++) {
+        int32_t j = end[2 * (int64_t)i + s];
+        bool turned = bwd_local_frame(mesh, i) != bwd_local_frame(mesh, j);
+        for (int c = 0; c < 3; c++)
+          (j < n->owned ? own : other)[3 * (int64_t)i + c] += turned ? 3 : 1;
+      }
   }
-  BW_TRY(bwd_agree(context, end ? BW_OK : BW_MEMORY));
-  MPI_Allreduce(&frames, &any, 1, MPI_INT, MPI_MAX, bwd_comm());
-  PetscInt entries = any ? 6 : 2;
+  BW_TRY(bwd_agree(context, complete ? BW_OK : BW_MEMORY));
   BWD_TRY(MatCreateAIJ(PETSC_COMM_WORLD, 3 * system->local, 3 * corners->count.owned,
-                       3 * system->nodes, PETSC_DETERMINE, entries, NULL, entries, NULL, matrix));
+                       3 * system->nodes, PETSC_DETERMINE, 0, own, 0, other, matrix));
   for (int32_t i = 0; i < n->owned; i++)
     for (int s = 0; s < (number[i] >= 0 ? 1 : 2); s++) {
       int32_t j = end[2 * (int64_t)i + s];
@@ -147,6 +154,8 @@ static bw_status make_interpolation(bw_context *context, bwd_system *system, con
   BWD_TRY(MatAssemblyEnd(*matrix, MAT_FINAL_ASSEMBLY));
 done:
   bw_free(end);
+  bw_free(own);
+  bw_free(other);
   return status;
 }
 
