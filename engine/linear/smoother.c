@@ -13,19 +13,22 @@ typedef float four __attribute__((vector_size(16), aligned(4), may_alias));
 typedef double four2 __attribute__((vector_size(32), aligned(8), may_alias));
 typedef float eight __attribute__((vector_size(32), aligned(4), may_alias));
 typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
+/* The lower halves of four doubles, alone and in their place. */
+typedef uint32_t halves __attribute__((vector_size(16), aligned(4), may_alias));
+typedef uint64_t placed __attribute__((vector_size(32), aligned(8), may_alias));
+
+static inline quad2 whole_four(const float *value, const uint32_t *rest) {
+  return (quad2)((placed) __builtin_convertvector(*(const quad *)value, quad2) |
+                 __builtin_convertvector(*(const halves *)rest, placed));
+}
 
 /* What works on single fields is one text, compiled for floats and for doubles: `three` are the
  * numbers of a node in one register. */
 #define ONE(suffix, real, three)                                                                   \
-  static inline void columns_of_six##suffix(const real *a, three column[3]) {                      \
-    three low = *(const three *)a, high = *(const three *)(a + 2);                                 \
+  static inline void columns_of_six##suffix(three low, three high, three column[3]) {              \
     column[0] = low;                                                                               \
     column[1] = __builtin_shufflevector(low, high, 1, 3, 6, 7);                                    \
     column[2] = __builtin_shufflevector(low, high, 2, 6, 7, 7);                                    \
-  }                                                                                                \
-  static inline void columns_of_nine##suffix(const real *a, three column[3]) {                     \
-    for (int c = 0; c < 3; c++)                                                                    \
-      column[c] = *(const three *)(a + 3 * c);                                                     \
   }                                                                                                \
   /* A x */                                                                                        \
   static inline three times##suffix(const three column[3], const real *x) {                        \
@@ -37,44 +40,6 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
       three product = column[c] * x;                                                               \
       y[c] = product[0] + product[1] + product[2];                                                 \
     }                                                                                              \
-  }                                                                                                \
-  /* sum + the entries of row k times x */                                                         \
-  static inline three row_times##suffix(const bwi_smoother_part *even, const int64_t *even_end,    \
-                                        const real *six, const bwi_smoother_part *odd,             \
-                                        const int64_t *odd_end, const real *nine, int64_t k,       \
-                                        const real *x, three sum) {                                \
-    three column[3];                                                                               \
-    for (int64_t e = even->start[k]; e < even_end[k]; e++) {                                       \
-      columns_of_six##suffix(six + 6 * e, column);                                                 \
-      sum += times##suffix(column, x + 3 * (int64_t)even->column[e]);                              \
-    }                                                                                              \
-    for (int64_t e = odd->start[k]; e < odd_end[k]; e++) {                                         \
-      columns_of_nine##suffix(nine + 9 * e, column);                                               \
-      sum += times##suffix(column, x + 3 * (int64_t)odd->column[e]);                               \
-    }                                                                                              \
-    return sum;                                                                                    \
-  }                                                                                                \
-  /* y of the columns of row k += their entries, transposed, times x */                            \
-  static inline void row_across##suffix(const bwi_smoother_part *even, const int64_t *even_end,    \
-                                        const real *six, const bwi_smoother_part *odd,             \
-                                        const int64_t *odd_end, const real *nine, int64_t k,       \
-                                        three x, real *y) {                                        \
-    three column[3];                                                                               \
-    real own[4] = {x[0], x[1], x[2], 0}, add[3];                                                   \
-    for (int64_t e = even->start[k]; e < even_end[k]; e++) {                                       \
-      real *to = y + 3 * (int64_t)even->column[e];                                                 \
-      columns_of_six##suffix(six + 6 * e, column);                                                 \
-      three product = times##suffix(column, own);                                                  \
-      for (int d = 0; d < 3; d++)                                                                  \
-        to[d] += product[d];                                                                       \
-    }                                                                                              \
-    for (int64_t e = odd->start[k]; e < odd_end[k]; e++) {                                         \
-      real *to = y + 3 * (int64_t)odd->column[e];                                                  \
-      columns_of_nine##suffix(nine + 9 * e, column);                                               \
-      across##suffix(column, x, add);                                                              \
-      for (int d = 0; d < 3; d++)                                                                  \
-        to[d] += add[d];                                                                           \
-    }                                                                                              \
   }
 
 /* What works on fields side by side: `all` are the numbers of four or of eight of them, and
@@ -85,6 +50,14 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
   }                                                                                                \
   static inline void put##suffix(real *x, all value) {                                             \
     *(all *)x = value;                                                                             \
+  }                                                                                                \
+  static inline void take##suffix(const real *x, int64_t stride, all value[3]) {                   \
+    for (int d = 0; d < 3; d++)                                                                    \
+      value[d] = at##suffix(x + d * stride);                                                       \
+  }                                                                                                \
+  static inline void add##suffix(real *x, int64_t stride, const all value[3]) {                    \
+    for (int d = 0; d < 3; d++)                                                                    \
+      put##suffix(x + d * stride, at##suffix(x + d * stride) + value[d]);                          \
   }                                                                                                \
   static inline void six_times##suffix(const real *a, const all *x, all y[3]) {                    \
     y[0] = a[0] * x[0] + a[1] * x[1] + a[2] * x[2];                                                \
@@ -98,45 +71,6 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
   static inline void nine_across##suffix(const real *a, const all *x, all y[3]) {                  \
     for (int d = 0; d < 3; d++)                                                                    \
       y[d] = a[3 * d] * x[0] + a[3 * d + 1] * x[1] + a[3 * d + 2] * x[2];                          \
-  }                                                                                                \
-  static inline void rows_times##suffix(const bwi_smoother_part *even, const int64_t *even_end,    \
-                                        const real *six, const bwi_smoother_part *odd,             \
-                                        const int64_t *odd_end, const real *nine, int64_t k,       \
-                                        int64_t stride, const real *x, all sum[3]) {               \
-    for (int64_t e = even->start[k]; e < even_end[k]; e++) {                                       \
-      const real *from = x + 3 * stride * even->column[e];                                         \
-      all in[3] = {at##suffix(from), at##suffix(from + stride), at##suffix(from + 2 * stride)};    \
-      all add[3];                                                                                  \
-      six_times##suffix(six + 6 * e, in, add);                                                     \
-      for (int d = 0; d < 3; d++)                                                                  \
-        sum[d] += add[d];                                                                          \
-    }                                                                                              \
-    for (int64_t e = odd->start[k]; e < odd_end[k]; e++) {                                         \
-      const real *from = x + 3 * stride * odd->column[e];                                          \
-      all in[3] = {at##suffix(from), at##suffix(from + stride), at##suffix(from + 2 * stride)};    \
-      all add[3];                                                                                  \
-      nine_times##suffix(nine + 9 * e, in, add);                                                   \
-      for (int d = 0; d < 3; d++)                                                                  \
-        sum[d] += add[d];                                                                          \
-    }                                                                                              \
-  }                                                                                                \
-  static inline void rows_across##suffix(const bwi_smoother_part *even, const int64_t *even_end,   \
-                                         const real *six, const bwi_smoother_part *odd,            \
-                                         const int64_t *odd_end, const real *nine, int64_t k,      \
-                                         int64_t stride, const all x[3], real *y) {                \
-    all add[3];                                                                                    \
-    for (int64_t e = even->start[k]; e < even_end[k]; e++) {                                       \
-      real *to = y + 3 * stride * even->column[e];                                                 \
-      six_times##suffix(six + 6 * e, x, add);                                                      \
-      for (int d = 0; d < 3; d++)                                                                  \
-        put##suffix(to + d * stride, at##suffix(to + d * stride) + add[d]);                        \
-    }                                                                                              \
-    for (int64_t e = odd->start[k]; e < odd_end[k]; e++) {                                         \
-      real *to = y + 3 * stride * odd->column[e];                                                  \
-      nine_across##suffix(nine + 9 * e, x, add);                                                   \
-      for (int d = 0; d < 3; d++)                                                                  \
-        put##suffix(to + d * stride, at##suffix(to + d * stride) + add[d]);                        \
-    }                                                                                              \
   }
 
 ONE(_f, float, quad)
@@ -146,11 +80,82 @@ WIDE(_f8, float, eight)
 WIDE(_d4, double, four2)
 WIDE(_d8, double, eight2)
 
-/* Of sweeps, without the entries within a row's own block; of products. */
-#define FLOATS(s)                                                                                  \
-  &(s)->even, (s)->even.outside, (s)->even.value, &(s)->odd, (s)->odd.outside, (s)->odd.value
-#define DOUBLES(s)                                                                                 \
-  &(s)->even, (s)->even.start + 1, (s)->even.exact, &(s)->odd, (s)->odd.start + 1, (s)->odd.exact
+/* ---- rows ---------------------------------------------------------------------------------- */
+
+/* sum + the entries of row k outside its own block times z */
+static inline quad row_times(const bwi_smoother *s, int64_t k, const float *z, quad sum) {
+  const bwi_smoother_part *even = &s->even, *odd = &s->odd;
+  quad column[3];
+  for (int64_t e = even->start[k]; e < even->outside[k]; e++) {
+    columns_of_six_f(*(const quad *)(even->value + 6 * e), *(const quad *)(even->value + 6 * e + 2),
+                     column);
+    sum += times_f(column, z + 3 * (int64_t)even->column[e]);
+  }
+  for (int64_t e = odd->start[k]; e < odd->outside[k]; e++) {
+    for (int c = 0; c < 3; c++)
+      column[c] = *(const quad *)(odd->value + 9 * e + 3 * c);
+    sum += times_f(column, z + 3 * (int64_t)odd->column[e]);
+  }
+  return sum;
+}
+
+/* y of the columns of row k += these entries, transposed, times x */
+static inline void row_across(const bwi_smoother *s, int64_t k, quad x, float *y) {
+  const bwi_smoother_part *even = &s->even, *odd = &s->odd;
+  quad column[3];
+  float own[4] = {x[0], x[1], x[2], 0}, add[3];
+  for (int64_t e = even->start[k]; e < even->outside[k]; e++) {
+    float *to = y + 3 * (int64_t)even->column[e];
+    columns_of_six_f(*(const quad *)(even->value + 6 * e), *(const quad *)(even->value + 6 * e + 2),
+                     column);
+    quad product = times_f(column, own);
+    for (int d = 0; d < 3; d++)
+      to[d] += product[d];
+  }
+  for (int64_t e = odd->start[k]; e < odd->outside[k]; e++) {
+    float *to = y + 3 * (int64_t)odd->column[e];
+    for (int c = 0; c < 3; c++)
+      column[c] = *(const quad *)(odd->value + 9 * e + 3 * c);
+    across_f(column, x, add);
+    for (int d = 0; d < 3; d++)
+      to[d] += add[d];
+  }
+}
+
+/* The same for four or eight fields, of which z and y are the first. */
+#define ROWS_OF(suffix, all)                                                                       \
+  static inline void rows_times##suffix(const bwi_smoother *s, int64_t k, int64_t stride,          \
+                                        const float *z, all sum[3]) {                              \
+    const bwi_smoother_part *even = &s->even, *odd = &s->odd;                                      \
+    all in[3], add[3];                                                                             \
+    for (int64_t e = even->start[k]; e < even->outside[k]; e++) {                                  \
+      take##suffix(z + 3 * stride * even->column[e], stride, in);                                  \
+      six_times##suffix(even->value + 6 * e, in, add);                                             \
+      for (int d = 0; d < 3; d++)                                                                  \
+        sum[d] += add[d];                                                                          \
+    }                                                                                              \
+    for (int64_t e = odd->start[k]; e < odd->outside[k]; e++) {                                    \
+      take##suffix(z + 3 * stride * odd->column[e], stride, in);                                   \
+      nine_times##suffix(odd->value + 9 * e, in, add);                                             \
+      for (int d = 0; d < 3; d++)                                                                  \
+        sum[d] += add[d];                                                                          \
+    }                                                                                              \
+  }                                                                                                \
+  static inline void rows_across##suffix(const bwi_smoother *s, int64_t k, int64_t stride,         \
+                                         const all x[3], float *y) {                               \
+    const bwi_smoother_part *even = &s->even, *odd = &s->odd;                                      \
+    all product[3];                                                                                \
+    for (int64_t e = even->start[k]; e < even->outside[k]; e++) {                                  \
+      six_times##suffix(even->value + 6 * e, x, product);                                          \
+      add##suffix(y + 3 * stride * even->column[e], stride, product);                              \
+    }                                                                                              \
+    for (int64_t e = odd->start[k]; e < odd->outside[k]; e++) {                                    \
+      nine_across##suffix(odd->value + 9 * e, x, product);                                         \
+      add##suffix(y + 3 * stride * odd->column[e], stride, product);                               \
+    }                                                                                              \
+  }
+ROWS_OF(_f4, four)
+ROWS_OF(_f8, eight)
 
 /* ---- sweeps -------------------------------------------------------------------------------- */
 
@@ -167,7 +172,7 @@ static inline quad take_rest(const sweep *w, int64_t k, bool backwards) {
   const bwi_smoother *s = w->s;
   const float *r = w->r + 3 * k;
   float *residual = w->residual + 3 * k;
-  quad sum = row_times_f(FLOATS(s), k, w->z, (quad){0, 0, 0, 0});
+  quad sum = row_times(s, k, w->z, (quad){0, 0, 0, 0});
   for (int d = 0; d < 3; d++) {
     sum[d] = r[d] - sum[d] - (backwards ? residual[d] : 0);
     residual[d] = 0;
@@ -185,7 +190,7 @@ static inline quad take_rest(const sweep *w, int64_t k, bool backwards) {
     float *residual = w->residual + 3 * stride * k + first;                                        \
     for (int d = 0; d < 3; d++)                                                                    \
       sum[d] = (all){0};                                                                           \
-    rows_times##suffix(FLOATS(s), k, stride, w->z + first, sum);                                   \
+    rows_times##suffix(s, k, stride, w->z + first, sum);                                           \
     for (int d = 0; d < 3; d++) {                                                                  \
       sum[d] = at##suffix(r + d * stride) - sum[d];                                                \
       if (backwards)                                                                               \
@@ -207,7 +212,7 @@ static inline void satisfy_one(const sweep *w, int64_t k, bool backwards) {
       *(const quad *)a * sum[0] + *(const quad *)(a + 3) * sum[1] + *(const quad *)(a + 6) * sum[2];
   for (int d = 0; d < 3; d++)
     z[d] = sum[d];
-  row_across_f(FLOATS(s), k, backwards ? sum : -sum, w->residual);
+  row_across(s, k, backwards ? sum : -sum, w->residual);
 }
 
 /* The same for four or eight fields from `first` on. */
@@ -224,7 +229,7 @@ static inline void satisfy_one(const sweep *w, int64_t k, bool backwards) {
       put##suffix(z + d * stride, own[d]);                                                         \
       own[d] = backwards ? own[d] : -own[d];                                                       \
     }                                                                                              \
-    rows_across##suffix(FLOATS(s), k, stride, own, w->residual + first);                           \
+    rows_across##suffix(s, k, stride, own, w->residual + first);                                   \
   }
 SATISFY(_f4, four)
 SATISFY(_f8, eight)
@@ -259,7 +264,7 @@ static void satisfy_block_one(const sweep *w, int64_t block, bool backwards) {
   memcpy(w->z + 3 * begin, own, (size_t)n * sizeof *own);
   for (int64_t k = begin; k < end; k++) {
     quad z = *(const quad *)(own + 3 * (k - begin));
-    row_across_f(FLOATS(s), k, backwards ? z : -z, w->residual);
+    row_across(s, k, backwards ? z : -z, w->residual);
   }
 }
 
@@ -282,7 +287,7 @@ static void satisfy_block_one(const sweep *w, int64_t block, bool backwards) {
       own[i] = backwards ? own[i] : -own[i];                                                       \
     }                                                                                              \
     for (int64_t k = begin; k < end; k++)                                                          \
-      rows_across##suffix(FLOATS(s), k, stride, own + 3 * (k - begin), w->residual + first);       \
+      rows_across##suffix(s, k, stride, own + 3 * (k - begin), w->residual + first);               \
   }
 SATISFY_BLOCK(_f4, four)
 SATISFY_BLOCK(_f8, eight)
@@ -357,34 +362,77 @@ typedef struct product {
 
 /* y of row k, to which only rows behind it have still to add, and what it adds to those before. */
 static inline void multiply_one(const product *m, int64_t k, double *energy) {
-  const bwi_smoother *s = m->s;
-  const double *a = s->diagonal + 9 * k, *x = m->x + 3 * k;
-  quad2 column[3], own = {x[0], x[1], x[2], 0};
-  columns_of_nine_d(a, column);
-  quad2 diagonal = times_d(column, x), sum = row_times_d(DOUBLES(s), k, m->x, (quad2){0});
+  const bwi_smoother_part *even = &m->s->even, *odd = &m->s->odd;
+  const double *a = m->s->diagonal + 9 * k, *x = m->x + 3 * k;
+  double add[3];
+  quad2 column[3], own = {x[0], x[1], x[2], 0}, sum = {0};
+  for (int c = 0; c < 3; c++)
+    column[c] = *(const quad2 *)(a + 3 * c);
+  quad2 diagonal = times_d(column, x);
+  for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {
+    int64_t at = 3 * (int64_t)even->column[e];
+    const float *value = even->value + 6 * e;
+    const uint32_t *rest = even->rest + 6 * e;
+    columns_of_six_d(whole_four(value, rest), whole_four(value + 2, rest + 2), column);
+    sum += times_d(column, m->x + at);
+    quad2 back = times_d(column, x);
+    for (int d = 0; d < 3; d++)
+      m->y[at + d] += back[d];
+  }
+  for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {
+    int64_t at = 3 * (int64_t)odd->column[e];
+    for (int c = 0; c < 3; c++)
+      column[c] = whole_four(odd->value + 9 * e + 3 * c, odd->rest + 9 * e + 3 * c);
+    sum += times_d(column, m->x + at);
+    across_d(column, own, add);
+    for (int d = 0; d < 3; d++)
+      m->y[at + d] += add[d];
+  }
   for (int d = 0; d < 3; d++) {
     m->y[3 * k + d] = diagonal[d] + sum[d];
     energy[0] += x[d] * (diagonal[d] + 2 * sum[d]);
   }
-  row_across_d(DOUBLES(s), k, own, m->y);
 }
 
+static inline void whole_block(const bwi_smoother_part *part, int numbers, int64_t e, double *a) {
+  for (int c = 0; c < numbers; c++)
+    a[c] = bwi_smoother_whole(part->value[numbers * e + c], part->rest[numbers * e + c]);
+}
+
+/* The same for four or eight fields from `first` on. */
 #define MULTIPLY(suffix, all)                                                                      \
   static inline void multiply##suffix(const product *m, int64_t k, int first, double *energy) {    \
-    const bwi_smoother *s = m->s;                                                                  \
+    const bwi_smoother_part *even = &m->s->even, *odd = &m->s->odd;                                \
     int64_t stride = m->width;                                                                     \
-    const double *x = m->x + 3 * stride * k + first;                                               \
-    double *y = m->y + 3 * stride * k + first;                                                     \
-    all own[3] = {at##suffix(x), at##suffix(x + stride), at##suffix(x + 2 * stride)};              \
-    all diagonal[3], sum[3] = {{0}}, part = at##suffix(energy + first);                            \
-    nine_times##suffix(s->diagonal + 9 * k, own, diagonal);                                        \
-    rows_times##suffix(DOUBLES(s), k, stride, m->x + first, sum);                                  \
+    double *y = m->y + 3 * stride * k + first, block[9];                                           \
+    all own[3], in[3], add[3], diagonal[3], sum[3] = {{0}}, part = at##suffix(energy + first);     \
+    take##suffix(m->x + 3 * stride * k + first, stride, own);                                      \
+    nine_times##suffix(m->s->diagonal + 9 * k, own, diagonal);                                     \
+    for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
+      int64_t at = 3 * stride * even->column[e] + first;                                           \
+      whole_block(even, 6, e, block);                                                              \
+      take##suffix(m->x + at, stride, in);                                                         \
+      six_times##suffix(block, in, add);                                                           \
+      for (int d = 0; d < 3; d++)                                                                  \
+        sum[d] += add[d];                                                                          \
+      six_times##suffix(block, own, add);                                                          \
+      add##suffix(m->y + at, stride, add);                                                         \
+    }                                                                                              \
+    for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {                                  \
+      int64_t at = 3 * stride * odd->column[e] + first;                                            \
+      whole_block(odd, 9, e, block);                                                               \
+      take##suffix(m->x + at, stride, in);                                                         \
+      nine_times##suffix(block, in, add);                                                          \
+      for (int d = 0; d < 3; d++)                                                                  \
+        sum[d] += add[d];                                                                          \
+      nine_across##suffix(block, own, add);                                                        \
+      add##suffix(m->y + at, stride, add);                                                         \
+    }                                                                                              \
     for (int d = 0; d < 3; d++) {                                                                  \
       put##suffix(y + d * stride, diagonal[d] + sum[d]);                                           \
       part += own[d] * (diagonal[d] + 2 * sum[d]);                                                 \
     }                                                                                              \
     put##suffix(energy + first, part);                                                             \
-    rows_across##suffix(DOUBLES(s), k, stride, own, m->y + first);                                 \
   }
 MULTIPLY(_d4, four2)
 MULTIPLY(_d8, eight2)

@@ -8,16 +8,20 @@
  *
  * What takes the time is reading the matrix, so that only the lower triangle is kept, and read once
  * in each sweep: what a row does to those before it is added to them when it is its turn. Sweeps
- * are a preconditioner, which need not be exact: their blocks are floats; products have doubles.
- * And where elements are straight and of one material, the block of two nodes with no facet of the
- * boundary in common is symmetric in itself (docs/theory/edit.md): six numbers in place of nine. So
- * that no unit leaves the range of floats, the matrix is taken times one power of two, `unit`, that
- * brings its largest diagonal entry near 1.
+ * are a preconditioner, which need not be exact: they read the upper half of each double, which is
+ * a float. Products read the lower half too. And where elements are straight and of one material,
+ * the block of two nodes with no facet of the boundary in common is symmetric in itself
+ * (docs/theory/edit.md): six numbers in place of nine. So that no unit leaves the range of floats,
+ * the matrix is taken times one power of two, `unit`, that brings its largest diagonal entry
+ * near 1.
  *
  * Fields are packed: in the order of the rows, three numbers a node; `width` of them, 1 or a
  * multiple of 4, interleaved number by number. */
 #ifndef BWI_LINEAR_SMOOTHER_H
 #define BWI_LINEAR_SMOOTHER_H
+
+#include <float.h>
+#include <math.h>
 
 #include "linear/internal.h"
 
@@ -34,10 +38,31 @@ typedef struct bwi_smoother_part {
   const int64_t *outside; /* rows: end of those that are not of the row's own block */
   int64_t *within;        /* rows: the same, or NULL where there are no blocks */
   int32_t *column;        /* of an entry: a row, ascending in each row */
-  int64_t *block;         /* 2 * block of the pattern, + 1 where transposed */
-  float *value;           /* unit * K */
-  double *exact;
+  uint16_t *place;        /* of its block among those of the row's node (bwi_smoother_block) */
+  float *value;           /* unit * K: the sign, the exponent and 24 bits of each number */
+  uint32_t *rest;         /* the 29 bits that follow; NULL without products */
 } bwi_smoother_part;
+
+/* A number from its two halves. */
+static inline double bwi_smoother_whole(float value, uint32_t rest) {
+  union {
+    double number;
+    uint64_t bits;
+  } whole = {.number = (double)value};
+  whole.bits |= rest;
+  return whole.number;
+}
+
+/* The halves of a number. What is below the range of floats is 0. */
+static inline float bwi_smoother_halves(double number, uint32_t *rest) {
+  union {
+    double number;
+    uint64_t bits;
+  } whole = {.number = fabs(number) < (double)FLT_MIN ? 0 : number};
+  *rest = whole.bits & 0x1fffffff;
+  whole.bits -= *rest;
+  return (float)whole.number;
+}
 
 typedef struct bwi_smoother {
   bw_object object;
@@ -59,15 +84,27 @@ typedef struct bwi_smoother {
   double unit;
 } bwi_smoother;
 
+/* The block of the pattern that entry e of row k is; *across: its transpose. */
+static inline int64_t bwi_smoother_block(const bwi_smoother *s, const bwi_smoother_part *part,
+                                         int64_t k, int64_t e, bool *across) {
+  const bw_block_pattern *pattern = s->pattern;
+  int64_t i = s->node[k], place = part->place[e];
+  int64_t before = pattern->start[i + 1] - 1 - pattern->start[i]; /* left of the diagonal */
+  *across = place >= before;
+  return *across ? pattern->upper_block[pattern->upper_start[i] + place - before]
+                 : pattern->start[i] + place;
+}
+
 /* The width for up to BWI_SMOOTHER_SIDES fields at once. */
 static inline int bwi_smoother_width(int64_t count) {
   return count <= 1                    ? 1
          : count >= BWI_SMOOTHER_SIDES ? BWI_SMOOTHER_SIDES
                                        : (int)(count + 3) / 4 * 4;
 }
-/* For matrices on the pattern of a mesh. `even`: of straight elements and one material, so that
- * most blocks are symmetric. `stiffness`: nodes that it couples strongly are swept together; NULL:
- * each by itself. Release with bw_release. */
+/* For matrices on the pattern of a mesh, none of whose nodes has 2^16 neighbours (BW_LIMIT).
+ * `even`: of straight elements and one material, so that most blocks are symmetric. `stiffness`:
+ * nodes that it couples strongly are swept together; NULL: each by itself. `mesh` NULL: not `even`,
+ * and for sweeps alone, without products. Release with bw_release. */
 bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
                               const bw_block_pattern *pattern, bool even, const double *stiffness,
                               bwi_smoother **out);

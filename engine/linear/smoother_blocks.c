@@ -210,9 +210,11 @@ static void collect(const inverting *v, int32_t first, int32_t end, int n, doubl
     place(s, v->stiffness + 9 * (s->pattern->start[i + 1] - 1), false, n, k - first, k - first, a);
     const bwi_smoother_part *parts[2] = {&s->even, &s->odd};
     for (int part = 0; part < 2; part++)
-      for (int64_t e = parts[part]->outside[k]; e < parts[part]->start[k + 1]; e++)
-        place(s, v->stiffness + 9 * (parts[part]->block[e] >> 1), parts[part]->block[e] & 1, n,
-              k - first, parts[part]->column[e] - first, a);
+      for (int64_t e = parts[part]->outside[k]; e < parts[part]->start[k + 1]; e++) {
+        bool across;
+        int64_t block = bwi_smoother_block(s, parts[part], k, e, &across);
+        place(s, v->stiffness + 9 * block, across, n, k - first, parts[part]->column[e] - first, a);
+      }
   }
 }
 

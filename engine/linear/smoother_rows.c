@@ -18,12 +18,33 @@ typedef struct taking {
 
 static const int of_six[6] = {0, 1, 2, 4, 5, 8}; /* of the nine of a block */
 
-/* The blocks on and below the diagonal; an inverse that there is not is NAN. */
+static void take_even(const taking *t, int64_t k, int64_t e) {
+  const bwi_smoother_part *even = &t->s->even;
+  bool across;
+  const double *block = t->stiffness + 9 * bwi_smoother_block(t->s, even, k, e, &across);
+  for (int c = 0; c < 6; c++) {
+    int n = of_six[c];
+    double number = 0.5 * t->s->unit * (block[n] + block[3 * (n % 3) + n / 3]);
+    even->value[6 * e + c] = bwi_smoother_halves(number, &even->rest[6 * e + c]);
+  }
+}
+
+static void take_odd(const taking *t, int64_t k, int64_t e) {
+  const bwi_smoother_part *odd = &t->s->odd;
+  bool across;
+  const double *block = t->stiffness + 9 * bwi_smoother_block(t->s, odd, k, e, &across);
+  for (int c = 0; c < 9; c++) {
+    uint32_t rest;
+    double number = t->s->unit * block[across ? c : 3 * (c % 3) + c / 3];
+    odd->value[9 * e + c] = bwi_smoother_halves(number, odd->rest ? &odd->rest[9 * e + c] : &rest);
+  }
+}
+
+/* The blocks on and left of the diagonal; an inverse that there is not is NAN. */
 static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const taking *t = data;
   const bwi_smoother *s = t->s;
-  const bwi_smoother_part *even = &s->even, *odd = &s->odd;
   for (int64_t k = begin; k < end; k++) {
     int64_t i = s->node[k];
     const double *own = t->stiffness + 9 * (s->pattern->start[i + 1] - 1); /* the last of its row */
@@ -34,22 +55,10 @@ static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
       s->inverse[9 * k + c] = sound ? (float)(inverse[3 * (c % 3) + c / 3] / s->unit) : NAN;
       s->diagonal[9 * k + c] = s->unit * own[3 * (c % 3) + c / 3];
     }
-    for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {
-      const double *block = t->stiffness + 9 * (even->block[e] >> 1);
-      for (int c = 0; c < 6; c++) {
-        int n = of_six[c];
-        even->exact[6 * e + c] = 0.5 * s->unit * (block[n] + block[3 * (n % 3) + n / 3]);
-        even->value[6 * e + c] = (float)even->exact[6 * e + c];
-      }
-    }
-    for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {
-      const double *block = t->stiffness + 9 * (odd->block[e] >> 1);
-      bool transposed = odd->block[e] & 1;
-      for (int c = 0; c < 9; c++) {
-        odd->exact[9 * e + c] = s->unit * block[transposed ? c : 3 * (c % 3) + c / 3];
-        odd->value[9 * e + c] = (float)odd->exact[9 * e + c];
-      }
-    }
+    for (int64_t e = s->even.start[k]; e < s->even.start[k + 1]; e++)
+      take_even(t, k, e);
+    for (int64_t e = s->odd.start[k]; e < s->odd.start[k + 1]; e++)
+      take_odd(t, k, e);
   }
   return BW_OK;
 }
@@ -180,7 +189,8 @@ done:
 
 typedef struct entry {
   int32_t column;
-  int64_t block;
+  bool odd;
+  uint16_t place;
 } entry;
 
 static void sort_row(entry *row, int64_t count) {
@@ -194,24 +204,25 @@ static void sort_row(entry *row, int64_t count) {
 }
 
 static bw_status make_part(bw_context *context, bwi_smoother_part *part, int64_t rows,
-                           int64_t entries, int numbers) {
+                           int64_t entries, int numbers, bool products) {
   part->start = BW_NEW0(context, int64_t, rows + 1);
   part->column = BW_NEW(context, int32_t, entries + 1);
-  part->block = BW_NEW(context, int64_t, entries + 1);
+  part->place = BW_NEW(context, uint16_t, entries + 1);
   part->value = BW_NEW0(context, float, numbers *entries + BWI_SMOOTHER_SPARE);
-  part->exact = BW_NEW0(context, double, numbers *entries + BWI_SMOOTHER_SPARE);
   part->outside = part->start + 1;
-  return part->start && part->column && part->block && part->value && part->exact ? BW_OK
-                                                                                  : BW_MEMORY;
+  part->rest = BW_NEW0(context, uint32_t, numbers * entries + BWI_SMOOTHER_SPARE);
+  return part->start && part->column && part->place && part->value && (part->rest || !products)
+             ? BW_OK
+             : BW_MEMORY;
 }
 
 static void free_part(bwi_smoother_part *part) {
   bw_free(part->start);
   bw_free(part->within);
   bw_free(part->column);
-  bw_free(part->block);
+  bw_free(part->place);
   bw_free(part->value);
-  bw_free(part->exact);
+  bw_free(part->rest);
 }
 
 /* Entries of all rows; `odd`: by block; row: room for one. */
@@ -221,20 +232,22 @@ static void list_rows(bwi_smoother *s, const uint8_t *odd, entry *row) {
   for (int32_t k = 0; k < s->count; k++) {
     int32_t i = s->node[k];
     int64_t count = 0;
-    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++)
+    uint16_t place = 0;
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++, place++)
       if (s->row_of[pattern->column[p]] < k)
-        row[count++] = (entry){s->row_of[pattern->column[p]], 2 * p};
-    for (int64_t u = pattern->upper_start[i]; u < pattern->upper_start[i + 1]; u++)
+        row[count++] = (entry){s->row_of[pattern->column[p]], odd[p], place};
+    for (int64_t u = pattern->upper_start[i]; u < pattern->upper_start[i + 1]; u++, place++)
       if (s->row_of[pattern->upper_row[u]] < k)
-        row[count++] = (entry){s->row_of[pattern->upper_row[u]], 2 * pattern->upper_block[u] + 1};
+        row[count++] =
+            (entry){s->row_of[pattern->upper_row[u]], odd[pattern->upper_block[u]], place};
     sort_row(row, count);
     for (int n = 0; n < 2; n++)
       parts[n]->start[k + 1] = parts[n]->start[k];
     for (int64_t e = 0; e < count; e++) {
-      bwi_smoother_part *part = parts[odd[row[e].block >> 1]];
+      bwi_smoother_part *part = parts[row[e].odd];
       int64_t at = part->start[k + 1]++;
       part->column[at] = row[e].column;
-      part->block[at] = row[e].block;
+      part->place[at] = row[e].place;
     }
   }
 }
@@ -257,13 +270,19 @@ static bw_status make_rows(bw_context *context, bwi_smoother *s, const bw_mesh *
     for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++)
       entries[odd[p]]++;
   }
+  if (longest > UINT16_MAX) {
+    status = bw_fail(context, BW_LIMIT,
+                     "a node shares elements with %lld others: fewer than 65536 are possible",
+                     (long long)longest - 1);
+    goto done;
+  }
   row = BW_NEW(context, entry, longest + 1);
   if (!row) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(make_part(context, &s->even, s->count, entries[0], 6));
-  BW_TRY(make_part(context, &s->odd, s->count, entries[1], 9));
+  BW_TRY(make_part(context, &s->even, s->count, entries[0], 6, mesh != NULL));
+  BW_TRY(make_part(context, &s->odd, s->count, entries[1], 9, mesh != NULL));
   list_rows(s, odd, row);
 done:
   bw_free(odd);
@@ -291,8 +310,8 @@ static void smoother_destroy(void *object) {
 static size_t part_bytes(const bwi_smoother_part *part, size_t rows, size_t numbers) {
   size_t entries = part->start ? (size_t)part->start[rows] : 0;
   return (rows + 1) * sizeof *part->start +
-         entries * (sizeof *part->column + sizeof *part->block +
-                    numbers * (sizeof *part->value + sizeof *part->exact));
+         entries * (sizeof *part->column + sizeof *part->place +
+                    numbers * (sizeof *part->value + (part->rest ? sizeof *part->rest : 0)));
 }
 
 /* The pattern is its user's. */

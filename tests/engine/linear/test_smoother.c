@@ -113,6 +113,25 @@ static void products(void **state) {
   scene_clear(&s);
 }
 
+/* The halves of a double hold it whole, and the upper one is the float below it. */
+static void halves(void **state) {
+  bw_random random;
+  (void)state;
+  bw_random_seed(&random, 5);
+  for (int k = 0; k < 1000; k++) {
+    uint32_t rest;
+    double x = ldexp(2 * bw_random_uniform(&random) - 1, k % 120 - 118);
+    float value = bwi_smoother_halves(x, &rest);
+    assert_true(bwi_smoother_whole(value, rest) == x);
+    assert_true(fabs((double)value) <= fabs(x) && fabs(x - (double)value) <= 0x1p-23 * fabs(x));
+  }
+  for (int sign = -1; sign <= 1; sign++) {
+    uint32_t rest;
+    float value = bwi_smoother_halves(sign * 1e-39, &rest);
+    assert_true(bwi_smoother_whole(value, rest) == 0);
+  }
+}
+
 /* The block of nodes i, j, as three rows, in the frames' global directions. */
 static void block_of(const scene *s, int32_t i, int32_t j, double block[9]) {
   int32_t high = i > j ? i : j, low = i > j ? j : i;
@@ -346,6 +365,23 @@ static void singular_nodes_are_reported(void **state) {
   scene_clear(&s);
 }
 
+/* Elements with nothing in common but node 0. */
+static void too_many_neighbours(void **state) {
+  bw_context *context = check_context(state);
+  enum { ELEMENTS = 22000 };
+  int32_t *element = (int32_t *)malloc(4 * ELEMENTS * sizeof *element), next = 1;
+  bw_block_pattern *pattern = NULL;
+  bwi_smoother *smoother = NULL;
+  for (int k = 0; k < 4 * ELEMENTS; k++)
+    element[k] = k % 4 == 0 ? 0 : next++;
+  check_ok(context, bw_block_pattern_of_elements(context, next, ELEMENTS, 4, element, &pattern));
+  assert_int_equal(bwi_smoother_create(context, NULL, pattern, false, NULL, &smoother), BW_LIMIT);
+  assert_null(smoother);
+  bw_clear_failure(context);
+  bw_release(pattern);
+  free(element);
+}
+
 static void no_memory(void **state) {
   bw_context *context = check_context(state);
   scene s;
@@ -367,10 +403,12 @@ static void no_memory(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(chunks_are_apart),
+      check_test(halves),
       check_test(products),
       check_test(sweeps),
       check_test(blocks_are_solved),
       check_test(singular_nodes_are_reported),
+      check_test(too_many_neighbours),
       check_test(no_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
