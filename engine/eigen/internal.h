@@ -44,4 +44,21 @@ void bwi_fix_sign(double *shape, int64_t size);
 bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem,
                            const bw_modes_options *options, bwi_eigen_result *result);
 
+/* The lowest pairs from vectors that are near them, by LOBPCG alone. Residuals are sqrt(r . B r /
+ * lambda): the error of a vector in the energy norm where B is near K^-1, and that of lambda is its
+ * square. The residual's own norm shows the rounding of K x instead, 1e-7 in a thin plate. */
+typedef struct bwi_eigen_near {
+  int wanted, block;   /* pairs; vectors iterated: guards widen the gap behind the wanted ones */
+  const double *start; /* block, one after the other; zero where nothing is known */
+  int more_count;      /* at most 2 block: what the start may be moved along, */
+  const double *more;  /* of about M-norm 1 */
+  double tolerance;
+  int limit; /* of iterations */
+} bwi_eigen_near;
+/* vector: block x size, M-orthonormal, ascending; value and residual: block. BW_CONVERGENCE where
+ * the wanted ones are not within the tolerance after `limit` iterations. */
+bw_status bwi_eigen_follow(bw_context *context, const bwi_eigen_problem *problem,
+                           const bwi_eigen_near *near, double *vector, double *value,
+                           double *residual, int *iterations);
+
 #endif

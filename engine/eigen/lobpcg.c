@@ -6,12 +6,13 @@
  * The basis S = [X P W] is M-orthonormal. Then Rayleigh-Ritz is an ordinary symmetric eigenproblem
  * of S^T K S, and nothing of it is ill-conditioned near convergence (Hetmaniuk and Lehoucq 2006,
  * Duersch et al. 2018): W is orthogonalised against X and P and among itself by the eigenvectors of
- * its Gram matrix, dependent vectors dropped, twice; the coefficients of P are orthogonalised
- * against those of X, so that P needs no product with M.
+ * its Gram matrix, dependent vectors dropped, twice where they are nearly dependent; the
+ * coefficients of P are orthogonalised against those of X, so that P needs no product with M.
  *
  * Memory is that of the basis and of a block: no products of the basis with K and M are kept. Those
  * of X are computed in each iteration, for the residuals; S^T K S is known where X and P are
- * combinations of a former basis, and takes K W alone.
+ * combinations of a former basis, and takes K W alone. Small bodies that follow an outline
+ * (bwi_eigen_follow) have the memory: both products are carried along as combinations.
  *
  * Soft locking: pairs that have converged stay in X and take part in Rayleigh-Ritz, but have no W
  * and no P.
@@ -22,6 +23,7 @@
 #include <string.h>
 
 #include "barwright/job.h"
+#include "base/dense.h"
 #include "eigen/iteration.h"
 #include "linear/blas.h"
 #include "linear/multivector.h"
@@ -32,26 +34,33 @@ enum { SIDES = 8 };
 
 /* Relative size of an eigenvalue of a Gram matrix below which its vector depends on the others. */
 static const double dependent = 1e-14;
+/* And above which a combination of such vectors is as exact as they are. */
+static const double independent = 0.01;
 /* A residual that has not fallen to this fraction of its best in so many rounds stands still; below
  * this one it is rounding that stops it. */
 static const double falls = 0.9, close_enough = 1e-4;
-/* The residual of a guard that is good enough. */
+/* The residual of a guard that is good enough; and in the energy norm. */
 #define GUARDED 1e-2
+#define GUARDED_ENERGY 0.1
 enum { STILL_ROUNDS = 8 };
 
 typedef struct lobpcg {
   bwi_eigen_iteration base;
-  int block;         /* columns of X */
-  int directions;    /* columns of P, behind X */
-  int width;         /* of the basis: 3 x block */
-  double *basis;     /* width x size */
-  double *image;     /* columns of products: block, and two times SIDES at least */
-  double *projected; /* width x width */
-  double *residual;  /* block: |K x - theta M x| / |theta M x| */
-  double *value;     /* block: theta when that was computed */
-  double *best;      /* block: the smallest residual so far */
-  int *still;        /* block: rounds since it was found */
-  double stuck;      /* the largest residual of a wanted column that rounding stops */
+  int block;             /* columns of X */
+  int directions;        /* columns of P, behind X */
+  int width;             /* of the basis: 3 x block */
+  double *basis;         /* width x size */
+  double *image;         /* columns of products: block, and two times SIDES at least */
+  double *stiff, *heavy; /* K and M times the basis, carried along; NULL: no memory for them */
+  double *projected;     /* width x width */
+  double *residual;      /* block: |K x - theta M x| / |theta M x| */
+  double *value;         /* block: theta when that was computed */
+  double *best;          /* block: the smallest residual so far */
+  int *still;            /* block: rounds since it was found */
+  double stuck;          /* the largest residual of a wanted column that rounding stops */
+  bool energy;           /* residuals as in bwi_eigen_near, of wanted columns in every iteration */
+  double guarded;        /* the residual of a guard that is good enough */
+  int limit;             /* on iterations */
 } lobpcg;
 
 static void lobpcg_close(bwi_eigen_iteration *iteration) {
@@ -59,6 +68,8 @@ static void lobpcg_close(bwi_eigen_iteration *iteration) {
   bw_free(l->base.value);
   bw_free(l->basis);
   bw_free(l->image);
+  bw_free(l->stiff);
+  bw_free(l->heavy);
   bw_free(l->projected);
   bw_free(l->residual);
   bw_free(l->value);
@@ -72,7 +83,7 @@ static void lobpcg_close(bwi_eigen_iteration *iteration) {
 /* The first `count` columns of each field become combinations of the first `from` ones. Rows are
  * worked on in chunks, so that results may take the place of their parts. */
 typedef struct combination {
-  double *field[2]; /* the second may be NULL */
+  double *field[3]; /* those behind the first may be NULL */
   int64_t size;
   int from, count;
   const double *weights; /* from x count, column-major */
@@ -84,7 +95,7 @@ static bw_status combine_rows(void *data, int64_t begin, int64_t end, int worker
   int rows = (int)(end - begin), ld = (int)c->size;
   const double one = 1, zero = 0;
   double *part = c->part + (int64_t)worker * CHUNK * c->count;
-  for (int which = 0; which < 2 && c->field[which]; which++) {
+  for (int which = 0; which < 3 && c->field[which]; which++) {
     dgemm_("N", "N", &rows, &c->count, &c->from, &one, c->field[which] + begin, &ld, c->weights,
            &c->from, &zero, part, &rows);
     for (int k = 0; k < c->count; k++)
@@ -119,27 +130,34 @@ static bw_status symmetric(bw_context *context, int order, double *matrix, doubl
 }
 
 /* The columns from `first` on, `count` of them, made M-orthonormal among themselves by the
- * eigenvectors of their Gram matrix; dependent ones are dropped. M times them is at hand. */
-static bw_status orthonormalise(lobpcg *l, int first, int *count) {
+ * eigenvectors of their Gram matrix; dependent ones are dropped. M times them is at hand.
+ * `removed`: what was taken off each square of a norm. *exact: neither that nor the combination
+ * enlarges rounding, so that they are orthogonal to what was taken off. */
+static bw_status orthonormalise(lobpcg *l, int first, const double *removed, int *count,
+                                bool *exact) {
   bw_status status = BW_OK;
   bw_context *context = l->base.context;
   int64_t size = l->base.size;
   int n = *count, kept = 0;
   double *gram = BW_NEW(context, double, (int64_t)n *n);
   double *value = BW_NEW(context, double, 2 * (int64_t)n);
-  double *w = l->basis + first * size, *mw = l->image;
+  double *w = l->basis + first * size, *mw = l->heavy ? l->heavy + first * size : l->image;
   if (!gram || !value) {
     status = BW_MEMORY;
     goto done;
   }
   double *scale = value + n;
   BW_TRY(bwi_multi_dot(context, size, n, w, n, mw, gram));
+  *exact = true;
+  for (int j = 0; j < n; j++)
+    *exact = *exact && removed[j] <= gram[j + j * n];
   for (int j = 0; j < n; j++)
     scale[j] = gram[j + j * n] > 0 ? 1 / sqrt(gram[j + j * n]) : 0;
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++)
       gram[i + j * n] *= scale[i] * scale[j];
   BW_TRY(symmetric(context, n, gram, value));
+  *exact = *exact && value[0] > independent * value[n - 1];
   for (int j = n - 1; j >= 0 && value[j] > dependent * value[n - 1] && value[j] > 0; j--, kept++)
     for (int i = 0; i < n; i++)
       gram[i + j * n] *= scale[i] / sqrt(value[j]);
@@ -163,10 +181,11 @@ static bw_status project_stiffness(lobpcg *l, int before, int count) {
   int64_t size = l->base.size, width = l->width;
   int columns = before + count;
   double *dots = BW_NEW(context, double, (int64_t)columns *(count + 1));
+  double *image = l->stiff ? l->stiff + before * size : l->image;
   if (!dots)
     return BW_MEMORY;
-  BW_TRY(problem->stiffness(context, problem->data, count, l->basis + before * size, l->image));
-  BW_TRY(bwi_multi_dot(context, size, columns, l->basis, count, l->image, dots));
+  BW_TRY(problem->stiffness(context, problem->data, count, l->basis + before * size, image));
+  BW_TRY(bwi_multi_dot(context, size, columns, l->basis, count, image, dots));
   for (int j = 0; j < count; j++)
     for (int i = 0; i < columns; i++)
       l->projected[i + (before + j) * width] = dots[i + j * columns];
@@ -181,29 +200,37 @@ done:
 }
 
 /* Takes in `count` columns behind the first `before` ones, which are M-orthonormal: orthogonalised
- * twice against these and among themselves. *count: those kept. */
+ * against these and among themselves, twice where rounding needs it. *count: those kept. */
 static bw_status take_in(lobpcg *l, int before, int *count) {
   bw_status status = BW_OK;
   bw_context *context = l->base.context;
   const bwi_eigen_problem *problem = l->base.problem;
   int64_t size = l->base.size;
-  double *w = l->basis + before * size, *mw = l->image;
+  double *w = l->basis + before * size, *mw = l->heavy ? l->heavy + before * size : l->image;
   double *part = BW_NEW(context, double, (int64_t)(before + 1) * *count);
-  if (!part) {
+  double *removed = BW_NEW(context, double, *count);
+  bool exact = false;
+  if (!part || !removed) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(problem->project(context, problem->data, *count, w));
   BW_TRY(problem->mass(context, problem->data, *count, w, mw));
-  for (int pass = 0; pass < 2 && *count > 0; pass++) {
+  for (int pass = 0; pass < 2 && *count > 0 && !exact; pass++) {
     BW_TRY(bwi_multi_dot(context, size, before, l->basis, *count, mw, part));
     BW_TRY(bwi_multi_combine(context, size, before, l->basis, *count, part, before, -1, 1, w));
-    BW_TRY(problem->mass(context, problem->data, *count, w, mw));
-    BW_TRY(orthonormalise(l, before, count));
+    if (l->heavy)
+      BW_TRY(bwi_multi_combine(context, size, before, l->heavy, *count, part, before, -1, 1, mw));
+    else
+      BW_TRY(problem->mass(context, problem->data, *count, w, mw));
+    for (int j = 0; j < *count; j++)
+      removed[j] = bwi_dot(before, part + (int64_t)j * before, part + (int64_t)j * before);
+    BW_TRY(orthonormalise(l, before, removed, count, &exact));
   }
   BW_TRY(project_stiffness(l, before, *count));
 done:
   bw_free(part);
+  bw_free(removed);
   return status;
 }
 
@@ -285,7 +312,7 @@ static bw_status rayleigh_ritz(lobpcg *l, int columns, const bool *live) {
   BW_TRY(symmetric(context, columns, matrix, value));
   memcpy(l->base.value, value, (size_t)block * sizeof(double));
   l->directions = live && columns > block ? direction_weights(columns, block, live, matrix) : 0;
-  BW_TRY(combine(l, (combination){.field = {l->basis},
+  BW_TRY(combine(l, (combination){.field = {l->basis, l->stiff, l->heavy},
                                   .from = columns,
                                   .count = block + l->directions,
                                   .weights = matrix}));
@@ -323,9 +350,10 @@ done:
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-/* An array of `count` items, whose first `keep` are those of *old, in its place. */
-static bw_status replace(bw_context *context, double **old, int64_t count, int64_t keep) {
-  double *made = BW_NEW0(context, double, count);
+/* An array of `count` items, whose first `keep` are those of *old, in its place; others are zero
+ * where there are few. */
+static bw_status replace(bw_context *context, double **old, int64_t count, int64_t keep, bool few) {
+  double *made = few ? BW_NEW0(context, double, count) : BW_NEW(context, double, count);
   if (!made)
     return BW_MEMORY;
   if (keep > 0)
@@ -358,11 +386,11 @@ static bw_status resize(lobpcg *l, int block, int keep) {
   bw_free(l->still);
   l->image = l->projected = NULL;
   l->still = NULL;
-  BW_TRY(replace(context, &l->basis, width * size, keep * size));
-  BW_TRY(replace(context, &l->base.value, block, keep));
-  BW_TRY(replace(context, &l->residual, block, keep));
-  BW_TRY(replace(context, &l->value, block, keep));
-  BW_TRY(replace(context, &l->best, block, keep));
+  BW_TRY(replace(context, &l->basis, width * size, keep * size, false));
+  BW_TRY(replace(context, &l->base.value, block, keep, true));
+  BW_TRY(replace(context, &l->residual, block, keep, true));
+  BW_TRY(replace(context, &l->value, block, keep, true));
+  BW_TRY(replace(context, &l->best, block, keep, true));
   l->image = BW_NEW(context, double, images *size);
   l->projected = BW_NEW(context, double, width *width);
   l->still = BW_NEW0(context, int, block);
@@ -389,6 +417,8 @@ static bw_status lobpcg_open(bw_context *context, const bwi_eigen_problem *probl
   if (!l)
     return BW_MEMORY;
   l->base.most = INT32_MAX - GUARDS;
+  l->guarded = GUARDED;
+  l->limit = LIMIT;
   *out = &l->base;
   return BW_OK;
 }
@@ -397,8 +427,8 @@ static bw_status lobpcg_open(bw_context *context, const bwi_eigen_problem *probl
 
 typedef struct part_of_block {
   lobpcg *l;
-  int64_t first; /* column of the block; `image` has K and then M times it and those that follow */
-  int count;
+  int64_t first;         /* column of the block */
+  const double *kx, *mx; /* K and M times it and those that follow */
 } part_of_block;
 
 /* Residuals of a part of the block, to the columns behind X and P. */
@@ -409,7 +439,7 @@ static bw_status residual_columns(void *data, int64_t begin, int64_t end, int wo
   int64_t size = l->base.size;
   for (int64_t k = begin; k < end; k++) {
     int64_t j = part->first + k;
-    const double *kx = l->image + k * size, *mx = l->image + (part->count + k) * size;
+    const double *kx = part->kx + k * size, *mx = part->mx + k * size;
     double *r = l->basis + (l->block + l->directions + j) * size;
     double theta = l->base.value[j], difference = 0, whole = 0;
     for (int64_t i = 0; i < size; i++) {
@@ -424,8 +454,24 @@ static bw_status residual_columns(void *data, int64_t begin, int64_t end, int wo
 }
 
 /* The residual above which a column is worked on: guards that are good enough widen the gap. */
-static double threshold(int j, int wanted, double tolerance) {
-  return j < wanted ? tolerance : fmax(tolerance, GUARDED);
+static double threshold(const lobpcg *l, int j, int wanted, double tolerance) {
+  return j < wanted ? tolerance : fmax(tolerance, l->guarded);
+}
+
+/* W = B R in the place of R, and residuals in the energy norm, of `count` columns from `first`. */
+static bw_status energy_residuals(lobpcg *l, int first, int count) {
+  bw_status status = BW_OK;
+  const bwi_eigen_problem *problem = l->base.problem;
+  int64_t size = l->base.size;
+  double *r = l->basis + (l->block + l->directions + first) * size, *z = l->image;
+  BW_TRY(problem->precondition(l->base.context, problem->data, count, r, z));
+  l->base.solves += count;
+  for (int j = 0; j < count; j++)
+    l->residual[first + j] =
+        sqrt(fmax(0, bwi_dot(size, r + j * size, z + j * size) / l->base.value[first + j]));
+  memcpy(r, z, (size_t)count * (size_t)size * sizeof *r);
+done:
+  return status;
 }
 
 /* Residuals of the columns that are worked on, and of those into whose place another pair came; or
@@ -437,16 +483,24 @@ static bw_status compute_residuals(lobpcg *l, int wanted, double tolerance, bool
   const bwi_eigen_problem *problem = l->base.problem;
   int64_t size = l->base.size;
   for (int j = 0; j < l->block; j++)
-    measured[j] = all || l->residual[j] > threshold(j, wanted, tolerance) ||
+    measured[j] = all || (l->energy && j < wanted) ||
+                  l->residual[j] > threshold(l, j, wanted, tolerance) ||
                   fabs(l->base.value[j] - l->value[j]) > tolerance * fabs(l->value[j]);
   for (int first = 0, count; first<l->block; first += count> 0 ? count : 1) {
     for (count = 0; count < SIDES && first + count < l->block && measured[first + count];)
       count++;
-    part_of_block part = {l, first, count};
+    part_of_block part = {l, first, l->image, l->image + count * size};
     const double *x = l->basis + first * size;
-    BW_TRY(problem->stiffness(context, problem->data, count, x, l->image));
-    BW_TRY(problem->mass(context, problem->data, count, x, l->image + count * size));
+    if (l->stiff) {
+      part.kx = l->stiff + first * size;
+      part.mx = l->heavy + first * size;
+    } else {
+      BW_TRY(problem->stiffness(context, problem->data, count, x, l->image));
+      BW_TRY(problem->mass(context, problem->data, count, x, l->image + count * size));
+    }
     BW_TRY(bw_parallel(context, count, 1, residual_columns, &part));
+    if (l->energy && count > 0)
+      BW_TRY(energy_residuals(l, first, count));
     for (int j = first; j < first + count; j++)
       l->value[j] = l->base.value[j];
   }
@@ -486,7 +540,7 @@ static bw_status find_residuals(lobpcg *l, int wanted, double tolerance, bool al
       l->stuck = j < wanted ? fmax(l->stuck, l->best[j]) : l->stuck;
       l->residual[j] = fmin(l->residual[j], tolerance);
     }
-    live[j] = l->residual[j] > threshold(j, wanted, tolerance);
+    live[j] = l->residual[j] > threshold(l, j, wanted, tolerance);
   }
   return status;
 }
@@ -501,6 +555,8 @@ static bw_status precondition(lobpcg *l, const bool *live, int *count) {
   for (int j = 0; j < l->block; j++)
     if (live[j] && (*count)++ != j)
       memcpy(w + (*count - 1) * size, w + j * size, (size_t)size * sizeof *w);
+  if (l->energy) /* they are */
+    return BW_OK;
   BW_TRY(problem->precondition(l->base.context, problem->data, *count, w, w));
   l->base.solves += *count;
 done:
@@ -530,12 +586,12 @@ static bw_status iterate(lobpcg *l, int wanted, double tolerance, bool *live) {
     int found = lobpcg_converged(&l->base, wanted, tolerance);
     bw_progress(context, "modes", (double)found / wanted);
     BW_TRY(bw_check_cancel(context));
-    if (l->block >= problem->dimension || (found == wanted && all))
+    if (l->block >= problem->dimension || (found == wanted && (all || l->energy)))
       break;
     all = found == wanted; /* those locked long ago are measured once more at the end */
     if (all)
       continue;
-    if (round >= LIMIT) {
+    if (round >= l->limit) {
       status = bwi_eigen_stopped(&l->base, found, wanted, tolerance);
       goto done;
     }
@@ -547,7 +603,7 @@ static bw_status iterate(lobpcg *l, int wanted, double tolerance, bool *live) {
       break;
     BW_TRY(rayleigh_ritz(l, l->block + l->directions + count, live));
   }
-  if (l->stuck > tolerance)
+  if (l->stuck > tolerance && !l->energy) /* there the caller reads the residuals */
     bw_warn(context,
             "residuals of modes by LOBPCG stopped at up to %.1e, where %.0e was requested: they "
             "stand still, as rounding makes them",
@@ -601,4 +657,108 @@ const bwi_eigen_method *bwi_eigen_lobpcg(void) {
                                           lobpcg_converged, lobpcg_deflate, lobpcg_vectors,
                                           lobpcg_close};
   return &method;
+}
+
+/* ---- from vectors that are near -------------------------------------------------------------- */
+
+/* Of `count` columns behind the first `before`, those go that these span but for rounding: nothing
+ * else is left of them. The columns are of M-norm 1. */
+static bw_status drop_dependent(lobpcg *l, int before, int *count) {
+  bw_status status = BW_OK;
+  bw_context *context = l->base.context;
+  const bwi_eigen_problem *problem = l->base.problem;
+  int64_t size = l->base.size;
+  double *w = l->basis + before * size, *mw = l->image;
+  int kept = 0;
+  double *part = BW_NEW(context, double, (int64_t)(before + 1) * *count);
+  if (!part)
+    return BW_MEMORY;
+  BW_TRY(problem->project(context, problem->data, *count, w));
+  BW_TRY(problem->mass(context, problem->data, *count, w, mw));
+  BW_TRY(bwi_multi_dot(context, size, before, l->basis, *count, mw, part));
+  BW_TRY(bwi_multi_combine(context, size, before, l->basis, *count, part, before, -1, 1, w));
+  BW_TRY(problem->mass(context, problem->data, *count, w, mw));
+  for (int j = 0; j < *count; j++)
+    if (bwi_dot(size, w + j * size, mw + j * size) > 1e-20) {
+      memmove(w + kept * size, w + j * size, (size_t)size * sizeof *w);
+      kept++;
+    }
+  *count = kept;
+done:
+  bw_free(part);
+  return status;
+}
+
+/* Ritz pairs of the span of the start; random columns where it has too few. */
+static bw_status begin_near(lobpcg *l, const bwi_eigen_near *near) {
+  bw_status status = BW_OK;
+  int64_t size = l->base.size;
+  int have = near->block;
+  BW_TRY(resize(l, near->block, 0));
+  l->stiff = BW_NEW(l->base.context, double, l->width *size);
+  l->heavy = BW_NEW(l->base.context, double, l->width *size);
+  if (!l->stiff || !l->heavy)
+    return BW_MEMORY;
+  l->block = near->block;
+  memset(l->projected, 0, (size_t)l->width * (size_t)l->width * sizeof(double));
+  memcpy(l->basis, near->start, (size_t)(have * size) * sizeof *l->basis);
+  BW_TRY(take_in(l, 0, &have));
+  for (int first = 0, count; first < near->more_count; first += near->block) {
+    count = near->more_count - first < near->block ? near->more_count - first : near->block;
+    memcpy(l->basis + have * size, near->more + first * size,
+           (size_t)(count * size) * sizeof *l->basis);
+    BW_TRY(drop_dependent(l, have, &count));
+    if (count > 0)
+      BW_TRY(take_in(l, have, &count));
+    have += count;
+  }
+  if (have > 0)
+    BW_TRY(rayleigh_ritz(l, have, NULL));
+  if (have < near->block)
+    BW_TRY(fill(l, have, near->block));
+done:
+  return status;
+}
+
+bw_status bwi_eigen_follow(bw_context *context, const bwi_eigen_problem *problem,
+                           const bwi_eigen_near *near, double *vector, double *value,
+                           double *residual, int *iterations) {
+  bw_status status = BW_OK;
+  bwi_eigen_iteration *it = NULL;
+  bool *live = BW_NEW0(context, bool, near->block);
+  if (!live)
+    return BW_MEMORY;
+  bwi_blas_enter();
+  BW_TRY(lobpcg_open(context, problem, NULL, &it));
+  lobpcg *l = (lobpcg *)it;
+  it->context = context;
+  it->problem = problem;
+  it->size = problem->size;
+  l->energy = true;
+  l->guarded = GUARDED_ENERGY;
+  l->limit = near->limit;
+  bw_random_seed(&it->random, 1);
+  BW_TRY(begin_near(l, near));
+  status = iterate(l, near->wanted, near->tolerance, live);
+  if (status == BW_CONVERGENCE) {
+    int worst = 0;
+    for (int k = 1; k < near->wanted; k++)
+      worst = l->residual[k] > l->residual[worst] ? k : worst;
+    bw_fail(context, status,
+            "mode %d has a relative residual of %g after %d iterations; %g was requested",
+            worst + 1, l->residual[worst], it->iterations, near->tolerance);
+    bw_detail_number(context, "residual", l->residual[worst]);
+  }
+  BW_TRY(status);
+  *iterations = it->iterations;
+  memcpy(vector, l->basis, (size_t)(near->block * it->size) * sizeof *vector);
+  memcpy(value, it->value, (size_t)near->block * sizeof *value);
+  for (int k = 0; k < near->block; k++)
+    residual[k] = l->still[k] >= STILL_ROUNDS ? l->best[k] : l->residual[k];
+done:
+  bwi_blas_leave();
+  if (it)
+    lobpcg_close(it);
+  bw_free(live);
+  return status;
 }

@@ -5,6 +5,7 @@
 #ifndef BWI_PLATE_H
 #define BWI_PLATE_H
 
+#include "eigen/internal.h"
 #include "incremental/lagged_factor.h"
 #include "responsive/internal.h"
 
@@ -107,25 +108,21 @@ bw_status bwi_plate_commit(bw_context *context, bw_plate *plate, const bw_plate_
 bw_status bwi_plate_multiply_mass(bw_context *context, const bw_plate *plate, const double *x,
                                   double *y);
 
-/* ---- eigenpairs by Rayleigh-Ritz on [X, B R, P] (ritz.c) ------------------------------------- */
+/* ---- eigenproblems of free plane bodies (free_modes.c) --------------------------------------- */
 
-typedef bw_status bwi_apply(void *data, const double *x, double *y);
-typedef struct bwi_ritz {
+enum { BWI_PLANE_MOTIONS = 3 };
+typedef bw_status bwi_plane_product(bw_context *context, const void *data, const double *x,
+                                    double *y);
+typedef struct bwi_free_body {
   int64_t size;
-  bwi_apply *stiffness, *mass, *precondition; /* one vector each */
-  void *data;
-  int rigid_count;
-  const double *rigid, *mass_rigid; /* M-orthonormal, one after the other, and M times them */
-  int wanted, block;                /* eigenpairs; vectors iterated, wanted and some guards */
-  int more_count;                   /* at most 2 block: directions that the start may be moved */
-  const double *more;               /* along */
-  double tolerance;
-  int limit; /* of iterations */
-} bwi_ritz;
-/* vector: block x size, start on entry (any; zero vectors are filled by a fixed random start) and
- * result, M-orthonormal, ascending. value and residual: block. BW_CONVERGENCE when the wanted ones
- * are not within the tolerance after `limit` iterations. */
-bw_status bwi_ritz_solve(bw_context *context, const bwi_ritz *problem, double *vector,
-                         double *value, double *residual, int *iterations);
+  const void *data;
+  bwi_plane_product *stiffness, *mass, *precondition; /* of one vector */
+  double *rigid; /* 6 x size, of the caller: three rigid-body motions, one after the other */
+  double *mass_rigid;
+} bwi_free_body;
+/* Makes the motions M-orthonormal; M times them comes behind them. */
+bw_status bwi_free_body_begin(bw_context *context, bwi_free_body *body);
+/* Borrows the body. */
+bwi_eigen_problem bwi_free_body_problem(bwi_free_body *body);
 
 #endif

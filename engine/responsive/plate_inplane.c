@@ -7,21 +7,21 @@
 #include "responsive/plate.h"
 #include "responsive/sheet.h"
 
-enum { RIGID = 3, GUARDS = 2, ROUNDS = 400 };
+enum { RIGID = BWI_PLANE_MOTIONS, GUARDS = 2, ROUNDS = 400 };
 
 typedef struct inplane {
-  bw_context *context;
   const bw_sheet *sheet;
   bwi_lagged_symmetric *factor;
 } inplane;
 
-static bw_status times_stiffness(void *data, const double *x, double *y) {
-  const inplane *p = data;
-  return bw_plane_multiply(p->context, p->sheet->inner->pattern, 2, p->sheet->inner->stiffness, x,
-                           y);
+static bw_status times_stiffness(bw_context *context, const void *data, const double *x,
+                                 double *y) {
+  const struct bwi_sheet *inner = ((const inplane *)data)->sheet->inner;
+  return bw_plane_multiply(context, inner->pattern, 2, inner->stiffness, x, y);
 }
 
-static bw_status times_mass(void *data, const double *x, double *y) {
+static bw_status times_mass(bw_context *context, const void *data, const double *x, double *y) {
+  (void)context;
   const inplane *p = data;
   const bw_plane_pattern *g = p->sheet->inner->pattern;
   const double *mass = p->sheet->inner->mass;
@@ -36,41 +36,18 @@ static bw_status times_mass(void *data, const double *x, double *y) {
   return BW_OK;
 }
 
-static bw_status precondition(void *data, const double *x, double *y) {
-  const inplane *p = data;
-  return bwi_lagged_symmetric_apply(p->context, p->factor, false, x, y);
+static bw_status precondition(bw_context *context, const void *data, const double *x, double *y) {
+  return bwi_lagged_symmetric_apply(context, ((const inplane *)data)->factor, false, x, y);
 }
 
-/* Two translations and the rotation, M-orthonormal, and M times them. */
-static bw_status rigid_motions(inplane *p, double *rigid, double *mass_rigid) {
-  bw_status status = BW_OK;
-  const bw_plane_mesh *mesh = p->sheet->mesh;
+/* Two translations and the rotation. */
+static void rigid_motions(const bw_plane_mesh *mesh, double *rigid) {
   int64_t nodes = mesh->topology->nodes->node_count, n = 2 * nodes;
   for (int64_t i = 0; i < nodes; i++) {
     const double motion[RIGID][2] = {{1, 0}, {0, 1}, {-mesh->point[2 * i + 1], mesh->point[2 * i]}};
     for (int k = 0; k < RIGID; k++)
       memcpy(rigid + k * n + 2 * i, motion[k], sizeof motion[k]);
   }
-  for (int k = 0; k < RIGID; k++) {
-    double *v = rigid + k * n, *m = mass_rigid + k * n, size = 0;
-    for (int pass = 0; pass < 2; pass++)
-      for (int j = 0; j < k; j++) {
-        double along = 0;
-        for (int64_t i = 0; i < n; i++)
-          along += mass_rigid[j * n + i] * v[i];
-        for (int64_t i = 0; i < n; i++)
-          v[i] -= along * rigid[j * n + i];
-      }
-    BW_TRY(times_mass(p, v, m));
-    for (int64_t i = 0; i < n; i++)
-      size += v[i] * m[i];
-    for (int64_t i = 0; i < n; i++) {
-      v[i] /= sqrt(size);
-      m[i] /= sqrt(size);
-    }
-  }
-done:
-  return status;
 }
 
 bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count,
@@ -119,21 +96,19 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
       shifted[4 * k + c] =
           sheet->inner->stiffness[4 * k + c] + (c % 3 == 0 ? shift * sheet->inner->mass[k] : 0);
   BW_TRY(bwi_lagged_symmetric_factor(context, factor, pattern, shifted, &work));
-  inplane data = {context, sheet, factor};
-  BW_TRY(rigid_motions(&data, rigid, rigid + RIGID * n));
-  bwi_ritz ritz = {.size = n,
-                   .stiffness = times_stiffness,
-                   .mass = times_mass,
-                   .precondition = precondition,
-                   .data = &data,
-                   .rigid_count = RIGID,
-                   .rigid = rigid,
-                   .mass_rigid = rigid + RIGID * n,
-                   .wanted = count,
-                   .block = block,
-                   .tolerance = 1e-6,
-                   .limit = ROUNDS};
-  BW_TRY(bwi_ritz_solve(context, &ritz, vector, value, value + block, &iterations));
+  inplane data = {sheet, factor};
+  bwi_free_body body = {.size = n,
+                        .data = &data,
+                        .stiffness = times_stiffness,
+                        .mass = times_mass,
+                        .precondition = precondition,
+                        .rigid = rigid};
+  rigid_motions(plate->mesh, rigid);
+  BW_TRY(bwi_free_body_begin(context, &body));
+  const bwi_eigen_problem eigen = bwi_free_body_problem(&body);
+  const bwi_eigen_near near = {
+      .wanted = count, .block = block, .start = vector, .tolerance = 1e-6, .limit = ROUNDS};
+  BW_TRY(bwi_eigen_follow(context, &eigen, &near, vector, value, value + block, &iterations));
   for (int k = 0; k < count; k++)
     frequency[k] = sqrt(fmax(value[k], 0)) / (2 * pi);
 done:

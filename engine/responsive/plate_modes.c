@@ -8,48 +8,44 @@
 
 #include "responsive/plate.h"
 
-enum { RIGID = 3, GUARDS = 2, ROUNDS = 400, PAST = 2 };
+enum { RIGID = BWI_PLANE_MOTIONS, GUARDS = 2, ROUNDS = 400, PAST = 2 };
 
 void bw_plate_options_default(bw_plate_options *options) {
   *options = (bw_plate_options){.modes = 1, .tolerance = 1e-6, .max_lag = INT_MAX};
 }
 
 typedef struct problem {
-  bw_context *context;
   const bw_plate *plate;
   const double *rotation; /* from the factor's shape to this one; NULL: they are the same */
   double *workspace;      /* one vector */
 } problem;
 
-static bw_status times_stiffness(void *data, const double *x, double *y) {
-  const problem *p = data;
-  const bwi_plate_matrices *m = p->plate->inner->now->matrices;
-  return bw_plane_multiply(p->context, m->pattern, 3, m->stiffness, x, y);
+static bw_status times_stiffness(bw_context *context, const void *data, const double *x,
+                                 double *y) {
+  const bwi_plate_matrices *m = ((const problem *)data)->plate->inner->now->matrices;
+  return bw_plane_multiply(context, m->pattern, 3, m->stiffness, x, y);
 }
 
-static bw_status times_mass(void *data, const double *x, double *y) {
-  const problem *p = data;
-  return bwi_plate_multiply_mass(p->context, p->plate, x, y);
+static bw_status times_mass(bw_context *context, const void *data, const double *x, double *y) {
+  return bwi_plate_multiply_mass(context, ((const problem *)data)->plate, x, y);
 }
 
-static bw_status precondition(void *data, const double *x, double *y) {
+static bw_status precondition(bw_context *context, const void *data, const double *x, double *y) {
   const problem *p = data;
   bwi_lagged_symmetric *factor = p->plate->inner->factor;
   int64_t nodes = p->plate->mesh->topology->nodes->node_count;
   if (!p->rotation)
-    return bwi_lagged_symmetric_apply(p->context, factor, false, x, y);
+    return bwi_lagged_symmetric_apply(context, factor, false, x, y);
   memcpy(p->workspace, x, (size_t)(3 * nodes) * sizeof *x);
   bwi_plate_rotate(nodes, p->rotation, true, p->workspace);
-  bw_status status = bwi_lagged_symmetric_apply(p->context, factor, true, p->workspace, y);
+  bw_status status = bwi_lagged_symmetric_apply(context, factor, true, p->workspace, y);
   if (status == BW_OK)
     bwi_plate_rotate(nodes, p->rotation, false, y);
   return status;
 }
 
-/* One deflection and two tilts (grad w + b = 0), M-orthonormal, and M times them. */
-static bw_status rigid_motions(bw_context *context, const bw_plate *plate, double *rigid,
-                               double *mass_rigid) {
-  bw_status status = BW_OK;
+/* One deflection and two tilts (grad w + b = 0). */
+static void rigid_motions(const bw_plate *plate, double *rigid) {
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
   const double *x = plate->mesh->point;
   double middle[2] = {0};
@@ -64,27 +60,6 @@ static bw_status rigid_motions(bw_context *context, const bw_plate *plate, doubl
       rigid[(1 + c) * n + 3 * i + 1 + c] = -1;
     }
   }
-  for (int k = 0; k < RIGID; k++) {
-    double *v = rigid + k * n, *m = mass_rigid + k * n;
-    for (int pass = 0; pass < 2; pass++)
-      for (int j = 0; j < k; j++) {
-        double along = 0;
-        for (int64_t i = 0; i < n; i++)
-          along += mass_rigid[j * n + i] * v[i];
-        for (int64_t i = 0; i < n; i++)
-          v[i] -= along * rigid[j * n + i];
-      }
-    BW_TRY(bwi_plate_multiply_mass(context, plate, v, m));
-    double size = 0;
-    for (int64_t i = 0; i < n; i++)
-      size += v[i] * m[i];
-    for (int64_t i = 0; i < n; i++) {
-      v[i] /= sqrt(size);
-      m[i] /= sqrt(size);
-    }
-  }
-done:
-  return status;
 }
 
 /* The largest deflection positive. */
@@ -158,7 +133,6 @@ static bw_status find_modes(bw_context *context, const bw_plate *plate,
                             bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   struct bwi_plate *in = plate->inner;
-  const bw_plate_state *now = in->now;
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
   double *rigid = BW_NEW(context, double, 2 * RIGID * n), *rotation = NULL;
   const char *reason =
@@ -175,8 +149,15 @@ static bw_status find_modes(bw_context *context, const bw_plate *plate,
     BW_TRY(refactor(context, plate, options->full, reuse));
   reuse->factor = !fresh;
   double before = bw_seconds();
-  BW_TRY(rigid_motions(context, plate, rigid, rigid + RIGID * n));
-  problem data = {context, plate, NULL, NULL};
+  problem data = {plate, NULL, NULL};
+  bwi_free_body body = {.size = n,
+                        .data = &data,
+                        .stiffness = times_stiffness,
+                        .mass = times_mass,
+                        .precondition = precondition,
+                        .rigid = rigid};
+  rigid_motions(plate, rigid);
+  BW_TRY(bwi_free_body_begin(context, &body));
   if (!fresh) {
     rotation = BW_NEW(context, double, 7 * nodes);
     if (!rotation) {
@@ -188,21 +169,15 @@ static bw_status find_modes(bw_context *context, const bw_plate *plate,
     data.rotation = rotation;
     data.workspace = rotation + 4 * nodes;
   }
-  bwi_ritz ritz = {.size = n,
-                   .stiffness = times_stiffness,
-                   .mass = times_mass,
-                   .precondition = precondition,
-                   .data = &data,
-                   .rigid_count = RIGID,
-                   .rigid = rigid,
-                   .mass_rigid = rigid + RIGID * n,
-                   .wanted = options->modes,
-                   .block = block,
-                   .more_count = former ? now->past : 0,
-                   .more = former,
-                   .tolerance = options->tolerance,
-                   .limit = fresh ? ROUNDS : 2 * in->first_iterations + 20};
-  status = bwi_ritz_solve(context, &ritz, vector, value, residual, &iterations);
+  const bwi_eigen_problem eigen = bwi_free_body_problem(&body);
+  bwi_eigen_near near = {.wanted = options->modes,
+                         .block = block,
+                         .start = vector,
+                         .more_count = former ? in->now->past : 0,
+                         .more = former,
+                         .tolerance = options->tolerance,
+                         .limit = fresh ? ROUNDS : 2 * in->first_iterations + 20};
+  status = bwi_eigen_follow(context, &eigen, &near, vector, value, residual, &iterations);
   if (status == BW_CONVERGENCE && !fresh) {
     bw_clear_failure(context);
     BW_TRY(refactor(context, plate, false, reuse));
@@ -210,8 +185,8 @@ static bw_status find_modes(bw_context *context, const bw_plate *plate,
     reason = "iterations on the lagged factor did not converge";
     data.rotation = NULL;
     reuse->factor = false;
-    ritz.limit = ROUNDS;
-    status = bwi_ritz_solve(context, &ritz, vector, value, residual, &iterations);
+    near.limit = ROUNDS;
+    status = bwi_eigen_follow(context, &eigen, &near, vector, value, residual, &iterations);
   }
   BW_TRY(status);
   in->last = iterations;
