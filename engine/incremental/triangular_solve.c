@@ -38,10 +38,6 @@ void bwi_triangular_solve_destroy(bwi_triangular_solve *solve) {
   bw_free(solve);
 }
 
-double bwi_triangular_solve_bytes(const bwi_triangular_solve *solve) {
-  return 8.0 * (double)solve->start[solve->symbolic->order->super_count];
-}
-
 typedef struct copy {
   const bwi_factor *factor;
   bwi_triangular_solve *solve;

@@ -14,7 +14,5 @@ bw_status bwi_triangular_solve_create(bw_context *context, const bwi_factor *fac
 void bwi_triangular_solve_destroy(bwi_triangular_solve *solve);
 /* z = (L L^T)^-1 r, fields by node. */
 void bwi_triangular_solve_apply(bwi_triangular_solve *solve, const double *r, double *z);
-/* Bytes read by one. */
-double bwi_triangular_solve_bytes(const bwi_triangular_solve *solve);
 
 #endif

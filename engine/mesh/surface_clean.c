@@ -299,7 +299,7 @@ done:
   return status;
 }
 
-/* ---- fins and specks ----------------------------------------------------------------------- */
+/* ---- fins ---------------------------------------------------------------------------------- */
 
 bw_status bwi_drop_fins(bw_context *context, const bw_surface *surface, bw_surface **out,
                         int64_t *changed) {
@@ -350,44 +350,5 @@ done:
   bw_free(keep);
   bw_free(facets);
   bw_free(queue);
-  return status;
-}
-
-bw_status bwi_drop_specks(bw_context *context, const bw_surface *surface, double fraction,
-                          bw_surface **out, int64_t *changed) {
-  bw_status status = BW_OK;
-  bwi_topology *topology = NULL;
-  int64_t dropped = 0;
-  double *area = NULL, total = 0;
-  uint8_t *keep = NULL, *open = NULL;
-  BW_TRY(bwi_topology_create(context, surface, &topology));
-  area = BW_NEW0(context, double, topology->shells);
-  open = BW_NEW0(context, uint8_t, topology->shells);
-  keep = BW_NEW(context, uint8_t, topology->facets);
-  if (!area || !open || !keep) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  for (int64_t e = 0; e < topology->edges; e++)
-    if ((topology->start[e + 1] - topology->start[e]) % 2)
-      open[topology->shell[topology->side[topology->start[e]] / 3]] = 1;
-  for (int32_t t = 0; t < topology->facets; t++) {
-    double normal[3];
-    bwi_facet_normal(topology->point, topology->corner + 3 * (int64_t)t, normal);
-    total += 0.5 * bw_norm(normal);
-    if (topology->shell[t] >= 0)
-      area[topology->shell[t]] += 0.5 * bw_norm(normal);
-  }
-  for (int32_t t = 0; t < topology->facets; t++) {
-    int32_t s = topology->shell[t];
-    keep[t] = s < 0 || !open[s] || area[s] >= fraction * total;
-    dropped += !keep[t];
-  }
-  BW_TRY(keep_only(context, surface, keep, dropped, out, changed));
-done:
-  bwi_topology_destroy(topology);
-  bw_free(area);
-  bw_free(open);
-  bw_free(keep);
   return status;
 }

@@ -38,9 +38,6 @@ bw_status bwi_stitch(bw_context *context, const bw_surface *surface, double tole
 /* Fill loops of open edges that are small (within `size`) or flat. *left counts the others. */
 bw_status bwi_fill_holes(bw_context *context, const bw_surface *surface, double size,
                          double seconds, bw_surface **out, int64_t *changed, int64_t *left);
-/* Open shells that are nothing beside the whole: of less than `fraction` of the area. */
-bw_status bwi_drop_specks(bw_context *context, const bw_surface *surface, double fraction,
-                          bw_surface **out, int64_t *changed);
 /* Pull fans of facets that touch in a point or along an edge apart by `gap`, into the body. */
 bw_status bwi_separate(bw_context *context, const bw_surface *surface, double gap, bw_surface **out,
                        int64_t *changed);

@@ -10,18 +10,6 @@ static const bw_solver *self(lua_State *L) {
 static const char *const backends[] = {"auto", "multifrontal", "cholmod", "petsc", NULL};
 static const char *const orderings[] = {"auto", "metis", "amd", "backend", NULL};
 
-/* The option "preconditioner", which stays with the options' table. */
-static const bw_solver *preconditioner_option(lua_State *L, const char *function) {
-  const bw_solver *preconditioner = NULL;
-  if (lbw_option_get(L, 1, "preconditioner") != LUA_TNIL) {
-    preconditioner = (const bw_solver *)lbw_test(L, -1, &lbw_solver_class);
-    if (!preconditioner)
-      lbw_option_refused(L, function, "preconditioner", "a solver of bw.solver");
-  }
-  lua_pop(L, 1);
-  return preconditioner;
-}
-
 static int create(lua_State *L, const bw_solver_options *options) {
   lbw_box *box = lbw_box_new(L, &lbw_solver_class);
   bw_solver *solver = NULL;
@@ -47,16 +35,6 @@ static int solver_cholesky(lua_State *L) {
   return create(L, &options);
 }
 
-/* solver.lu{full} */
-static int solver_lu(lua_State *L) {
-  static const lbw_option list[] = {{"full", LBW_BOOLEAN, offsetof(bw_solver_options, full)},
-                                    {NULL, LBW_OTHER, 0}};
-  bw_solver_options options = {.kind = BW_SOLVER_LU};
-  lua_settop(L, 1);
-  lbw_options(L, 1, "solver.lu", list, &options);
-  return create(L, &options);
-}
-
 /* {preconditioner, tolerance, max_iterations} */
 static int iterative(lua_State *L, bw_solver_kind kind, const char *function) {
   static const lbw_option list[] = {
@@ -72,7 +50,8 @@ static int iterative(lua_State *L, bw_solver_kind kind, const char *function) {
   if (!(options.tolerance > 0) && lbw_option_get(L, 1, "tolerance") != LUA_TNIL)
     lbw_option_refused(L, function, "tolerance", "a number above 0 and below 1");
   lua_settop(L, 1);
-  options.preconditioner = preconditioner_option(L, function);
+  options.preconditioner = (const bw_solver *)lbw_object_option(
+      L, 1, function, "preconditioner", &lbw_solver_class, "a solver of bw.solver");
   return create(L, &options);
 }
 
@@ -84,13 +63,26 @@ static int solver_bicgstab(lua_State *L) {
   return iterative(L, BW_SOLVER_BICGSTAB, "solver.bicgstab");
 }
 
-/* solver.two_level{} */
-static int solver_two_level(lua_State *L) {
-  static const lbw_option list[] = {{NULL, LBW_OTHER, 0}};
-  bw_solver_options options = {.kind = BW_SOLVER_TWO_LEVEL};
+/* Those without options but `full`. */
+static int plain(lua_State *L, bw_solver_kind kind, const char *function, bool full) {
+  static const lbw_option list[] = {{"full", LBW_BOOLEAN, offsetof(bw_solver_options, full)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_solver_options options = {.kind = kind};
   lua_settop(L, 1);
-  lbw_options(L, 1, "solver.two_level", list, &options);
+  lbw_options(L, 1, function, full ? list : list + 1, &options);
   return create(L, &options);
+}
+
+static int solver_lu(lua_State *L) {
+  return plain(L, BW_SOLVER_LU, "solver.lu", true);
+}
+
+static int solver_two_level(lua_State *L) {
+  return plain(L, BW_SOLVER_TWO_LEVEL, "solver.two_level", false);
+}
+
+static int solver_jacobi(lua_State *L) {
+  return plain(L, BW_SOLVER_JACOBI, "solver.jacobi", false);
 }
 
 /* solver.amg{backend} */
@@ -102,15 +94,6 @@ static int solver_amg(lua_State *L) {
   lbw_options(L, 1, "solver.amg", list, &options);
   if (lbw_word_option(L, 1, "solver.amg", "backend", words, 0) > 0)
     options.backend = BW_BACKEND_PETSC;
-  return create(L, &options);
-}
-
-/* solver.jacobi{} */
-static int solver_jacobi(lua_State *L) {
-  static const lbw_option list[] = {{NULL, LBW_OTHER, 0}};
-  bw_solver_options options = {.kind = BW_SOLVER_JACOBI};
-  lua_settop(L, 1);
-  lbw_options(L, 1, "solver.jacobi", list, &options);
   return create(L, &options);
 }
 
