@@ -18,10 +18,8 @@ void bwi_product_table(int order, bwi_block_term table[256]);
 
 /* Where tensors are summed from: frames of all elements, or of those of one subdomain only. */
 typedef struct bwi_block_source {
-  const bw_block_pattern *pattern;
   const bwi_frames *frames;
   bwi_block_term table[256];
-  int64_t contributions; /* of the whole pattern */
 } bwi_block_source;
 
 /* The elements that count, when not all do: frame number[e] - first if that is in [0, count). */
@@ -46,11 +44,11 @@ static inline void bwi_add_curved(const bwi_frames *frames, int32_t number, int 
 /* What the contributions from `begin` to `end` - 1 of one block make of T, into t (rows of four,
  * the last unused). `range` NULL: all elements; else those are straight. */
 static inline void bwi_sum_contributions(const bwi_block_source *source,
+                                         const bwi_contributions *list,
                                          const bwi_element_range *range, int64_t begin, int64_t end,
                                          bool diagonal, double t[3][4]) {
   /* Frames are asked for this many contributions ahead: numbers of neighbours may lie far apart. */
   enum { AHEAD = 32 };
-  const bw_block_pattern *pattern = source->pattern;
   const int32_t *curved = range ? NULL : source->frames->curved;
   const int vectors = source->frames->vectors;
   const bwi_vector *vector = range ? range->vector : source->frames->vector;
@@ -59,14 +57,14 @@ static inline void bwi_sum_contributions(const bwi_block_source *source,
   if (curved)
     memset(extra, 0, sizeof extra);
   for (int64_t k = begin; k < end; k++) {
-    int32_t e = pattern->gather_element[k];
-    int code = pattern->gather_local[k];
+    int32_t e = list->element[k];
+    int code = list->local[k];
     if (range) {
       e = range->number[e] - range->first;
       if ((uint32_t)e >= (uint32_t)range->count)
         continue;
-    } else if (k + AHEAD < source->contributions)
-      __builtin_prefetch(vector + (int64_t)pattern->gather_element[k + AHEAD] * vectors);
+    } else if (k + AHEAD < list->count)
+      __builtin_prefetch(vector + (int64_t)list->element[k + AHEAD] * vectors);
     if (curved && curved[e] >= 0) {
       bwi_add_curved(source->frames, curved[e], code, extra);
       continue;
@@ -98,13 +96,13 @@ static inline void bwi_sum_contributions(const bwi_block_source *source,
 
 /* What the same contributions make of the tensor of mean gradients, V mean(grad N_i) (x)
  * mean(grad N_j): on a straight tet10 those of corners vanish, and those of mid-edge nodes s_m. */
-static inline void bwi_sum_means(const bwi_block_source *source, int64_t begin, int64_t end,
-                                 double t[3][4]) {
+static inline void bwi_sum_means(const bwi_block_source *source, const bwi_contributions *list,
+                                 int64_t begin, int64_t end, double t[3][4]) {
   const bwi_frames *frames = source->frames;
   bwi_vector row[3] = {{0}, {0}, {0}};
   for (int64_t k = begin; k < end; k++) {
-    int64_t e = source->pattern->gather_element[k];
-    int a = source->pattern->gather_local[k] >> 4, b = source->pattern->gather_local[k] & 15;
+    int64_t e = list->element[k];
+    int a = list->local[k] >> 4, b = list->local[k] & 15;
     const bwi_vector *mean = frames->vector + e * frames->vectors;
     if (frames->curved && frames->curved[e] >= 0)
       mean = frames->curved_mean + (int64_t)frames->curved[e] * 10;
@@ -117,10 +115,11 @@ static inline void bwi_sum_means(const bwi_block_source *source, int64_t begin, 
 }
 
 /* T of one block. */
-static inline void bwi_sum_block(const bwi_block_source *source, const bwi_element_range *range,
-                                 int64_t index, bool diagonal, double t[3][4]) {
-  const int64_t *start = source->pattern->gather_start;
-  bwi_sum_contributions(source, range, start[index], start[index + 1], diagonal, t);
+static inline void bwi_sum_block(const bwi_block_source *source, const bwi_contributions *list,
+                                 const bwi_element_range *range, int64_t index, bool diagonal,
+                                 double t[3][4]) {
+  const int64_t *start = list->start + (index - list->first);
+  bwi_sum_contributions(source, list, range, start[0], start[1], diagonal, t);
 }
 
 /* K = lambda T + mu T^T + mu tr(T) I */

@@ -2,9 +2,7 @@
 /* The block sparsity pattern: nodes i and j share an element.
  *
  * Invariants: row i holds its columns j <= i in ascending order, the diagonal last. The indices
- * upper_block[upper_start[i]..] are those of the blocks (k, i) with k > i, k ascending. The
- * contributions gather_start[p].. of block p are in ascending order of elements: summed in this
- * order, a value has the same bits whichever thread sums it. */
+ * upper_block[upper_start[i]..] are those of the blocks (k, i) with k > i, k ascending. */
 #include "assemble/internal.h"
 #include "base/sort.h"
 
@@ -21,9 +19,6 @@ static void destroy(void *object) {
   bw_free(pattern->upper_start);
   bw_free(pattern->upper_block);
   bw_free(pattern->upper_row);
-  bw_free(pattern->gather_start);
-  bw_free(pattern->gather_element);
-  bw_free(pattern->gather_local);
   bw_free(pattern);
 }
 
@@ -31,8 +26,7 @@ static size_t bytes(const void *object) {
   const bw_block_pattern *pattern = (const bw_block_pattern *)object;
   size_t nodes = (size_t)pattern->node_count + 1, blocks = (size_t)pattern->block_count;
   return sizeof *pattern + 2 * nodes * sizeof(int64_t) + blocks * sizeof(int32_t) +
-         (blocks + 1 - nodes) * (sizeof(int64_t) + sizeof(int32_t)) +
-         (blocks + 1) * sizeof(int64_t) + (size_t)pattern->gather_start[blocks] * 5;
+         (blocks + 1 - nodes) * (sizeof(int64_t) + sizeof(int32_t));
 }
 
 static const bw_kind pattern_kind = {"pattern", destroy, bytes};
@@ -83,35 +77,31 @@ typedef struct builder {
   const int32_t *element; /* elements x nodes_per_element */
   bwi_incidence incidence;
   bw_block_pattern *pattern;
-  int32_t *mark;       /* threads x node_count: see count_rows and fill_rows */
-  int64_t *row_gather; /* node_count + 1: contributions of the rows before */
+  int32_t *mark; /* threads x node_count: see count_rows and fill_rows */
 } builder;
 
-/* Count columns into start[i + 1] and contributions into row_gather[i + 1]. Here mark[j] is one
- * more than the last row that saw j. */
+/* Count columns into start[i + 1]. Here mark[j] is one more than the last row that saw j. */
 static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) {
   builder *b = (builder *)data;
   int n = b->nodes_per_element;
   int32_t *mark = b->mark + (int64_t)worker * b->pattern->node_count;
   for (int64_t i = begin; i < end; i++) {
-    int64_t columns = 0, contributions = 0;
+    int64_t columns = 0;
     for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
       const int32_t *node = b->element + (int64_t)b->incidence.element[k] * n;
       for (int a = 0; a < n; a++)
         if (node[a] <= i) {
-          contributions++;
           columns += mark[node[a]] != i + 1;
           mark[node[a]] = (int32_t)(i + 1);
         }
     }
     b->pattern->start[i + 1] = columns;
-    b->row_gather[i + 1] = contributions;
   }
   return BW_OK;
 }
 
-/* Fill columns and contributions of rows. Here mark[j] is the index of column j in the row, if that
- * entry is filled and holds j; anything may stand in mark before. */
+/* Fill the columns of rows. Here mark[j] is the index of column j in the row, if that entry is
+ * filled and holds j; anything may stand in mark before. */
 static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
   builder *b = (builder *)data;
   bw_block_pattern *pattern = b->pattern;
@@ -119,7 +109,6 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
   int32_t *mark = b->mark + (int64_t)worker * b->pattern->node_count;
   for (int64_t i = begin; i < end; i++) {
     int32_t *column = pattern->column + pattern->start[i];
-    int64_t *gather = pattern->gather_start + pattern->start[i];
     int32_t count = 0;
     for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
       const int32_t *node = b->element + (int64_t)b->incidence.element[k] * n;
@@ -132,36 +121,6 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
       }
     }
     bwi_sort_columns(column, count);
-    for (int32_t p = 0; p < count; p++) {
-      mark[column[p]] = p;
-      gather[p] = 0;
-    }
-    /* counts, then starts, then, moved along by filling, the starts of the next blocks */
-    for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
-      const int32_t *node = b->element + (int64_t)b->incidence.element[k] * n;
-      for (int a = 0; a < n; a++)
-        if (node[a] <= i)
-          gather[mark[node[a]]]++;
-    }
-    int64_t next = b->row_gather[i];
-    for (int32_t p = 0; p < count; p++) {
-      int64_t here = gather[p];
-      gather[p] = next;
-      next += here;
-    }
-    for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
-      int32_t e = b->incidence.element[k];
-      const int32_t *node = b->element + (int64_t)e * n;
-      for (int a = 0; a < n; a++)
-        if (node[a] <= i) {
-          int64_t index = gather[mark[node[a]]]++;
-          pattern->gather_element[index] = e;
-          pattern->gather_local[index] = (uint8_t)(b->incidence.local[k] << 4 | a);
-        }
-    }
-    for (int32_t p = count - 1; p > 0; p--)
-      gather[p] = gather[p - 1];
-    gather[0] = b->row_gather[i];
   }
   return BW_OK;
 }
@@ -205,10 +164,6 @@ static bool is_ordered(const bw_block_pattern *pattern) {
           (k > pattern->upper_start[i] && pattern->upper_row[k] <= pattern->upper_row[k - 1]))
         return false;
   }
-  for (int64_t p = 0; p < pattern->block_count; p++)
-    for (int64_t k = pattern->gather_start[p]; k + 1 < pattern->gather_start[p + 1]; k++)
-      if (pattern->gather_element[k] > pattern->gather_element[k + 1])
-        return false;
   return pattern->start[pattern->node_count] == pattern->block_count;
 }
 #endif
@@ -229,27 +184,20 @@ bw_status bw_block_pattern_of_elements(bw_context *context, int32_t node_count,
   BW_TRY(bwi_incidence_of_elements(context, node_count, element_count, nodes_per_element, element,
                                    &b.incidence));
   b.mark = BW_NEW0(context, int32_t, nodes * bw_threads(context));
-  b.row_gather = BW_NEW0(context, int64_t, nodes + 1);
   g->start = BW_NEW0(context, int64_t, nodes + 1);
-  if (!b.mark || !b.row_gather || !g->start) {
+  if (!b.mark || !g->start) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(bw_parallel(context, nodes, ROWS_PER_CHUNK, count_rows, &b));
-  for (int64_t i = 0; i < nodes; i++) {
+  for (int64_t i = 0; i < nodes; i++)
     g->start[i + 1] += g->start[i];
-    b.row_gather[i + 1] += b.row_gather[i];
-  }
   g->block_count = g->start[nodes];
   g->column = BW_NEW(context, int32_t, g->block_count);
-  g->gather_start = BW_NEW(context, int64_t, g->block_count + 1);
-  g->gather_element = BW_NEW(context, int32_t, b.row_gather[nodes]);
-  g->gather_local = BW_NEW(context, uint8_t, b.row_gather[nodes]);
-  if (!g->column || !g->gather_start || !g->gather_element || !g->gather_local) {
+  if (!g->column) {
     status = BW_MEMORY;
     goto done;
   }
-  g->gather_start[g->block_count] = b.row_gather[nodes];
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bw_parallel(context, nodes, ROWS_PER_CHUNK, fill_rows, &b));
   BW_TRY(fill_upper(context, g));
@@ -259,7 +207,6 @@ bw_status bw_block_pattern_of_elements(bw_context *context, int32_t node_count,
 done:
   bwi_incidence_clear(&b.incidence);
   bw_free(b.mark);
-  bw_free(b.row_gather);
   bw_release(g);
   return status;
 }
@@ -275,8 +222,7 @@ bw_status bwi_block_pattern_of_rows(bw_context *context, int32_t node_count, int
   g->block_count = start[node_count];
   g->start = start;
   g->column = column;
-  g->gather_start = BW_NEW0(context, int64_t, g->block_count + 1);
-  status = g->gather_start ? fill_upper(context, g) : BW_MEMORY;
+  status = fill_upper(context, g);
   if (status == BW_OK) {
     assert(is_ordered(g));
     *pattern = g;

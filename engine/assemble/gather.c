@@ -4,8 +4,6 @@
 
 #include <string.h>
 
-enum { ROWS_PER_CHUNK = 256 };
-
 static bool has(int middle, int corner) {
   return bw_tet_edge[middle - 4][0] == corner || bw_tet_edge[middle - 4][1] == corner;
 }
@@ -56,6 +54,7 @@ void bwi_product_table(int order, bwi_block_term table[256]) {
 }
 
 typedef struct gather_data {
+  const bw_block_pattern *pattern;
   bwi_block_source source;
   bwi_gather_kind kind;
   double lambda, mu;
@@ -74,41 +73,40 @@ static void add_general(const bwi_vector (*map)[3], double t[3][4], double *out)
 }
 
 /* The values of a block by general maps: run by run of elements of one group of the material. */
-static void gather_general(const gather_data *g, int64_t index, bool diagonal, double *out) {
-  const bw_block_pattern *pattern = g->source.pattern;
-  int64_t k = pattern->gather_start[index], end = pattern->gather_start[index + 1];
+static void gather_general(const gather_data *g, const bwi_contributions *list, int64_t index,
+                           bool diagonal, double *out) {
+  int64_t k = list->start[index - list->first], end = list->start[index - list->first + 1];
   memset(out, 0, 9 * sizeof *out);
   while (k < end) {
     double t[3][4];
-    int32_t group = g->group ? g->group[pattern->gather_element[k]] : 0;
+    int32_t group = g->group ? g->group[list->element[k]] : 0;
     int64_t next = g->group ? k + 1 : end;
-    while (next < end && g->group[pattern->gather_element[next]] == group)
+    while (next < end && g->group[list->element[next]] == group)
       next++;
-    bwi_sum_contributions(&g->source, NULL, k, next, diagonal, t);
+    bwi_sum_contributions(&g->source, list, NULL, k, next, diagonal, t);
     add_general(g->map[group], t, out);
     if (g->mean_map) {
-      bwi_sum_means(&g->source, k, next, t);
+      bwi_sum_means(&g->source, list, k, next, t);
       add_general(g->mean_map[group], t, out);
     }
     k = next;
   }
 }
 
-static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker) {
+static void gather_rows(void *data, const bwi_contributions *list, int64_t begin, int64_t end) {
   const gather_data *g = (const gather_data *)data;
-  const int64_t *start = g->source.pattern->start;
-  (void)worker;
+  const int64_t *start = g->pattern->start;
   for (int64_t i = begin; i < end; i++)
     for (int64_t index = start[i]; index < start[i + 1]; index++) {
       double t[3][4], *out = g->values + 9 * index;
       bool diagonal = index == start[i + 1] - 1;
       if (g->group || g->mean_map) {
-        gather_general(g, index, diagonal, out);
+        gather_general(g, list, index, diagonal, out);
         if (diagonal)
           bwi_make_symmetric(out);
         continue;
       }
-      bwi_sum_block(&g->source, NULL, index, diagonal, t);
+      bwi_sum_block(&g->source, list, NULL, index, diagonal, t);
       if (g->kind == BWI_TRACE) {
         g->values[index] = t[0][0] + t[1][1] + t[2][2];
         continue;
@@ -120,7 +118,6 @@ static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker)
       if (diagonal)
         bwi_make_symmetric(out);
     }
-  return BW_OK;
 }
 
 static void fill_map(const double c[36], bwi_vector map[9][3]) {
@@ -169,11 +166,10 @@ bw_status bwi_gather(bw_context *context, const bw_block_pattern *pattern, const
   bw_status status = BW_OK;
   bwi_frames frames = {0};
   gather_data g = {
-      .source = {.pattern = pattern, .frames = &frames}, .kind = kind, .values = values};
+      .pattern = pattern, .source = {.frames = &frames}, .kind = kind, .values = values};
   BW_TRY(bwi_block_pattern_fits(context, pattern, mesh));
   BW_TRY(bwi_frames_create(context, mesh, &frames));
   bwi_product_table(mesh->order, g.source.table);
-  g.source.contributions = pattern->gather_start[pattern->block_count];
   if (kind == BWI_ISOTROPIC) {
     g.lambda = material->lame_lambda;
     g.mu = material->lame_mu;
@@ -182,7 +178,7 @@ bw_status bwi_gather(bw_context *context, const bw_block_pattern *pattern, const
     BW_TRY(bw_material_fits(context, material, mesh->element_count));
     BW_TRY(general_maps(context, material, bwi_projected_bulk(mesh, material), &g));
   }
-  BW_TRY(bw_parallel(context, pattern->node_count, ROWS_PER_CHUNK, gather_rows, &g));
+  BW_TRY(bwi_for_contributions(context, pattern, mesh, gather_rows, &g));
 done:
   bw_free(g.map);
   bw_free(g.mean_map);

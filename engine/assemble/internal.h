@@ -20,6 +20,30 @@ bw_status bwi_incidence_of_elements(bw_context *context, int32_t node_count, int
 bw_status bwi_incidence_create(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence);
 void bwi_incidence_clear(bwi_incidence *incidence);
 
+/* What elements contribute to the blocks of some rows of a pattern, in ascending order of elements:
+ * summed in this order, a value has the same bits whichever thread sums it. */
+typedef struct bwi_contributions {
+  bw_object object;
+  int64_t first;    /* block of the pattern */
+  int64_t *start;   /* by block from `first` on, + 1 */
+  int32_t *element; /* of each contribution */
+  uint8_t *local;   /* (a << 4) | b: local row and column nodes */
+  int64_t blocks;   /* that there is room for */
+  int64_t count;    /* of contributions */
+} bwi_contributions;
+/* Those of all rows, for what sums them again and again: `element` (element_count x
+ * nodes_per_element) is what the pattern was made of. Release with bw_release. */
+bw_status bwi_contributions_create(bw_context *context, const bw_block_pattern *pattern,
+                                   int32_t element_count, int nodes_per_element,
+                                   const int32_t *element, bwi_contributions **list);
+/* Calls `body` for the rows from `begin` to `end` - 1 with the contributions to them, for all rows
+ * of a pattern, in parallel. The lists live no longer than the call: those of a large mesh are a
+ * third of its matrix. */
+typedef void bwi_contributions_body(void *data, const bwi_contributions *list, int64_t begin,
+                                    int64_t end);
+bw_status bwi_for_contributions(bw_context *context, const bw_block_pattern *pattern,
+                                const bw_mesh *mesh, bwi_contributions_body *body, void *data);
+
 /* The bulk modulus that acts on mean dilatations. In a tet4 the dilatation is constant anyway. */
 static inline double bwi_projected_bulk(const bw_mesh *mesh, const bw_material *material) {
   return mesh->order == 2 ? bw_material_projected_bulk(material) : 0;

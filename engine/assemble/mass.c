@@ -12,8 +12,6 @@
 
 #include <string.h>
 
-enum { ROWS_PER_CHUNK = 512 };
-
 typedef struct mass_data {
   const bw_block_pattern *pattern;
   const bw_mesh *mesh;
@@ -80,15 +78,15 @@ static void clear(mass_data *m) {
   bw_free(m->curved_mass);
 }
 
-static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker) {
+static void gather_rows(void *data, const bwi_contributions *list, int64_t begin, int64_t end) {
   const mass_data *m = (const mass_data *)data;
   const bw_block_pattern *pattern = m->pattern;
-  (void)worker;
   for (int64_t block = pattern->start[begin]; block < pattern->start[end]; block++) {
     double sum = 0;
-    for (int64_t k = pattern->gather_start[block]; k < pattern->gather_start[block + 1]; k++) {
-      int32_t e = pattern->gather_element[k];
-      int code = pattern->gather_local[k];
+    const int64_t *start = list->start + (block - list->first);
+    for (int64_t k = start[0]; k < start[1]; k++) {
+      int32_t e = list->element[k];
+      int code = list->local[k];
       if (m->curved && m->curved[e] >= 0)
         sum += m->curved_mass[100 * (int64_t)m->curved[e] + 10 * (code >> 4) + (code & 15)];
       else
@@ -96,7 +94,6 @@ static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker)
     }
     m->values[block] = sum;
   }
-  return BW_OK;
 }
 
 bw_status bw_mass(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
@@ -105,7 +102,7 @@ bw_status bw_mass(bw_context *context, const bw_block_pattern *pattern, const bw
   mass_data m = {.pattern = pattern, .values = values};
   BW_TRY(bwi_block_pattern_fits(context, pattern, mesh));
   BW_TRY(prepare(context, mesh, &m));
-  BW_TRY(bw_parallel(context, pattern->node_count, ROWS_PER_CHUNK, gather_rows, &m));
+  BW_TRY(bwi_for_contributions(context, pattern, mesh, gather_rows, &m));
 done:
   clear(&m);
   return status;

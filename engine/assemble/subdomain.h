@@ -42,6 +42,7 @@ static inline int64_t bwi_next_four(int64_t n) {
 
 typedef struct bwi_subdomain_coefficients {
   /* elements and nodes, subdomain by subdomain */
+  bwi_contributions *contributions;
   int32_t *element_start, *element; /* subdomain_count + 1 */
   int32_t *number;                  /* element_count: its index in `element` */
   int64_t *node_start; /* subdomain_count + 1: of all nodes of its elements, ascending */

@@ -182,11 +182,12 @@ done:
 
 /* The subdomains of a block's elements, ascending, into list (with room for subdomain_count);
  * mark[d] is the last block that listed d. */
-static int32_t subdomains_of(const bw_block_pattern *pattern, const int32_t *element_subdomain,
-                             int64_t block, int64_t *mark, int32_t *list) {
+static int32_t subdomains_of(const bwi_contributions *contributions,
+                             const int32_t *element_subdomain, int64_t block, int64_t *mark,
+                             int32_t *list) {
   int32_t count = 0;
-  for (int64_t k = pattern->gather_start[block]; k < pattern->gather_start[block + 1]; k++) {
-    int32_t d = element_subdomain[pattern->gather_element[k]];
+  for (int64_t k = contributions->start[block]; k < contributions->start[block + 1]; k++) {
+    int32_t d = element_subdomain[contributions->element[k]];
     if (mark[d] == block)
       continue;
     mark[d] = block;
@@ -315,7 +316,7 @@ static bw_status list_sections(bw_context *context, const bw_block_pattern *patt
   for (int64_t block = 0; block < pattern->block_count; block++) {
     if (block % BLOCKS_PER_CHECK == 0)
       BW_TRY(bw_check_cancel(context));
-    int32_t count = subdomains_of(pattern, element_subdomain, block, mark, list);
+    int32_t count = subdomains_of(c->contributions, element_subdomain, block, mark, list);
     int64_t number = surface[block] ? subdomain_count + list[0] : list[0];
     if (count > 1) {
       BW_TRY(set_number(context, &sets, list, count, &number));

@@ -14,6 +14,7 @@ static void destroy(void *object) {
   bw_subdomain_stiffness *stiffness = (bw_subdomain_stiffness *)object;
   bwi_subdomain_coefficients *c = stiffness->coefficients;
   if (c) {
+    bw_release(c->contributions);
     bw_free(c->element_start);
     bw_free(c->element);
     bw_free(c->number);
@@ -51,7 +52,7 @@ static size_t bytes(const void *object) {
          elements = (size_t)stiffness->pattern->mesh->element_count,
          numbers = (size_t)(9 * stiffness->pattern->block_count + c->item_count + c->present_count),
          nodes = (size_t)c->node_start[subdomains], frames = (size_t)c->frame_start[subdomains];
-  return sizeof *stiffness + sizeof *c + numbers * sizeof *c->tensor +
+  return sizeof *stiffness + sizeof *c + bw_bytes(c->contributions) + numbers * sizeof *c->tensor +
          (size_t)c->code_count * sizeof *c->block_code +
          (size_t)c->segment_count * sizeof *c->segment + sections * 2 * sizeof(int64_t) +
          (size_t)c->section_start[sections] * sizeof *c->section_subdomain +
@@ -141,10 +142,12 @@ bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_patt
     return bw_fail(
         context, BW_UNSUPPORTED,
         "the stiffness by subdomains is implemented for the standard formulation, not for B-bar");
-  if (pattern->gather_start[pattern->block_count] > INT32_MAX)
+  int64_t contributions =
+      (int64_t)mesh->element_count * mesh->nodes_per_element * (mesh->nodes_per_element + 1) / 2;
+  if (contributions > INT32_MAX)
     return bw_fail(context, BW_LIMIT,
                    "the mesh has %lld contributions of elements to pairs of nodes; at most %d fit",
-                   (long long)pattern->gather_start[pattern->block_count], INT32_MAX);
+                   (long long)contributions, INT32_MAX);
   s = BW_NEW0(context, bw_subdomain_stiffness, 1);
   if (!s)
     return BW_MEMORY;
@@ -167,6 +170,8 @@ bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_patt
               material->elasticity[6 * voigt[i][j] + voigt[k][l]];
   c->orientation_matters = !material->isotropic;
   BW_TRY(take_orientations(context, material, subdomain_count, element_subdomain, c));
+  BW_TRY(bwi_contributions_create(context, pattern, mesh->element_count, mesh->nodes_per_element,
+                                  mesh->element, &c->contributions));
   BW_TRY(bwi_subdomain_lists(context, pattern, subdomain_count, element_subdomain, node_subdomain,
                              c->orientation_matters, rotate_material, c));
   int64_t nodes = c->node_start[subdomain_count];

@@ -93,11 +93,8 @@ bw_status bwi_subdomain_work_prepare(bw_context *context, const bw_mesh *mesh,
                                      bwi_subdomain_work *work) {
   bw_status status = BW_OK;
   const bwi_subdomain_coefficients *c = work->stiffness->coefficients;
-  const bw_block_pattern *pattern = work->stiffness->pattern;
   work->mesh = mesh;
-  work->source.pattern = pattern;
   work->source.frames = &work->frames;
-  work->source.contributions = pattern->gather_start[pattern->block_count];
   bwi_product_table(mesh->order, work->source.table);
   work->frames.mesh = mesh;
   work->frames.vectors = mesh->order == 1 ? 4 : 10;
@@ -148,7 +145,8 @@ static void gather_tensors(const bwi_subdomain_work *work, const bwi_subdomain_s
   for (int64_t k = 0; k < segment->size; k++) {
     double t[3][4], *tensor = to + numbers * (k & ~(int64_t)3) + (k & 3);
     bool diagonal = code[k] & 1;
-    bwi_sum_block(&work->source, &range, code[k] >> 1, diagonal, t);
+    bwi_sum_block(&work->source, work->stiffness->coefficients->contributions, &range, code[k] >> 1,
+                  diagonal, t);
     bwi_subdomain_halves(t, numbers, tensor);
     if (diagonal) /* symmetric but for rounding */
       for (int m = 6; m < numbers; m++)
@@ -189,7 +187,8 @@ static void gather_inside(const bwi_subdomain_work *work, const bwi_subdomain_se
   for (int64_t k = 0; k < segment->size; k++) {
     double t[3][4], *block = work->stiffness->values + 9 * (int64_t)(code[k] >> 1);
     bool diagonal = code[k] & 1;
-    bwi_sum_block(&work->source, &range, code[k] >> 1, diagonal, t);
+    bwi_sum_block(&work->source, work->stiffness->coefficients->contributions, &range, code[k] >> 1,
+                  diagonal, t);
     if (material->isotropic)
       bwi_apply_isotropic(material->lame_lambda, material->lame_mu, t, block);
     else

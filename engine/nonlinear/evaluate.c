@@ -20,9 +20,8 @@ typedef struct data {
   int64_t pivot;               /* the last multiple of ring among the elements so far */
   double *force, *matrix;      /* ring x 24, ring x 300, or NULL */
   double *gradient, *stiffness;
-  int64_t contributions; /* of the pattern */
-  int64_t end;           /* of the elements so far */
-  int64_t first;         /* element or node that item 0 of the loop is */
+  int64_t end;   /* of the elements so far */
+  int64_t first; /* element or node that item 0 of the loop is */
 } data;
 
 /* Of an element that the ring holds now. */
@@ -44,19 +43,19 @@ static bw_status elements(void *of, int64_t begin, int64_t end, int worker) {
 
 /* Where the k-th contribution of the pattern lies. */
 static inline const double *block_of(const data *d, int64_t k) {
-  const bw_block_pattern *pattern = d->solid->pattern;
-  int code = pattern->gather_local[k];
-  return d->matrix + BWI_ELEMENT_NUMBERS * slot_of(d, pattern->gather_element[k]) +
+  const bwi_contributions *list = d->solid->contributions;
+  int code = list->local[k];
+  return d->matrix + BWI_ELEMENT_NUMBERS * slot_of(d, list->element[k]) +
          bwi_element_block(code >> 4, code & 15);
 }
 
 static inline void gather_block(const data *d, int64_t index, double *block) {
-  const bw_block_pattern *pattern = d->solid->pattern;
+  const bwi_contributions *list = d->solid->contributions;
   bwi_lanes sum = {0}, part;
   double last = 0;
-  for (int64_t k = pattern->gather_start[index]; k < pattern->gather_start[index + 1]; k++) {
+  for (int64_t k = list->start[index]; k < list->start[index + 1]; k++) {
     const double *from = block_of(d, k);
-    if (k + AHEAD < d->contributions && pattern->gather_element[k + AHEAD] < d->end) {
+    if (k + AHEAD < list->count && list->element[k + AHEAD] < d->end) {
       const double *next = block_of(d, k + AHEAD);
       __builtin_prefetch(next);
       __builtin_prefetch(next + 8);
@@ -72,14 +71,14 @@ static inline void gather_block(const data *d, int64_t index, double *block) {
 static bw_status rows(void *of, int64_t begin, int64_t end, int worker) {
   const data *d = (const data *)of;
   const bw_block_pattern *pattern = d->solid->pattern;
+  const bwi_contributions *list = d->solid->contributions;
   (void)worker;
   for (int64_t i = d->first + begin; i < d->first + end; i++) {
     int64_t diagonal = pattern->start[i + 1] - 1;
     double force[3] = {0}, six[6] = {0};
-    for (int64_t k = pattern->gather_start[diagonal]; k < pattern->gather_start[diagonal + 1];
-         k++) {
-      int64_t slot = slot_of(d, pattern->gather_element[k]);
-      int a = pattern->gather_local[k] >> 4;
+    for (int64_t k = list->start[diagonal]; k < list->start[diagonal + 1]; k++) {
+      int64_t slot = slot_of(d, list->element[k]);
+      int a = list->local[k] >> 4;
       for (int r = 0; r < 3 && d->force; r++)
         force[r] += d->force[BWI_ELEMENT_FORCES * slot + 3 * a + r];
       for (int r = 0; r < 6 && d->matrix; r++)
@@ -98,11 +97,13 @@ static bw_status rows(void *of, int64_t begin, int64_t end, int worker) {
 }
 
 /* First and last element around a node. */
-static inline int32_t first_of(const bw_block_pattern *pattern, int64_t node) {
-  return pattern->gather_element[pattern->gather_start[pattern->start[node + 1] - 1]];
+static inline int32_t first_of(const bw_solid *solid, int64_t node) {
+  const bwi_contributions *list = solid->contributions;
+  return list->element[list->start[solid->pattern->start[node + 1] - 1]];
 }
-static inline int32_t last_of(const bw_block_pattern *pattern, int64_t node) {
-  return pattern->gather_element[pattern->gather_start[pattern->start[node + 1]] - 1];
+static inline int32_t last_of(const bw_solid *solid, int64_t node) {
+  const bwi_contributions *list = solid->contributions;
+  return list->element[list->start[solid->pattern->start[node + 1]] - 1];
 }
 
 /* When which nodes are gathered, and how many elements the ring must hold meanwhile. */
@@ -126,13 +127,13 @@ static bw_status plan(bw_context *context, const bw_solid *solid, schedule *it) 
   }
   oldest[nodes] = (int32_t)elements_all;
   for (int64_t n = nodes - 1; n >= 0; n--)
-    oldest[n] = first_of(pattern, n) < oldest[n + 1] ? first_of(pattern, n) : oldest[n + 1];
+    oldest[n] = first_of(solid, n) < oldest[n + 1] ? first_of(solid, n) : oldest[n + 1];
   int64_t node = 0;
   for (int64_t w = 0; w < it->windows; w++) {
     int64_t end = w + 1 < it->windows ? (w + 1) * WINDOW : elements_all;
     if (end - oldest[node] > it->ring)
       it->ring = end - oldest[node];
-    while (node < nodes && last_of(pattern, node) < end)
+    while (node < nodes && last_of(solid, node) < end)
       node++;
     it->ready[w] = node;
   }
@@ -192,7 +193,6 @@ bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const do
                                : BWI_ENERGY,
             .gradient = gradient,
             .stiffness = stiffness,
-            .contributions = solid->pattern->gather_start[solid->pattern->block_count],
             .ring = 1};
   d.state = BW_NEW(context, bwi_hexahedron_state, solid->grid->element_count);
   if (!d.state) {

@@ -3,6 +3,7 @@
 #ifndef BWI_NONLINEAR_INTERNAL_H
 #define BWI_NONLINEAR_INTERNAL_H
 
+#include "assemble/internal.h"
 #include "barwright/nonlinear.h"
 #include "nonlinear/law.h"
 

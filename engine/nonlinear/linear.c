@@ -101,11 +101,11 @@ bw_status bwi_solid_linear_add(bw_context *context, bw_solid_linear *linear, dou
 }
 
 /* The elements around node i, as the diagonal of the pattern has them: from *begin to *end - 1. */
-static inline void around(const bw_block_pattern *pattern, int64_t i, int64_t *begin,
-                          int64_t *end) {
-  int64_t diagonal = pattern->start[i + 1] - 1;
-  *begin = pattern->gather_start[diagonal];
-  *end = pattern->gather_start[diagonal + 1];
+static inline void around(const bw_solid *solid, int64_t i, int64_t *begin, int64_t *end) {
+  const bwi_contributions *list = solid->contributions;
+  int64_t diagonal = solid->pattern->start[i + 1] - 1;
+  *begin = list->start[diagonal];
+  *end = list->start[diagonal + 1];
 }
 
 typedef struct shift {
@@ -115,15 +115,15 @@ typedef struct shift {
 
 static bw_status shift_nodes(void *of, int64_t begin, int64_t end, int worker) {
   const shift *d = (const shift *)of;
-  const bw_block_pattern *pattern = d->linear->solid->pattern;
+  const bw_solid *solid = d->linear->solid;
+  const bwi_contributions *list = solid->contributions;
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
     int64_t first, last;
-    around(pattern, i, &first, &last);
+    around(solid, i, &first, &last);
     for (int64_t k = first; k < last; k++) {
-      int a = pattern->gather_local[k] >> 4;
-      double *block = d->linear->stiffness +
-                      BWI_ELEMENT_NUMBERS * (int64_t)pattern->gather_element[k] +
+      int a = list->local[k] >> 4;
+      double *block = d->linear->stiffness + BWI_ELEMENT_NUMBERS * (int64_t)list->element[k] +
                       bwi_element_block(a, a);
       double part = d->value / (double)(last - first);
       block[0] += part;
@@ -174,15 +174,15 @@ static bw_status multiply_elements(void *of, int64_t begin, int64_t end, int wor
 
 static bw_status gather_nodes(void *of, int64_t begin, int64_t end, int worker) {
   const data *d = (const data *)of;
-  const bw_block_pattern *pattern = d->linear->solid->pattern;
+  const bw_solid *solid = d->linear->solid;
+  const bwi_contributions *list = solid->contributions;
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
     double sum[3] = {0};
     int64_t k, last;
-    for (around(pattern, i, &k, &last); k < last; k++) {
-      const double *from = d->linear->product +
-                           BWI_ELEMENT_FORCES * (int64_t)pattern->gather_element[k] +
-                           3 * (pattern->gather_local[k] >> 4);
+    for (around(solid, i, &k, &last); k < last; k++) {
+      const double *from = d->linear->product + BWI_ELEMENT_FORCES * (int64_t)list->element[k] +
+                           3 * (list->local[k] >> 4);
       for (int r = 0; r < 3; r++)
         sum[r] += from[r];
     }
@@ -204,15 +204,15 @@ done:
 
 static bw_status gather_blocks(void *of, int64_t begin, int64_t end, int worker) {
   const data *d = (const data *)of;
-  const bw_block_pattern *pattern = d->linear->solid->pattern;
+  const bw_solid *solid = d->linear->solid;
+  const bwi_contributions *list = solid->contributions;
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
     double s[6] = {0};
     int64_t k, last;
-    for (around(pattern, i, &k, &last); k < last; k++) {
-      int a = pattern->gather_local[k] >> 4;
-      const double *from = d->linear->stiffness +
-                           BWI_ELEMENT_NUMBERS * (int64_t)pattern->gather_element[k] +
+    for (around(solid, i, &k, &last); k < last; k++) {
+      int a = list->local[k] >> 4;
+      const double *from = d->linear->stiffness + BWI_ELEMENT_NUMBERS * (int64_t)list->element[k] +
                            bwi_element_block(a, a);
       for (int r = 0; r < 6; r++)
         s[r] += from[r];

@@ -10,6 +10,7 @@ static void destroy(void *object) {
   bw_release(solid->grid);
   bw_release(solid->material_table);
   bw_release(solid->pattern);
+  bw_release(solid->contributions);
   bw_free(solid->mass);
   bw_free(solid);
 }
@@ -51,11 +52,15 @@ bw_status bw_solid_create(bw_context *context, const bw_grid *grid,
   bw_object_init(solid, &solid_kind);
   solid->grid = (const bw_grid *)bw_retain(grid);
   solid->material_table = (const bw_material_table *)bw_retain(material_table);
-  if (previous && bw_grid_same_elements(previous->grid, grid))
+  if (previous && bw_grid_same_elements(previous->grid, grid)) {
     solid->pattern = (bw_block_pattern *)bw_retain(previous->pattern);
-  else
+    solid->contributions = (bwi_contributions *)bw_retain(previous->contributions);
+  } else {
     BW_TRY(bw_block_pattern_of_elements(context, grid->node_count, grid->element_count, 8,
                                         grid->element, &solid->pattern));
+    BW_TRY(bwi_contributions_create(context, solid->pattern, grid->element_count, 8, grid->element,
+                                    &solid->contributions));
+  }
   solid->mass = BW_NEW0(context, double, grid->node_count);
   if (!solid->mass) {
     status = BW_MEMORY;

@@ -11,22 +11,18 @@ extern "C" {
 #endif
 
 /* The block sparsity pattern (nodes i and j share an element), lower triangle by rows with the
- * diagonal last, and for every stored block the list of contributions (element, local pair).
- * Depends on topology only. */
+ * diagonal last. Depends on topology only. */
 typedef struct bw_block_pattern {
   bw_object object;
   const bw_mesh *mesh; /* retained: any mesh of the same topology may be assembled; NULL where it
                           was made of element lists */
   int32_t node_count;
   int64_t block_count;
-  int64_t *start;          /* (index, node_count + 1) first block of each row */
-  int32_t *column;         /* (index, block_count) columns j <= i of row i, ascending */
-  int64_t *upper_start;    /* (index, node_count + 1) of the blocks (k, i) with k > i seen from i */
-  int64_t *upper_block;    /* (index, upper_start[node_count]) their places in `column` order */
-  int32_t *upper_row;      /* (index, upper_start[node_count]) their rows k */
-  int64_t *gather_start;   /* (index, block_count + 1) first contribution to each block */
-  int32_t *gather_element; /* (index, gather_start[block_count]) of each contribution */
-  uint8_t *gather_local; /* (gather_start[block_count]) (a << 4) | b: local row and column nodes */
+  int64_t *start;       /* (index, node_count + 1) first block of each row */
+  int32_t *column;      /* (index, block_count) columns j <= i of row i, ascending */
+  int64_t *upper_start; /* (index, node_count + 1) of the blocks (k, i) with k > i seen from i */
+  int64_t *upper_block; /* (index, upper_start[node_count]) their places in `column` order */
+  int32_t *upper_row;   /* (index, upper_start[node_count]) their rows k */
 } bw_block_pattern;
 /* The pattern of a mesh. */
 BW_API bw_status bw_block_pattern_create(bw_context *context, const bw_mesh *mesh,

@@ -134,6 +134,7 @@ BW_API bw_status bw_material_table_create(bw_context *context, int32_t count,
 
 /* ---- solids ---------------------------------------------------------------------------------- */
 
+struct bwi_contributions;
 /* A grid made of a material table: the body whose energy is a function of node displacements u
  * (node_count x 3, m). Partial cells count by their fraction, never below 1e-3. Does not change
  * once built; may be used from several threads. */
@@ -142,6 +143,7 @@ typedef struct bw_solid {
   const bw_grid *grid;                     /* retained */
   const bw_material_table *material_table; /* retained */
   bw_block_pattern *pattern;               /* retained; its mesh is NULL */
+  struct bwi_contributions *contributions; /* retained: which elements are in which block */
   double *mass;                            /* (kg, node_count) lumped; density 0 counts as 0 */
   bool weightless;                         /* some element's density is not known */
 } bw_solid;

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The pattern's invariants against a naive construction, and products against the full matrix. */
 #include "assemble/dense.h"
+#include "assemble/internal.h"
 
 /* A fan of elements around one edge: rows as long as the mesh. */
 static void fan(bw_context *context, int blades, bw_mesh **mesh) {
@@ -22,9 +23,34 @@ static void fan(bw_context *context, int blades, bw_mesh **mesh) {
   free(node), free(element);
 }
 
+typedef struct part_check {
+  const bw_block_pattern *pattern;
+  const bwi_contributions *all;
+  int64_t rows;
+} part_check;
+
+/* The contributions to some rows are those among the ones to all rows. */
+static void same_part(void *data, const bwi_contributions *list, int64_t begin, int64_t end) {
+  part_check *part = (part_check *)data;
+  const bwi_contributions *all = part->all;
+  int64_t first = part->pattern->start[begin], last = part->pattern->start[end];
+  assert_int_equal(list->first, first);
+  assert_int_equal(list->count, all->start[last] - all->start[first]);
+  for (int64_t p = first; p <= last; p++)
+    assert_int_equal(list->start[p - first], all->start[p] - all->start[first]);
+  for (int64_t k = 0; k < list->count; k++) {
+    assert_int_equal(list->element[k], all->element[all->start[first] + k]);
+    assert_int_equal(list->local[k], all->local[all->start[first] + k]);
+  }
+  __atomic_add_fetch(&part->rows, end - begin, __ATOMIC_RELAXED);
+}
+
 static void check_pattern(bw_context *context, const bw_mesh *mesh) {
   bw_block_pattern *g = NULL;
+  bwi_contributions *list = NULL;
   check_ok(context, bw_block_pattern_create(context, mesh, &g));
+  check_ok(context, bwi_contributions_create(context, g, mesh->element_count,
+                                             mesh->nodes_per_element, mesh->element, &list));
   int n = mesh->node_count, per = mesh->nodes_per_element;
   int *together = (int *)calloc((size_t)n * (size_t)n, sizeof *together);
   for (int e = 0; e < mesh->element_count; e++)
@@ -37,12 +63,12 @@ static void check_pattern(bw_context *context, const bw_mesh *mesh) {
     for (int64_t p = g->start[i]; p < g->start[i + 1]; p++, blocks++) {
       int j = g->column[p];
       assert_true(p == g->start[i] || j > g->column[p - 1]);
-      assert_int_equal(g->gather_start[p + 1] - g->gather_start[p], together[i * n + j]);
-      for (int64_t k = g->gather_start[p]; k < g->gather_start[p + 1]; k++) {
-        const int32_t *element = mesh->element + per * g->gather_element[k];
-        assert_int_equal(element[g->gather_local[k] >> 4], i);
-        assert_int_equal(element[g->gather_local[k] & 15], j);
-        assert_true(k == g->gather_start[p] || g->gather_element[k] > g->gather_element[k - 1]);
+      assert_int_equal(list->start[p + 1] - list->start[p], together[i * n + j]);
+      for (int64_t k = list->start[p]; k < list->start[p + 1]; k++) {
+        const int32_t *element = mesh->element + per * list->element[k];
+        assert_int_equal(element[list->local[k] >> 4], i);
+        assert_int_equal(element[list->local[k] & 15], j);
+        assert_true(k == list->start[p] || list->element[k] > list->element[k - 1]);
       }
     }
     for (int64_t k = g->upper_start[i]; k < g->upper_start[i + 1]; k++, uppers++) {
@@ -56,8 +82,12 @@ static void check_pattern(bw_context *context, const bw_mesh *mesh) {
   }
   assert_int_equal(blocks, 0);
   assert_int_equal(uppers, g->block_count - n);
-  assert_int_equal(g->gather_start[g->block_count], mesh->element_count * (per * (per + 1) / 2));
-  assert_true(bw_bytes(g) > 0);
+  assert_int_equal(list->start[g->block_count], mesh->element_count * (per * (per + 1) / 2));
+  assert_true(bw_bytes(g) > 0 && bw_bytes(list) > 0);
+  part_check part = {g, list, 0};
+  check_ok(context, bwi_for_contributions(context, g, mesh, same_part, &part));
+  assert_int_equal(part.rows, n);
+  bw_release(list);
   free(together);
   bw_release(g);
 }
@@ -79,25 +109,32 @@ static void same_pattern_for_any_thread_count(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = NULL;
   bw_block_pattern *first = NULL;
+  bwi_contributions *of_first = NULL;
   perturbed_box(context, 12, 10, 8, 2, 0.2, 0, &mesh);
   const int threads[] = {1, 2, 3, 7};
   for (int t = 0; t < 4; t++) {
     bw_block_pattern *g = NULL;
+    bwi_contributions *list = NULL;
     check_ok(context, bw_set_threads(context, threads[t]));
     check_ok(context, bw_block_pattern_create(context, mesh, &g));
+    check_ok(context,
+             bwi_contributions_create(context, g, mesh->element_count, 10, mesh->element, &list));
     if (!first) {
       first = g;
+      of_first = list;
       continue;
     }
-    size_t blocks = (size_t)g->block_count, all = (size_t)g->gather_start[blocks];
+    size_t blocks = (size_t)g->block_count, all = (size_t)list->start[blocks];
     assert_int_equal(g->block_count, first->block_count);
     assert_memory_equal(g->column, first->column, blocks * sizeof *g->column);
-    assert_memory_equal(g->gather_start, first->gather_start, blocks * sizeof *g->gather_start);
-    assert_memory_equal(g->gather_element, first->gather_element, all * sizeof(int32_t));
-    assert_memory_equal(g->gather_local, first->gather_local, all);
+    assert_memory_equal(list->start, of_first->start, blocks * sizeof *list->start);
+    assert_memory_equal(list->element, of_first->element, all * sizeof(int32_t));
+    assert_memory_equal(list->local, of_first->local, all);
     bw_release(g);
+    bw_release(list);
   }
   bw_release(first);
+  bw_release(of_first);
   bw_release(mesh);
 }
 

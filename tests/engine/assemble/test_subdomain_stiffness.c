@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Stiffness kept subdomain by subdomain: against that from scratch after any edits, bit for bit by
  * any way, and what it refuses. */
+#include "assemble/internal.h"
 #include "assemble/subdomain_bar.h"
 
 /* Element matrices by quadrature, each with its subdomain's turned material. */
@@ -14,6 +15,7 @@ static void scratch_turned(bw_context *context, const bar *b, const bw_mesh *mes
     check_ok(context, bw_material_rotated(context, material, rotation, &turned[d]));
   }
   const bw_block_pattern *g = b->pattern;
+  bwi_contributions *list = NULL;
   int per = mesh->nodes_per_element;
   double *k = (double *)malloc(sizeof *k * 900 * (size_t)mesh->element_count);
   for (int e = 0; e < mesh->element_count; e++) {
@@ -24,15 +26,18 @@ static void scratch_turned(bw_context *context, const bar *b, const bw_mesh *mes
                                            turned[b->element_subdomain[e]], k + 900 * e));
   }
   memset(values, 0, sizeof *values * 9 * (size_t)g->block_count);
+  check_ok(context,
+           bwi_contributions_create(context, g, mesh->element_count, per, mesh->element, &list));
   for (int64_t p = 0; p < g->block_count; p++)
-    for (int64_t q = g->gather_start[p]; q < g->gather_start[p + 1]; q++) {
-      int row = g->gather_local[q] >> 4, column = g->gather_local[q] & 15;
-      const double *full = k + 900 * g->gather_element[q];
+    for (int64_t q = list->start[p]; q < list->start[p + 1]; q++) {
+      int row = list->local[q] >> 4, column = list->local[q] & 15;
+      const double *full = k + 900 * list->element[q];
       for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
           values[9 * p + 3 * i + j] += full[(3 * row + i) * 3 * per + 3 * column + j];
     }
   free(k);
+  bw_release(list);
   for (int d = 0; d < SUBDOMAINS; d++)
     bw_release(turned[d]);
 }
