@@ -248,12 +248,13 @@ done:
 static double noise(void *data, int f) {
   const packing *s = data;
   const bwi_packed *m = s->m;
+  static const int six[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
   double sum = 0;
   for (int64_t k = 0; k < m->smoother->count; k++)
     for (int d = 0; d < 3; d++) {
       double term = 0;
       for (int c = 0; c < 3; c++)
-        term += fabs(m->smoother->diagonal[9 * k + 3 * c + d] * m->u[(3 * k + c) * m->width + f]);
+        term += fabs(m->smoother->diagonal[6 * k + six[c][d]] * m->u[(3 * k + c) * m->width + f]);
       sum += term * term;
     }
   return BWI_RESIDUAL_NOISE * DBL_EPSILON * sqrt(sum);

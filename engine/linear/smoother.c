@@ -363,11 +363,10 @@ typedef struct product {
 /* y of row k, to which only rows behind it have still to add, and what it adds to those before. */
 static inline void multiply_one(const product *m, int64_t k, double *energy) {
   const bwi_smoother_part *even = &m->s->even, *odd = &m->s->odd;
-  const double *a = m->s->diagonal + 9 * k, *x = m->x + 3 * k;
+  const double *a = m->s->diagonal + 6 * k, *x = m->x + 3 * k;
   double add[3];
   quad2 column[3], own = {x[0], x[1], x[2], 0}, sum = {0};
-  for (int c = 0; c < 3; c++)
-    column[c] = *(const quad2 *)(a + 3 * c);
+  columns_of_six_d(*(const quad2 *)a, *(const quad2 *)(a + 2), column);
   quad2 diagonal = times_d(column, x);
   for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {
     int64_t at = 3 * (int64_t)even->column[e];
@@ -407,7 +406,7 @@ static inline void whole_block(const bwi_smoother_part *part, int numbers, int64
     double *y = m->y + 3 * stride * k + first, block[9];                                           \
     all own[3], in[3], add[3], diagonal[3], sum[3] = {{0}}, part = at##suffix(energy + first);     \
     take##suffix(m->x + 3 * stride * k + first, stride, own);                                      \
-    nine_times##suffix(m->s->diagonal + 9 * k, own, diagonal);                                     \
+    six_times##suffix(m->s->diagonal + 6 * k, own, diagonal);                                      \
     for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
       int64_t at = 3 * stride * even->column[e] + first;                                           \
       whole_block(even, 6, e, block);                                                              \

@@ -80,7 +80,7 @@ typedef struct bwi_smoother {
   int64_t *inverse_start;                           /* block_count + 1 */
   float *block_inverse;                             /* symmetric */
   float *inverse;   /* 9 by row, by columns: of the diagonal block at the unknowns, of unit * K */
-  double *diagonal; /* 9 by row: unit * K */
+  double *diagonal; /* 6 by row: unit * K */
   double unit;
 } bwi_smoother;
 

@@ -51,10 +51,10 @@ static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
     double inverse[9];
     bool sound = bwi_invert_node_block(t->dof_map, i, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC,
                                        0, own, inverse);
-    for (int c = 0; c < 9; c++) {
+    for (int c = 0; c < 9; c++)
       s->inverse[9 * k + c] = sound ? (float)(inverse[3 * (c % 3) + c / 3] / s->unit) : NAN;
-      s->diagonal[9 * k + c] = s->unit * own[3 * (c % 3) + c / 3];
-    }
+    for (int c = 0; c < 6; c++)
+      s->diagonal[6 * k + c] = s->unit * own[of_six[c]];
     for (int64_t e = s->even.start[k]; e < s->even.start[k + 1]; e++)
       take_even(t, k, e);
     for (int64_t e = s->odd.start[k]; e < s->odd.start[k + 1]; e++)
@@ -321,7 +321,8 @@ static size_t smoother_bytes(const void *object) {
   size_t blocks = s->block_start ? (size_t)s->inverse_start[s->block_count] * sizeof(float) +
                                        rows * (3 * sizeof(int64_t) + sizeof(int32_t))
                                  : 0;
-  return sizeof *s + blocks + rows * (2 * sizeof(int32_t) + 9 * (sizeof(float) + sizeof(double))) +
+  return sizeof *s + blocks +
+         rows * (2 * sizeof(int32_t) + 9 * sizeof(float) + 6 * sizeof(double)) +
          part_bytes(&s->even, rows, 6) + part_bytes(&s->odd, rows, 9);
 }
 
@@ -342,7 +343,7 @@ bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
   s->node = BW_NEW(context, int32_t, s->count);
   s->row_of = BW_NEW(context, int32_t, s->count);
   s->inverse = BW_NEW0(context, float, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
-  s->diagonal = BW_NEW0(context, double, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
+  s->diagonal = BW_NEW0(context, double, 6 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
   block_of = BW_NEW(context, int32_t, s->count);
   if (!s->node || !s->row_of || !s->inverse || !s->diagonal || !block_of) {
     status = BW_MEMORY;

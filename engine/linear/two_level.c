@@ -6,7 +6,7 @@
 
 enum { ROWS = BWI_SMOOTHER_ROWS };
 
-static void free_vectors(bwi_two_level *l) {
+void bwi_two_level_release(bwi_two_level *l) {
   bw_free(l->u);
   bw_free(l->r);
   bw_free(l->p);
@@ -23,7 +23,7 @@ static void free_vectors(bwi_two_level *l) {
 
 static void two_level_destroy(void *object) {
   bwi_two_level *l = object;
-  free_vectors(l);
+  bwi_two_level_release(l);
   bw_release(l->coarse);
   bw_release(l->smoother);
   bw_release(l->dof_map);
@@ -39,7 +39,7 @@ static void two_level_destroy(void *object) {
 static size_t two_level_bytes(const void *object) {
   const bwi_two_level *l = object;
   size_t rows = (size_t)l->smoother->count, corners = (size_t)bwi_coarse_corners(l->coarse);
-  size_t fields = 5 * sizeof(double) + 3 * sizeof(float);
+  size_t fields = (l->ku ? 5 : 4) * sizeof(double) + 3 * sizeof(float);
   return sizeof *l + bw_bytes(l->coarse) + bw_bytes(l->smoother) + bw_bytes(l->rigid) +
          bw_bytes(l->rotations) + (corners + 1) * sizeof(int64_t) + 5 * rows * sizeof(int32_t) +
          3 * (size_t)l->width * (rows * fields + corners * sizeof(double));
@@ -212,19 +212,20 @@ bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *l, int width
   size_t numbers = 3 * (size_t)l->smoother->count * (size_t)width + BWI_SMOOTHER_SPARE;
   if (l->width >= width)
     return BW_OK;
-  free_vectors(l);
+  bwi_two_level_release(l);
   l->u = BW_NEW(context, double, numbers);
   l->r = BW_NEW(context, double, numbers);
   l->p = BW_NEW0(context, double, numbers);
   l->q = BW_NEW(context, double, numbers);
-  l->ku = BW_NEW(context, double, numbers);
+  if (width > 1)
+    l->ku = BW_NEW(context, double, numbers);
   l->z = BW_NEW0(context, float, numbers);
   l->residual = BW_NEW(context, float, numbers);
   l->floats = BW_NEW(context, float, numbers);
   l->corner = BW_NEW(context, double, 3 * (size_t)bwi_coarse_corners(l->coarse) * (size_t)width);
-  if (!l->u || !l->r || !l->p || !l->q || !l->ku || !l->z || !l->residual || !l->floats ||
-      !l->corner) {
-    free_vectors(l);
+  if (!l->u || !l->r || !l->p || !l->q || (width > 1 && !l->ku) || !l->z || !l->residual ||
+      !l->floats || !l->corner) {
+    bwi_two_level_release(l);
     return BW_MEMORY;
   }
   l->width = width;

@@ -32,7 +32,7 @@ typedef struct bwi_two_level {
   int32_t *constrained;
   /* room for `width` fields */
   int width;
-  double *u, *r, *p, *q, *ku; /* ku: K u, where residuals are recomputed */
+  double *u, *r, *p, *q, *ku; /* ku: K u, where residuals are recomputed; of one field in q */
   float *z, *residual, *floats;
   double *corner; /* SIDES x 3 corners */
 } bwi_two_level;
@@ -72,6 +72,8 @@ double bwi_two_level_bytes(const bwi_two_level *two_level);
 
 /* Room for `width` fields side by side (bwi_smoother_width). */
 bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *two_level, int width);
+/* Gives that room back. */
+void bwi_two_level_release(bwi_two_level *two_level);
 /* z of the residuals in `floats`, of which `used` are real: a sweep forwards, the corners, a sweep
  * backwards. */
 bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *two_level, int width,

@@ -33,7 +33,8 @@ bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_lev
                        .r = l->r,
                        .p = l->p,
                        .q = l->q,
-                       .ku = l->ku,
+                       /* one column is done, or starts again without its last direction */
+                       .ku = width > 1 ? l->ku : l->q,
                        .floats = l->floats,
                        .z = l->z,
                        .precondition = precondition,

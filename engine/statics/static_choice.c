@@ -178,7 +178,11 @@ static bw_status iterate(bw_context *context, void *data, const double *force,
                             .adapt = two_level,
                             .limit = s->limit};
   double start = bw_seconds();
-  BW_TRY(bwi_system_iterate(context, system, &problem, 1, force, displacement));
+  status = bwi_system_iterate(context, system, &problem, 1, force, displacement);
+  if (two_level) /* before the residual takes as much */
+    bwi_two_level_release(system->two_level->preconditioner);
+  if (status != BW_OK)
+    goto done;
   s->result->report.iterations += problem.iterations;
   system->times.solve += bw_seconds() - start;
   if (!problem.converged && s->passes == 0) /* a refinement need not: it is taken if it helped */

@@ -158,7 +158,8 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
   double *u = result->displacement;
-  double *load = BW_NEW(context, double, size);
+  bool balanced = dof_map->rigid_mode_count > 0;
+  double *load = balanced ? BW_NEW(context, double, size) : result->force;
   double *work = BW_NEW(context, double, size);
   double *step = BW_NEW(context, double, size);
   double *product = BW_NEW(context, double, size); /* K step; K u is then in the reactions' place */
@@ -167,9 +168,10 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
     status = BW_MEMORY;
     goto done;
   }
-  memcpy(load, result->force, (size_t)size * sizeof(double));
-  if (dof_map->rigid_mode_count > 0)
+  if (balanced) {
+    memcpy(load, result->force, (size_t)size * sizeof(double));
     bw_rigid_modes_balance(dof_map, load);
+  }
   /* work = load - K u at the unknowns, for u = u0 at first and the solution later */
   bwi_prescribed_field(dof_map, u);
   memcpy(work, load, (size_t)size * sizeof(double));
@@ -186,7 +188,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
     BW_TRY(solver->solve(context, solver->data, work, step));
     for (int64_t i = 0; i < size; i++)
       step[i] += u[i];
-    if (dof_map->rigid_mode_count > 0 && !dof_map->prescribed)
+    if (balanced && !dof_map->prescribed)
       bw_rigid_modes_remove(dof_map, step);
     double noise = 0;
     BW_TRY(multiply(context, pattern, stiffness, solver, step, product, &noise));
@@ -217,7 +219,8 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
   }
   bwi_keep_states(dof_map, 1u << BW_DOF_PRESCRIBED, result->reaction);
 done:
-  bw_free(load);
+  if (balanced)
+    bw_free(load);
   bw_free(work);
   bw_free(step);
   bw_free(product);
