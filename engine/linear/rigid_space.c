@@ -169,32 +169,52 @@ typedef struct projection {
   bwi_field_layout layout;
   int fields;
   double *x;
-  double translation[FIELDS][3], rotation[FIELDS][3]; /* Z Z^T x */
+  double translation[3][FIELDS], rotation[3][FIELDS]; /* Z Z^T x */
 } projection;
+
+/* Fields side by side (`field` is 1) are worked on together. */
+static inline void add_row(const projection *p, const double arm[3], const double *restrict x,
+                           int64_t field, double (*restrict sum)[FIELDS]) {
+  int64_t component = p->layout.component;
+  for (int f = 0; f < p->fields; f++) {
+    double u = x[f * field], v = x[component + f * field], w = x[2 * component + f * field];
+    sum[0][f] += u;
+    sum[1][f] += v;
+    sum[2][f] += w;
+    sum[3][f] += arm[1] * w - arm[2] * v;
+    sum[4][f] += arm[2] * u - arm[0] * w;
+    sum[5][f] += arm[0] * v - arm[1] * u;
+  }
+}
 
 /* Resultant and moment of each field. */
 static bw_status add_up(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const projection *p = data;
   const bwi_field_layout *l = &p->layout;
-  double *sum = p->s->chunk_sum + SUMS * (begin / ROWS);
-  memset(sum, 0, SUMS * sizeof *sum);
+  double sum[6][FIELDS] = {{0}};
   for (int64_t k = p->b->first + begin; k < p->b->first + end; k++) {
     const double *x = p->x + l->row * p->s->row[k];
     double arm[3];
     arm_of(p->s, p->b, k, arm);
-    for (int f = 0; f < p->fields; f++) {
-      const double *v = x + f * l->field;
-      const double own[3] = {v[0], v[l->component], v[2 * l->component]};
-      double moment[3];
-      bw_cross(arm, own, moment);
-      for (int d = 0; d < 3; d++) {
-        sum[6 * f + d] += own[d];
-        sum[6 * f + 3 + d] += moment[d];
-      }
-    }
+    if (l->field == 1)
+      add_row(p, arm, x, 1, sum);
+    else
+      add_row(p, arm, x, l->field, sum);
   }
+  memcpy(p->s->chunk_sum + SUMS * (begin / ROWS), sum, sizeof sum);
   return BW_OK;
+}
+
+static inline void subtract_row(const projection *p, const double arm[3], double *restrict x,
+                                int64_t field) {
+  int64_t component = p->layout.component;
+  const double(*t)[FIELDS] = p->translation, (*r)[FIELDS] = p->rotation;
+  for (int f = 0; f < p->fields; f++) {
+    x[f * field] -= t[0][f] + r[1][f] * arm[2] - r[2][f] * arm[1];
+    x[component + f * field] -= t[1][f] + r[2][f] * arm[0] - r[0][f] * arm[2];
+    x[2 * component + f * field] -= t[2][f] + r[0][f] * arm[1] - r[1][f] * arm[0];
+  }
 }
 
 static bw_status subtract(void *data, int64_t begin, int64_t end, int worker) {
@@ -204,12 +224,10 @@ static bw_status subtract(void *data, int64_t begin, int64_t end, int worker) {
   for (int64_t k = p->b->first + begin; k < p->b->first + end; k++) {
     double *x = p->x + l->row * p->s->row[k], arm[3];
     arm_of(p->s, p->b, k, arm);
-    for (int f = 0; f < p->fields; f++) {
-      double *v = x + f * l->field, turn[3];
-      bw_cross(p->rotation[f], arm, turn);
-      for (int d = 0; d < 3; d++)
-        v[d * l->component] -= p->translation[f][d] + turn[d];
-    }
+    if (l->field == 1)
+      subtract_row(p, arm, x, 1);
+    else
+      subtract_row(p, arm, x, l->field);
   }
   return BW_OK;
 }
@@ -217,19 +235,19 @@ static bw_status subtract(void *data, int64_t begin, int64_t end, int worker) {
 static void combine(projection *p) {
   const body *b = p->b;
   int64_t chunks = (b->count + ROWS - 1) / ROWS;
+  memset(p->translation, 0, sizeof p->translation);
+  memset(p->rotation, 0, sizeof p->rotation);
   for (int f = 0; f < p->fields; f++) {
     double sum[6] = {0};
     for (int64_t c = 0; c < chunks; c++)
       for (int d = 0; d < 6; d++)
-        sum[d] += p->s->chunk_sum[SUMS * c + 6 * f + d];
-    memset(p->translation[f], 0, sizeof p->translation[f]);
-    memset(p->rotation[f], 0, sizeof p->rotation[f]);
+        sum[d] += p->s->chunk_sum[SUMS * c + d * FIELDS + f];
     for (int m = 0; m < b->modes; m++) {
       const bw_rigid_mode *mode = &b->mode[m];
       double along = bw_dot(mode->translation, sum) + bw_dot(mode->rotation, sum + 3);
       for (int d = 0; d < 3; d++) {
-        p->translation[f][d] += along * mode->translation[d];
-        p->rotation[f][d] += along * mode->rotation[d];
+        p->translation[d][f] += along * mode->translation[d];
+        p->rotation[d][f] += along * mode->rotation[d];
       }
     }
   }
