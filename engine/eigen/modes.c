@@ -250,6 +250,8 @@ static bw_status modes_by_pcg(bw_context *context, bw_system *system, bwi_way wa
   how.kind = BW_EIGENSOLVER_LOBPCG;
   BW_TRY(bw_eigensolver_create(context, &how, &solver));
   BW_TRY(bwi_system_mass(context, system));
+  if (way == BWI_BY_TWO_LEVEL)
+    BW_TRY(bwi_two_level_probe(context, system->two_level->preconditioner, options.count));
   BW_TRY(bwi_system_operator_open(context, system, way, &problem.preconditioner));
   bwi_eigen_problem eigen = elastic_problem(&problem);
   eigen.precondition = elastic_precondition;
@@ -260,6 +262,8 @@ static bw_status modes_by_pcg(bw_context *context, bw_system *system, bwi_way wa
     snprintf(result.report.reason, sizeof result.report.reason, "%s",
              system->solver ? "the equations have a preconditioner and no factor"
                             : system->report.reason);
+  if (way == BWI_BY_TWO_LEVEL)
+    bwi_two_level_say(system->two_level->preconditioner, &result.report);
   result.report.bytes += way == BWI_BY_TWO_LEVEL ? (double)bw_bytes(system->two_level)
                                                  : (double)bw_bytes(system->preconditioner);
   BW_TRY(bwi_modes_from(context, system->mesh, system->material, system->dof_map->rigid_mode_count,

@@ -441,6 +441,8 @@ static void fill_report(const bw_incremental_system *incremental, const bw_solve
            : current                    ? "the equations have a factor already"
            : report->predicted_cost > 0 ? "it is predicted to cost least"
                                         : "there was nothing to iterate with");
+  if (pcg)
+    bwi_two_level_say(incremental->inner->two_level, report);
   report->iterations =
       reuse->iterations + reuse->refinements - before->iterations - before->refinements;
   report->residual = result->residual;

@@ -254,10 +254,6 @@ bw_status bwi_system_iterate(bw_context *context, bw_system *system, bwi_system_
     bwi_two_level_problem p = {.tolerance = problem->tolerance,
                                .energy_alone = problem->energy_alone,
                                .limit = problem->limit};
-    if (problem->adapt) {
-      p.adapt = bwi_two_level_adapt;
-      p.data = two_level;
-    }
     BW_TRY(bwi_two_level_solve(context, two_level->preconditioner, &p, count, force, displacement));
     problem->iterations = p.iterations;
     problem->converged = p.converged;
@@ -346,6 +342,8 @@ static bw_status solve_block(bw_context *context, bw_system *system, bwi_system_
     system->report.iterations = problem->iterations;
   if (!problem->converged)
     return BW_OK;
+  if (problem->way == BWI_BY_TWO_LEVEL)
+    bwi_two_level_say(system->two_level->preconditioner, &system->report);
   BW_TRY(bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, count, displacement,
                            r.product));
   BW_TRY(bw_parallel(context, count, 1, measure_residual, &r));

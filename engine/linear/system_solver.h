@@ -64,7 +64,6 @@ typedef struct bwi_system_pcg {
   double tolerance;
   bool energy_alone; /* two-level PCG: the tolerance is on the error in energy alone. Other
                         preconditioners say less of that error: the residual counts as well */
-  bool adapt;        /* two-level PCG may enlarge its coarse space where iterations are slow */
   int limit;         /* on iterations */
   /* out */
   int iterations;

@@ -15,7 +15,6 @@
 #include "assemble/internal.h"
 #include "barwright/job.h"
 #include "base/cost.h"
-#include "linear/corner_rotations.h"
 #include "linear/pcg.h"
 
 /* Entries and operations over those powers. Measured: 1.26 to 1.52, 1.08 to 1.46. */
@@ -106,7 +105,6 @@ bw_status bwi_two_level_predict(bw_context *context, bw_system *system) {
     l->prediction = predict(system, l->coarse);
   } else
     BW_TRY(predict_linear(context, system, l));
-  l->system = system;
 done:
   if (status == BW_OK)
     system->two_level = l;
@@ -151,75 +149,9 @@ bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_syst
     goto done;
   }
   l->preconditioner = made;
-  l->asked = false;
   made = NULL;
   system->times.pcg += bw_seconds() - start;
 done:
   bw_release(made);
   return status;
-}
-
-/* ---- corners that rotate --------------------------------------------------------------------- */
-
-/* Iterations between the times at which it is asked whether they are slow, by the rate since half
- * of them. Conjugate gradients lose the directions they have when M changes, so that it is not
- * asked late: rotations then cost more than they saved (docs/theory/preconditioners.md). */
-enum { ITERATIONS = 8 };
-/* Of the iterations that are left, those that are with rotations. Measured: 0.15 to 0.3, where the
- * smoother has blocks 0.4 to 0.7. */
-#define FEWER 0.3
-/* Of what they save, what making them may cost. */
-#define MAKING_FRACTION 0.5
-/* Of what is free, the memory that they may take. */
-#define MEMORY_FRACTION 0.8
-/* Moduli of a material that differ by more than this. */
-#define CONTRAST 10
-/* Poisson's ratio from which on linear elements are too stiff for another reason: they lock. */
-#define LOCKING 0.4
-
-/* Whether rotations may help: they cure linear elements that do not bend, not those that lock.
- * Where the smoother has blocks, or moduli differ strongly, elements do not bend in any case. */
-static bool may_help(const bwi_two_level_solver *l) {
-  const bw_material *m = l->system->material;
-  double least = INFINITY, most = 0;
-  for (int k = 0; k < 3 && !m->isotropic; k++) {
-    least = fmin(least, fmin(m->young[k], m->shear[k]));
-    most = fmax(most, fmax(m->young[k], m->shear[k]));
-  }
-  return l->preconditioner->smoother->block_start || most > CONTRAST * least ||
-         (m->isotropic && m->poisson[0] < LOCKING);
-}
-
-/* Whether rotations are predicted to save more than they cost, of `left` iterations. */
-static bool rotations_pay(const bwi_two_level_solver *l, double left) {
-  double entries = bwi_coarse_entries(l->coarse), bytes = 4 * BWI_ROTATIONS_ENTRIES * entries;
-  double one = l->prediction.one_iteration;
-  double more = BWI_TWO_LEVEL_PASS * (2 * bytes - bwi_coarse_pass_bytes(l->coarse)) /
-                BWI_COST_BYTES_PER_SECOND;
-  double make =
-      BWI_ROTATIONS_FLOPS * bwi_coarse_flops(l->coarse) / bwi_cost_flops_per_second(32) +
-      BWI_ROTATIONS_PRODUCT * bwi_coarse_corners(l->coarse) / BWI_COST_BLOCKS_FLOPS_PER_SECOND +
-      4 * bytes / BWI_COST_BYTES_PER_SECOND;
-  return make < MAKING_FRACTION * left * (one - FEWER * (one + more)) &&
-         bytes < MEMORY_FRACTION * bw_available_memory();
-}
-
-bw_status bwi_two_level_adapt(bw_context *context, void *data, int iterations, double done) {
-  bwi_two_level_solver *l = data;
-  int k = iterations / ITERATIONS, half = k / 2;
-  if (l->asked || iterations % ITERATIONS != 0 || k >= BWI_TWO_LEVEL_ASKED)
-    return BW_OK;
-  l->done[k] = done; /* done[0] is 0 */
-  double left = ITERATIONS * (k - half) * (1 - done) / fmax(done - l->done[half], 1e-3);
-  if (!may_help(l) || !rotations_pay(l, left))
-    return BW_OK;
-  l->asked = true;
-  bw_progress(context, "corner rotations", 0);
-  bw_status status =
-      bwi_corner_rotations_create(context, l->preconditioner, l->system->mesh, l->system->stiffness,
-                                  &l->preconditioner->rotations);
-  if (status != BW_MEMORY)
-    return status;
-  bw_clear_failure(context); /* the iteration does without */
-  return BW_OK;
 }

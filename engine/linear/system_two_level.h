@@ -14,19 +14,12 @@ typedef struct bwi_cost_prediction {
   double one_iteration; /* by two-level PCG */
 } bwi_cost_prediction;
 
-enum { BWI_TWO_LEVEL_ASKED = 6 };
-
 typedef struct bwi_two_level_solver {
   bw_object object;
   bwi_two_level *preconditioner; /* or NULL: not made yet */
   bwi_coarse *coarse;            /* what the prediction is from, or NULL */
   bwi_symbolic *symbolic;        /* of linear elements: that of the factor, or NULL */
   bwi_cost_prediction prediction;
-  const bw_system *system; /* whose it is */
-  /* What was done of a solution, in digits, when it was asked whether that is slow; and whether the
-     space of corners that rotate was asked for: it may have been singular. */
-  double done[BWI_TWO_LEVEL_ASKED];
-  bool asked;
   double spent; /* s of the reference machine, by all solutions by two-level PCG so far */
 } bwi_two_level_solver;
 
@@ -40,8 +33,5 @@ double bwi_predicted_next(const bwi_two_level_solver *solver);
 /* And the preconditioner, where the system has none yet. BW_INVALID for linear elements,
  * BW_SINGULAR where the equations of those on the corners are singular. */
 bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_system *system);
-/* bwi_two_level_problem.adapt; `data` is the system's bwi_two_level_solver. Where iterations are
- * slow for a reason that rotations cure, corners rotate from here on (corner_rotations.h). */
-bw_status bwi_two_level_adapt(bw_context *context, void *data, int iterations, double done);
 
 #endif

@@ -199,6 +199,7 @@ bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *l, const bw_m
   bw_release(l->rotations);
   l->rigid = NULL;
   l->rotations = NULL;
+  bwi_two_level_forget(l, model, stiffness);
   if (dof_map->rigid_mode_count > 0)
     BW_TRY(bwi_rigid_space_create(context, dof_map, l->smoother->row_of, &l->rigid));
   BW_TRY(bwi_coarse_follow(context, l->coarse, model, dof_map, usable));

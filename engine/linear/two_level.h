@@ -17,6 +17,9 @@
 /* corner_rotations.h */
 typedef struct bwi_corner_rotations bwi_corner_rotations;
 
+/* Times at which a solution is asked whether its iterations are slow. */
+enum { BWI_TWO_LEVEL_ASKED = 6 };
+
 typedef struct bwi_two_level {
   bw_object object;
   bwi_coarse *coarse;
@@ -30,6 +33,12 @@ typedef struct bwi_two_level {
   bwi_rigid_space *rigid;    /* of the rows; NULL where the supports leave no mode free */
   int32_t constrained_count; /* rows with a prescribed component */
   int32_t *constrained;
+  /* What solutions learn (two_level_adapt.c). */
+  const double *stiffness; /* of the shape followed: its user's, until the next one */
+  bool may_rotate, asked;  /* rotations may help; were asked for: they may have been singular */
+  double done[BWI_TWO_LEVEL_ASKED]; /* of a solution, in digits, when it was asked whether that is
+                                       slow */
+  double slow; /* iterations that one took before they were made, of this shape or another; 0 */
   /* room for `width` fields */
   int width;
   double *u, *r, *p, *q, *ku; /* ku: K u, where residuals are recomputed; of one field in q */
@@ -64,7 +73,8 @@ bw_status bwi_two_level_create(bw_context *context, const bw_mesh *mesh,
 bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
                                     const bw_block_pattern *pattern, bool even,
                                     const double *stiffness, bwi_two_level **two_level);
-/* The equations of a shape. *usable is false where they are not positive definite. */
+/* The equations of a shape, whose stiffness stays until the next one. *usable is false where they
+ * are not positive definite. */
 bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *two_level, const bw_model *model,
                                const bw_dof_map *dof_map, const double *stiffness, bool *usable);
 /* Bytes that an iteration reads for up to BWI_SMOOTHER_SIDES right-hand sides. */
@@ -86,11 +96,8 @@ typedef struct bwi_two_level_problem {
   /* as in bwi_pcg: what the tolerance is relative to where the force is a residual; or NULL */
   const double *load, *energy;
   bool energy_alone;
-  int limit; /* on iterations */
-  /* Called after iterations with their number and what is done in digits, 0 to 1: it may change the
-     preconditioner. Or NULL. */
-  bw_status (*adapt)(bw_context *context, void *data, int iterations, double done);
-  void *data;
+  int limit;        /* on iterations */
+  int64_t expected; /* right-hand sides to come, where these are a probe; or 0 */
   /* out */
   int iterations;
   bool converged;
@@ -98,9 +105,29 @@ typedef struct bwi_two_level_problem {
 } bwi_two_level_problem;
 /* K u = f for `count` fields in global directions, those of force taken at the unknowns; u is 0
  * elsewhere. Of a body that can move freely forces have to be balanced, and u is one of the
- * solutions. Not converged is no failure. The two may not be the same block. */
+ * solutions. Not converged is no failure. The two may not be the same block. Where iterations are
+ * slow for a reason that rotations cure, corners rotate from there on. */
 bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *two_level,
                               bwi_two_level_problem *problem, int64_t count, const double *force,
                               double *displacement);
+/* For iterations of others, of `count` fields: a few of a solution under random forces, to see
+ * whether these are slow. */
+bw_status bwi_two_level_probe(bw_context *context, bwi_two_level *two_level, int64_t count);
+
+/* ---- two_level_adapt.c --------------------------------------------------------------------- */
+
+/* What a shape that is followed says: before its first solution. */
+void bwi_two_level_forget(bwi_two_level *two_level, const bw_model *model, const double *stiffness);
+/* Corners rotate (corner_rotations.h) where solutions of another shape were slow without, and that
+ * is predicted to pay for `count` right-hand sides. */
+bw_status bwi_two_level_remember(bw_context *context, bwi_two_level *two_level, int64_t count);
+/* bwi_pcg_task.adapt. The same, where the iterations of this solution are slow. */
+typedef struct bwi_two_level_watch {
+  bwi_two_level *two_level;
+  int64_t count; /* right-hand sides of this solution, or to come */
+} bwi_two_level_watch;
+bw_status bwi_two_level_adapt(bw_context *context, void *watch, int iterations, double done);
+/* Says in a report that corners rotate, where they do. */
+void bwi_two_level_say(const bwi_two_level *two_level, bw_solver_report *report);
 
 #endif

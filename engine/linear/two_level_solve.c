@@ -9,6 +9,10 @@
 /* That smallest eigenvalue: 0.09 on meshes of limbed bodies, more on regular ones. */
 #define SMALLEST 0.09
 
+/* Iterations of a probe, and to what they would lead. */
+enum { PROBED = 16 };
+#define PROBE_TO 1e-8
+
 static bw_status precondition(bw_context *context, void *data, int width, int used) {
   return bwi_two_level_precondition(context, data, width, used);
 }
@@ -22,6 +26,8 @@ bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_lev
   problem->iterations = 0;
   problem->converged = true;
   problem->reached = 0;
+  bwi_two_level_watch watch = {l, count};
+  BW_TRY(bwi_two_level_remember(context, l, count));
   BW_TRY(bwi_two_level_reserve(context, l, width));
   bwi_packed packed = {.smoother = l->smoother,
                        .dof_map = l->dof_map,
@@ -52,9 +58,10 @@ bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_lev
                          .load = problem->load ? problem->load + first : NULL,
                          .energy = problem->energy ? problem->energy + first : NULL,
                          .limit = problem->limit,
-                         .adapt = problem->adapt,
-                         .data = problem->data,
+                         .adapt = bwi_two_level_adapt,
+                         .data = &watch,
                          .progress = true};
+    watch.count = problem->expected > 0 ? problem->expected : count - first;
     BW_TRY(bwi_packed_solve(context, &packed, &task, force + first * size,
                             displacement + first * size));
     problem->iterations =
@@ -63,5 +70,28 @@ bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_lev
     problem->reached = task.residual;
   }
 done:
+  return status;
+}
+
+bw_status bwi_two_level_probe(bw_context *context, bwi_two_level *l, int64_t count) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)l->smoother->count;
+  double *force = NULL;
+  bw_random random;
+  BW_TRY(bwi_two_level_remember(context, l, count));
+  if (l->asked || !l->may_rotate)
+    return BW_OK;
+  force = BW_NEW(context, double, 2 * size);
+  if (!force)
+    return BW_MEMORY;
+  bw_random_seed(&random, 1);
+  for (int64_t i = 0; i < size; i++)
+    force[i] = 2 * bw_random_uniform(&random) - 1;
+  BW_TRY(bwi_balance_fields(context, l->dof_map, 1, force));
+  bwi_two_level_problem problem = {
+      .tolerance = PROBE_TO, .energy_alone = true, .limit = PROBED, .expected = count};
+  BW_TRY(bwi_two_level_solve(context, l, &problem, 1, force, force + size));
+done:
+  bw_free(force);
   return status;
 }

@@ -175,7 +175,6 @@ static bw_status iterate(bw_context *context, void *data, const double *force,
   bool two_level = s->request.way == BWI_BY_TWO_LEVEL;
   bwi_system_pcg problem = {.way = s->request.way,
                             .tolerance = two_level ? s->request.tolerance : tolerance_of(s, force),
-                            .adapt = two_level,
                             .limit = s->limit};
   double start = bw_seconds();
   status = bwi_system_iterate(context, system, &problem, 1, force, displacement);
@@ -202,8 +201,8 @@ static bw_status by_iterations(statics *s) {
                          s->old, s->available, &made));
   s->limit = limit_of(s);
   BW_TRY(run(s, &solver));
-  if (s->request.way == BWI_BY_TWO_LEVEL && system->two_level->preconditioner->rotations)
-    say_more(s, "; corners rotate in the coarse space, since iterations were slow");
+  if (s->request.way == BWI_BY_TWO_LEVEL)
+    bwi_two_level_say(system->two_level->preconditioner, report);
   bwi_report_way(system, s->request.way, s->opts.solver, report);
   report->flops = made ? report->flops : 0;
   report->reused = !made;

@@ -231,6 +231,113 @@ static void same_bits(void **state) {
   bw_release(pcg);
 }
 
+static double *random_numbers(int64_t count) {
+  double *x = numbers(count);
+  bw_random random;
+  bw_random_seed(&random, 3);
+  for (int64_t i = 0; i < count; i++)
+    x[i] = 2 * bw_random_uniform(&random) - 1;
+  return x;
+}
+
+/* Many right-hand sides make rotations where their iterations are slow, and have what a factor
+ * has. Of these and of static solutions the first makes them for both. */
+static void many_right_hand_sides(void **state) {
+  bw_context *context = check_context(state);
+  bw_solver *pcg =
+      body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .tolerance = 1e-9});
+  bw_solver *cholesky = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_CHOLESKY});
+  const bw_statics_options by_levels = {.solver = pcg};
+  bw_model *model = plate_of(context, 10, 1, 10, CLAMPED);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *f = random_numbers(3 * size), *a = numbers(3 * size), *b = numbers(3 * size);
+  bw_system *iterative = NULL, *factor = NULL;
+  bw_static *result = NULL;
+  check_ok(context, bw_system_of_model(context, model, pcg, NULL, &iterative));
+  check_ok(context, bw_system_of_model(context, model, cholesky, NULL, &factor));
+  check_ok(context, bw_system_solve(context, iterative, 3, f, a));
+  check_ok(context, bw_system_solve(context, factor, 3, f, b));
+  check_near(difference(a, b, 3 * size), 0, 1e-6);
+  const bwi_corner_rotations *rotations = iterative->two_level->preconditioner->rotations;
+  assert_non_null(rotations);
+  assert_non_null(strstr(iterative->report.reason, "; corners rotate"));
+  int first = iterative->report.iterations;
+  iterative->report.iterations = 0;
+  check_ok(context, bw_system_solve(context, iterative, 3, f, a));
+  assert_true(iterative->report.iterations < first);
+  assert_null(strstr(strstr(iterative->report.reason, "; corners rotate") + 1, "; corners rotate"));
+  check_ok(context, bw_statics(context, model, iterative, &by_levels, &result));
+  assert_ptr_equal(result->system->two_level->preconditioner->rotations, rotations);
+  bw_release(result);
+  bw_release(iterative);
+  bw_release(factor);
+  bw_release(model);
+  bw_release(pcg);
+  bw_release(cholesky);
+  free(f);
+  free(a);
+  free(b);
+}
+
+/* LOBPCG, which makes no solution, asks by a few iterations before. */
+static void modes_rotate(void **state) {
+  bw_context *context = check_context(state);
+  bw_solver *pcg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG});
+  bw_solver *cholesky = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_CHOLESKY});
+  bw_model *model = plate_of(context, 10, 1, 10, FREE);
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  options.count = 6;
+  options.tolerance = 1e-6;
+  bw_modes *modes[2];
+  for (int n = 0; n < 2; n++) {
+    bw_system *system = NULL;
+    check_ok(context, bw_system_of_model(context, model, n ? cholesky : pcg, NULL, &system));
+    check_ok(context, bw_modes_elastic(context, system, &options, &modes[n]));
+    if (n == 0) {
+      assert_non_null(system->two_level->preconditioner->rotations);
+      assert_non_null(strstr(modes[n]->report.reason, "corners rotate"));
+      assert_in_range(modes[n]->report.iterations, 5, 100);
+    }
+    bw_release(system);
+  }
+  for (int k = 0; k < options.count; k++)
+    check_near(modes[0]->eigenvalue[k] / modes[1]->eigenvalue[k], 1, 1e-6);
+  bw_release(modes[0]);
+  bw_release(modes[1]);
+  bw_release(model);
+  bw_release(pcg);
+  bw_release(cholesky);
+}
+
+/* A preconditioner that follows another shape makes them before its first solution. */
+static void another_shape_remembers(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = plate_of(context, 10, 1, 10, CLAMPED);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *f = random_numbers(size), *u[2] = {numbers(size), numbers(size)};
+  int iterations[2];
+  levels v;
+  levels_make(context, model, &v);
+  bwi_two_level *l = v.two_level;
+  for (int n = 0; n < 2; n++) {
+    bool usable = false;
+    bwi_two_level_problem problem = {.tolerance = 1e-9, .limit = 500};
+    check_ok(context, bwi_two_level_follow(context, l, model, v.dof_map, v.stiffness, &usable));
+    assert_true(usable && !l->rotations);
+    check_ok(context, bwi_two_level_solve(context, l, &problem, 1, f, u[n]));
+    assert_true(problem.converged && l->rotations);
+    iterations[n] = problem.iterations;
+  }
+  assert_true(iterations[1] < iterations[0]);
+  check_near(difference(u[1], u[0], size), 0, 1e-6);
+  levels_clear(&v);
+  bw_release(model);
+  free(f);
+  free(u[0]);
+  free(u[1]);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(fields_of_the_space_are_solved),
@@ -238,6 +345,9 @@ int main(void) {
       check_test(plates_converge),
       check_test(ordinary_bodies_keep_theirs),
       check_test(same_bits),
+      check_test(many_right_hand_sides),
+      check_test(modes_rotate),
+      check_test(another_shape_remembers),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
