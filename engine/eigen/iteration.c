@@ -12,7 +12,9 @@ bw_status bwi_eigen_stopped(const bwi_eigen_iteration *it, int found, int wanted
                             double tolerance) {
   return bw_fail(it->context, BW_CONVERGENCE,
                  "%d of %d modes converged to a relative residual of %g, with %d right-hand sides "
-                 "solved for: ask for a larger tolerance or fewer modes, or take Lanczos, which "
-                 "has a factor",
-                 found, wanted, tolerance, it->solves);
+                 "solved for: ask for a larger tolerance or fewer modes, or take %s",
+                 found, wanted, tolerance, it->solves,
+                 it->problem->solve ? "another eigensolver"
+                                    : "another preconditioner, or equations that have a factor "
+                                      "(the solver cholesky)");
 }

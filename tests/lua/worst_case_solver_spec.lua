@@ -33,6 +33,14 @@ local function answer(part, solver, method)
 end
 
 describe("worst cases without a factor", function()
+  it("say what to take where LOBPCG does not converge", function()
+    local worst, message = bw.worst_case(block(bw.material.pla, {5, 4, 3}), {modes = 4,
+      solver = bw.solver.pcg {preconditioner = bw.solver.jacobi()}})
+    assert.is_nil(worst)
+    local advice = "or take another preconditioner, or equations that have a factor (the solver cholesky)"
+    assert.truthy(message:find(advice, 1, true))
+  end)
+
   for name, materials in pairs {free = {bw.material.pla, wood()}, held = {bw.material.pla}, oblique = {wood()}} do
     local make = bodies[name]
     for _, material in ipairs(materials) do
