@@ -60,7 +60,7 @@ function bw.worst_case(part, options) end
 ---@field target? "stress"|"displacement" what the worst load makes largest. Default: "stress"
 ---@field laplacian? boolean use the modes of the Laplacian. Default: false
 ---@field one_sign? boolean try only the sign that the mode came with. Default: false, both
----@field tolerance? number (-) relative residual of the modes, above 0. Default: 1e-8
+---@field tolerance? number (-) relative residual of the modes, above 0. Default: 1e-8, without a factor 1e-6
 ---@field sturm? boolean count the modes by a second factor, so that none is missing. Default: false
 ---@field seed? integer (seed) of the modes. Default: 1
 ---@field solver? bw.Solver|"auto" of the linear systems. `pcg` needs no factor; the modes then are by LOBPCG with its preconditioner. Default: "auto", a factor unless it is predicted to take more than 4 GB or more than the free memory

@@ -41,6 +41,16 @@ describe("worst cases without a factor", function()
     assert.truthy(message:find(advice, 1, true))
   end)
 
+  it("have modes as exact as regions need", function()
+    local options = {modes = 4, regions = 2, method = "paper", solver = bw.solver.pcg()}
+    local worst = assert(bw.worst_case(block(bw.material.pla), options))
+    options.tolerance = 1e-9
+    local exact = assert(bw.worst_case(block(bw.material.pla), options))
+    assert.is_true(exact.modes.report.iterations > worst.modes.report.iterations)
+    check.near(exact.max_principal, worst.max_principal, 1e-9)
+    for i = 1, 4 do check.near(exact.modes.eigenvalues[i], worst.modes.eigenvalues[i], 1e-10) end
+  end)
+
   for name, materials in pairs {free = {bw.material.pla, wood()}, held = {bw.material.pla}, oblique = {wood()}} do
     local make = bodies[name]
     for _, material in ipairs(materials) do
