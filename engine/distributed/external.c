@@ -73,12 +73,22 @@ bw_status bwd_run_multiply(bw_context *context, int count, const double *x, doub
   return ended(context, bwd_multiply(context, current, count, x, kx, mx, magnitude));
 }
 
-bw_status bwd_run_solve(bw_context *context, const double *force, double *displacement) {
+/* One right-hand side after the other: what is gathered is one vector at a time. */
+bw_status bwd_run_solve(bw_context *context, int count, const double *force, double *displacement) {
   bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)current->nodes;
+  MPI_Bcast(&count, 1, MPI_INT, 0, bwd_comm());
   BW_TRY(bwd_solver_create(context, current, 0.5 * current->tolerance));
-  BW_TRY(bwd_scatter(context, current, force, current->force));
-  BW_TRY(bwd_solver_apply(context, current, current->force, current->displacement));
-  BW_TRY(bwd_gather(context, current, current->displacement, displacement));
+  for (int k = 0; k < count; k++) {
+    BW_TRY(bwd_scatter(context, current, force ? force + k * size : NULL, current->force));
+    BW_TRY(bwd_solver_apply(context, current, current->force, current->displacement));
+    BW_TRY(bwd_gather(context, current, current->displacement,
+                      displacement ? displacement + k * size : NULL));
+    if (bwd_cancelled(context)) {
+      status = bw_fail(context, BW_CANCELLED, "cancelled");
+      break;
+    }
+  }
 done:
   return ended(context, status);
 }
@@ -88,8 +98,7 @@ bw_status bwd_run_modes(bw_context *context, const bw_modes_options *options,
   return ended(context, bwd_modes(context, current, options, modes));
 }
 
-void bwd_run_close(bw_context *context, bw_external_report *report) {
-  (void)context;
+void bwd_run_report(bw_external_report *report) {
   struct rusage usage;
   getrusage(RUSAGE_SELF, &usage);
   double own[2] = {1024.0 * (double)usage.ru_maxrss, processor_seconds(&usage)};
@@ -108,6 +117,9 @@ void bwd_run_close(bw_context *context, bw_external_report *report) {
                                    .processor = sum[1],
                                    .bytes = sum[0],
                                    .largest = max};
+}
+
+void bwd_run_close(void) {
   destroy(current);
   current = NULL;
 }
@@ -126,9 +138,10 @@ static bw_status external_multiply(bw_context *context, int count, const double 
   return status == BW_OK ? bwd_run_multiply(context, count, x, kx, mx, magnitude) : status;
 }
 
-static bw_status external_solve(bw_context *context, const double *force, double *displacement) {
+static bw_status external_solve(bw_context *context, int count, const double *force,
+                                double *displacement) {
   bw_status status = bwd_command(context, BWD_SOLVE);
-  return status == BW_OK ? bwd_run_solve(context, force, displacement) : status;
+  return status == BW_OK ? bwd_run_solve(context, count, force, displacement) : status;
 }
 
 static bw_status external_modes(bw_context *context, const bw_modes_options *options,
@@ -137,13 +150,19 @@ static bw_status external_modes(bw_context *context, const bw_modes_options *opt
   return status == BW_OK ? bwd_run_modes(context, options, modes) : status;
 }
 
-static void external_close(bw_context *context, bw_external_report *report) {
-  if (bwd_command(context, BWD_CLOSE) == BW_OK)
-    bwd_run_close(context, report);
+static void external_report(bw_context *context, bw_external_report *report) {
+  if (bwd_command(context, BWD_REPORT) == BW_OK)
+    bwd_run_report(report);
+}
+
+static void external_close(void) {
+  if (bwd_command(NULL, BWD_CLOSE) == BW_OK)
+    bwd_run_close();
 }
 
 const bw_external bwd_external = {.open = external_open,
                                   .multiply = external_multiply,
                                   .solve = external_solve,
                                   .modes = external_modes,
+                                  .report = external_report,
                                   .close = external_close};

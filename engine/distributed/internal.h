@@ -17,6 +17,7 @@
 #include <petscksp.h>
 
 #include "barwright/distributed.h"
+#include "barwright/eigen.h"
 
 /* ---- world.c --------------------------------------------------------------------------------- */
 
@@ -25,6 +26,7 @@ typedef enum bwd_operation {
   BWD_MULTIPLY,
   BWD_SOLVE,
   BWD_MODES,
+  BWD_REPORT,
   BWD_CLOSE,
   BWD_END
 } bwd_operation;
@@ -231,10 +233,11 @@ bw_status bwd_run_open(bw_context *context, const bw_external_problem *problem,
                        const bw_solver *solver);
 bw_status bwd_run_multiply(bw_context *context, int count, const double *x, double *kx, double *mx,
                            double *magnitude);
-bw_status bwd_run_solve(bw_context *context, const double *force, double *displacement);
+bw_status bwd_run_solve(bw_context *context, int count, const double *force, double *displacement);
 bw_status bwd_run_modes(bw_context *context, const bw_modes_options *options,
                         bw_external_modes *modes);
-void bwd_run_close(bw_context *context, bw_external_report *report);
+void bwd_run_report(bw_external_report *report);
+void bwd_run_close(void);
 extern const bw_external bwd_external;
 
 #endif

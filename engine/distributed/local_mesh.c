@@ -138,7 +138,7 @@ static void clear_maker(maker *m) {
 
 static bw_status make_lists(bw_context *context, int ranks, maker *m) {
   const bw_mesh *mesh = m->problem->dof_map->mesh;
-  const bw_material_orientations *turned = m->problem->model->material->orientations;
+  const bw_material_orientations *turned = m->problem->material->orientations;
   m->node_at = BW_NEW(context, int32_t, mesh->node_count);
   m->local_of = BW_NEW(context, int32_t, mesh->node_count);
   if (turned)
@@ -165,7 +165,7 @@ static void take_node(maker *m, int32_t node, struct bwd_local_counts *n) {
 /* Sizes, and local numbers of nodes and groups. */
 static void number(maker *m, int rank, struct bwd_local_counts *n) {
   const bw_mesh *mesh = m->problem->dof_map->mesh;
-  const bw_material_orientations *turned = m->problem->model->material->orientations;
+  const bw_material_orientations *turned = m->problem->material->orientations;
   const int32_t *start = m->partition->start;
   *n = (struct bwd_local_counts){.order = mesh->order,
                                  .nodes_per_element = mesh->nodes_per_element,
@@ -199,7 +199,7 @@ static void fill_node(const maker *m, int32_t node, int32_t *frames, bwd_local_m
 /* The arrays. A node's number is forgotten as soon as it is filled in for the last time. */
 static void fill(maker *m, int rank, bwd_local_mesh *local) {
   const bw_mesh *mesh = m->problem->dof_map->mesh;
-  const bw_material_orientations *turned = m->problem->model->material->orientations;
+  const bw_material_orientations *turned = m->problem->material->orientations;
   const int32_t *start = m->partition->start, *list = m->element + m->first[rank];
   int width = mesh->nodes_per_element;
   int32_t frames = 0, ghosts = local->count.owned;
@@ -226,7 +226,7 @@ static void fill(maker *m, int rank, bwd_local_mesh *local) {
 
 static void forget(maker *m, int rank) {
   const bw_mesh *mesh = m->problem->dof_map->mesh;
-  const bw_material_orientations *turned = m->problem->model->material->orientations;
+  const bw_material_orientations *turned = m->problem->material->orientations;
   for (int64_t k = m->first[rank]; k < m->first[rank + 1]; k++) {
     const int32_t *node = mesh->element + (int64_t)m->element[k] * mesh->nodes_per_element;
     for (int a = 0; a < mesh->nodes_per_element; a++)

@@ -21,7 +21,7 @@ static struct world {
   int rank, size;
   int together; /* ranks on this machine */
   MPI_Comm work, talk;
-  bool libraries, ended;
+  bool libraries, served, ended;
 } world = {.size = 1, .together = 1};
 
 static char petsc_text[MESSAGE]; /* of the last error that PETSc raised */
@@ -74,6 +74,11 @@ static void leave(void) {
   if (world.libraries)
     SlepcFinalize();
   MPI_Finalize();
+  /* Exit handlers of libraries may wait for ever where memory ran out; rank 0 has the results. */
+  if (world.served) {
+    fflush(NULL);
+    _exit(0);
+  }
 }
 
 /* Threads of OpenMP beside the ranks would only be in each other's way. */
@@ -246,13 +251,17 @@ bw_status bw_world_serve(bw_context *context) {
     else if (operation == BWD_MULTIPLY)
       bwd_run_multiply(context, 0, NULL, NULL, NULL, NULL);
     else if (operation == BWD_SOLVE)
-      bwd_run_solve(context, NULL, NULL);
+      bwd_run_solve(context, 0, NULL, NULL);
     else if (operation == BWD_MODES)
       bwd_run_modes(context, NULL, NULL);
+    else if (operation == BWD_REPORT)
+      bwd_run_report(NULL);
     else if (operation == BWD_CLOSE)
-      bwd_run_close(context, NULL);
-    else
+      bwd_run_close();
+    else {
+      world.served = true;
       return BW_OK;
+    }
   }
 }
 

@@ -275,8 +275,8 @@ done:
   return status;
 }
 
-bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_modes_options *given,
-                           bw_modes **modes) {
+bw_status bwi_modes_elastic(bw_context *context, bw_system *system, const bw_modes_options *given,
+                            bw_modes **modes) {
   bw_status status = BW_OK;
   bw_modes_options options;
   BW_TRY(bwi_modes_options_check(context, given, &options));
@@ -341,7 +341,7 @@ bw_status bwi_modes_of_model(bw_context *context, const bw_model *model, bw_syst
   if (given && bwi_system_serves(given, model, dof_map))
     used = bw_retain(given);
   else {
-    if (given && !bwi_same_topology(given->mesh, model->mesh))
+    if (!bwi_system_reusable(given, model->mesh))
       given = NULL;
     BW_TRY(bwi_system_begin(context, model->mesh, model->material, dof_map, given, &used));
   }
@@ -356,7 +356,7 @@ bw_status bwi_modes_of_model(bw_context *context, const bw_model *model, bw_syst
     if (!is_automatic(solver) &&
         !(used->iterative && solver->options.kind == BW_EIGENSOLVER_LOBPCG))
       BW_TRY(bwi_system_factor(context, used, NULL, old, bw_available_memory()));
-    BW_TRY(bw_modes_elastic(context, used, options, modes));
+    BW_TRY(bwi_modes_elastic(context, used, options, modes));
   }
 done:
   if (system)

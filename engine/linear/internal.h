@@ -320,6 +320,10 @@ void bwi_system_report(bw_system *system, bwi_way way, const bw_solver *solver, 
 bw_status bwi_system_precondition(bw_context *context, bw_system *system, const bw_solver *solver,
                                   bwi_symbolic *old, double available);
 
+/* The equations of a model at the external solver: no pattern, no stiffness. */
+bw_status bwi_system_begin_external(bw_context *context, const bw_model *model,
+                                    const bw_dof_map *dof_map, const bw_solver *solver,
+                                    bw_system **system);
 /* The mass, where the system has none yet. */
 bw_status bwi_system_mass(bw_context *context, bw_system *system);
 
@@ -327,6 +331,14 @@ bw_status bwi_system_mass(bw_context *context, bw_system *system);
 bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b);
 /* The system of a model with this DOF map: one on the same mesh, material and supports. */
 bool bwi_system_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map);
+/* Whether a system on this mesh may take over pattern and order of one (may be NULL). */
+bool bwi_system_reusable(const bw_system *system, const bw_mesh *mesh);
+/* Whether the equations of a model are those of a system at the external solver, with this solver
+ * (NULL: any). */
+bool bwi_external_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map,
+                         const bw_solver *solver);
+/* BW_UNSUPPORTED for equations at the external solver, which this process does not have. */
+bw_status bwi_need_equations(bw_context *context, const bw_system *system);
 /* The same elements on the same nodes. */
 bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b);
 /* Nodes that take part in the order: all those of bodies with rigid-body modes (so that the order

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "barwright/job.h"
+#include "linear/external.h"
 #include "linear/pcg.h"
 #include "linear/system_two_level.h"
 
@@ -24,6 +25,7 @@ static void system_destroy(void *object) {
   bw_release(system->two_level);
   bw_release(system->preconditioner);
   bw_release(system->solver);
+  bw_release(system->external);
   bw_free(system->stiffness);
   bw_free(system->mass);
   bw_free(system);
@@ -114,6 +116,15 @@ bw_status bwi_fail_singular(bw_context *context, const bw_mesh *mesh, int32_t no
   return BW_SINGULAR;
 }
 
+static void begin(bw_system *system, const bw_mesh *mesh, const bw_material *material,
+                  const bw_dof_map *dof_map) {
+  bw_object_init(system, &system_kind);
+  system->mesh = bw_retain(mesh);
+  system->material = bw_retain(material);
+  system->dof_map = bw_retain(dof_map);
+  system->density = material->density > 0 ? material->density : 1;
+}
+
 bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                            const bw_dof_map *dof_map, const bw_system *previous, bw_system **out) {
   bw_status status = BW_OK;
@@ -122,11 +133,7 @@ bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_ma
   bw_system *system = BW_NEW0(context, bw_system, 1);
   if (!system)
     return BW_MEMORY;
-  bw_object_init(system, &system_kind);
-  system->mesh = bw_retain(mesh);
-  system->material = bw_retain(material);
-  system->dof_map = bw_retain(dof_map);
-  system->density = material->density > 0 ? material->density : 1;
+  begin(system, mesh, material, dof_map);
 
   double start = bw_seconds();
   bw_progress(context, "assembly", 0);
@@ -147,6 +154,25 @@ bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_ma
   }
   BW_TRY(bw_stiffness(context, system->pattern, mesh, material, system->stiffness));
   system->times.stiffness = bw_seconds() - start;
+done:
+  if (status == BW_OK)
+    *out = system;
+  else
+    bw_release(system);
+  return status;
+}
+
+bw_status bwi_system_begin_external(bw_context *context, const bw_model *model,
+                                    const bw_dof_map *dof_map, const bw_solver *solver,
+                                    bw_system **out) {
+  bw_status status = BW_OK;
+  bw_system *system = BW_NEW0(context, bw_system, 1);
+  if (!system)
+    return BW_MEMORY;
+  begin(system, model->mesh, model->material, dof_map);
+  BW_TRY(bwi_external_create(context, model->material, dof_map, solver, &system->external));
+  system->external_report = &system->external->report;
+  bwi_external_fill_report(system->external, &system->report);
 done:
   if (status == BW_OK)
     *out = system;
@@ -352,14 +378,16 @@ done:
 }
 
 bw_status bw_system_factor(bw_context *context, bw_system *system) {
-  return bwi_system_factor(context, system, NULL, NULL, bw_available_memory());
+  bw_status status = bwi_need_equations(context, system);
+  return status == BW_OK ? bwi_system_factor(context, system, NULL, NULL, bw_available_memory())
+                         : status;
 }
 
 bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                            const bw_dof_map *dof_map, const bw_system *previous, bw_system **out) {
   bw_status status = BW_OK;
   bw_system *system = NULL;
-  if (previous && !bwi_same_topology(previous->mesh, mesh))
+  if (!bwi_system_reusable(previous, mesh))
     previous = NULL;
   BW_TRY(bwi_system_begin(context, mesh, material, dof_map, previous, &system));
   BW_TRY(bwi_system_factor(context, system, NULL,
@@ -373,9 +401,32 @@ done:
   return status;
 }
 
-bool bwi_system_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map) {
+static bool same_equations(const bw_system *system, const bw_model *model,
+                           const bw_dof_map *dof_map) {
   return system->mesh == model->mesh && system->material == model->material &&
          bwi_same_supports(system->dof_map, dof_map);
+}
+
+bool bwi_system_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map) {
+  return !system->external && same_equations(system, model, dof_map);
+}
+
+bool bwi_external_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map,
+                         const bw_solver *solver) {
+  return system->external && (!solver || solver == system->external->solver) &&
+         same_equations(system, model, dof_map);
+}
+
+bool bwi_system_reusable(const bw_system *system, const bw_mesh *mesh) {
+  return system && !system->external && bwi_same_topology(system->mesh, mesh);
+}
+
+bw_status bwi_need_equations(bw_context *context, const bw_system *system) {
+  return system->external ? bw_fail(context, BW_UNSUPPORTED,
+                                    "the equations are spread over several processes by the "
+                                    "backend \"petsc\", and this one does not have them: take "
+                                    "another solver")
+                          : BW_OK;
 }
 
 typedef struct projection {

@@ -103,6 +103,7 @@ bw_status bw_system_matrix(bw_context *context, const bw_system *system, bw_syst
   bw_status status = BW_OK;
   copy c = {.system = system, .dof_map = whole ? NULL : system->dof_map};
   int64_t rows = whole ? 3 * (int64_t)system->mesh->node_count : system->dof_map->unknown_count;
+  BW_TRY(bwi_need_equations(context, system));
   if (part != BW_STIFFNESS && part != BW_MASS)
     return bw_fail(context, BW_INVALID, "part %d of a system is not known", (int)part);
   if (part == BW_MASS && !system->mass)
@@ -168,6 +169,7 @@ bw_status bw_system_right_hand_side(bw_context *context, const bw_system *system
   }
   memcpy(rest, force, n * sizeof *rest);
   if (dof_map->prescribed) {
+    BW_TRY(bwi_need_equations(context, system));
     bwi_prescribed_field(dof_map, u);
     BW_TRY(bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1, u, product));
     for (size_t k = 0; k < n; k++)

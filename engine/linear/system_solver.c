@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "barwright/job.h"
+#include "linear/external.h"
 
 enum { SIDES = BWI_SMOOTHER_SIDES };
 
@@ -103,6 +104,8 @@ bool bwi_factor_replaces(bw_context *context, const bw_system *system, bw_status
 
 double bwi_solve_tolerance(const bw_system *system) {
   double given = system->solver ? system->solver->options.tolerance : 0;
+  if (system->external)
+    return bwi_external_tolerance(system->external->solver);
   return !system->iterative ? 0 : given > 0 ? given : BWI_SOLVE_TO;
 }
 
@@ -203,10 +206,6 @@ bw_status bwi_system_prepare(bw_context *context, const bw_model *model, bw_syst
   bw_status status = BW_OK;
   bwi_request request;
   double available = bw_available_memory();
-  if (bwi_solver_is_external(solver))
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "the backend \"petsc\" solves static solutions and modes, and no equations for "
-                   "many right-hand sides: give cholesky or pcg of another backend");
   BW_TRY(bwi_solver_request(context, solver, BWI_SOLVE_TO, &request));
   if (!solver)
     BW_TRY(prepare_automatic(context, model, system, old, available));
@@ -226,10 +225,17 @@ bw_status bw_system_of_model(bw_context *context, const bw_model *model, const b
   bw_dof_map *dof_map = NULL;
   bw_system *system = NULL;
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
+  if (bwi_solver_is_external(solver)) {
+    if (given && bwi_external_serves(given, model, dof_map, solver))
+      system = bw_retain(given);
+    else
+      BW_TRY(bwi_system_begin_external(context, model, dof_map, solver, &system));
+    goto done;
+  }
   if (given && bwi_system_serves(given, model, dof_map))
     system = bw_retain(given);
   else {
-    if (given && !bwi_same_topology(given->mesh, model->mesh))
+    if (!bwi_system_reusable(given, model->mesh))
       given = NULL;
     BW_TRY(bwi_system_begin(context, model->mesh, model->material, dof_map, given, &system));
   }
@@ -365,19 +371,23 @@ static bw_status give_up(bw_context *context, bw_system *system, const bwi_syste
   return by_factor(context, system, NULL, NULL, available, reason);
 }
 
-static bw_status solve_by_factor(bw_context *context, const bw_system *system, int64_t count,
-                                 const double *force, double *displacement) {
+/* By the factor, or the external solver. */
+static bw_status solve_whole(bw_context *context, const bw_system *system, int64_t count,
+                             const double *force, double *displacement) {
   bw_status status = BW_OK;
   const bw_dof_map *dof_map = system->dof_map;
   size_t size = 3 * (size_t)system->mesh->node_count;
-  BW_TRY(bwi_need_factor(context, system));
+  if (!system->external)
+    BW_TRY(bwi_need_factor(context, system));
   if (dof_map->rigid_mode_count > 0) {
     if (force != displacement)
       memcpy(displacement, force, (size_t)count * size * sizeof(double));
     BW_TRY(bwi_balance_fields(context, dof_map, count, displacement));
     force = displacement;
   }
-  BW_TRY(bwi_solve_fields(context, system->factor, dof_map, count, force, displacement));
+  BW_TRY(system->external
+             ? bwi_external_solve(context, system->external, count, force, displacement)
+             : bwi_solve_fields(context, system->factor, dof_map, count, force, displacement));
   BW_TRY(bwi_steady_fields(context, dof_map, count, displacement));
 done:
   return status;
@@ -412,7 +422,7 @@ static bw_status solve_iterative(bw_context *context, bw_system *system, int64_t
     BW_TRY(give_up(context, system, &problem));
     if (force == displacement)
       memcpy(u, work, (size_t)(block * size) * sizeof *work);
-    BW_TRY(solve_by_factor(context, system, left, force == displacement ? u : f, u));
+    BW_TRY(solve_whole(context, system, left, force == displacement ? u : f, u));
     break;
   }
 done:
@@ -425,7 +435,11 @@ bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
   double start = bw_seconds();
   bw_status status = system->iterative
                          ? solve_iterative(context, system, count, force, displacement)
-                         : solve_by_factor(context, system, count, force, displacement);
+                         : solve_whole(context, system, count, force, displacement);
+  if (system->external && status == BW_OK) {
+    bwi_external_update(context, system->external);
+    bwi_external_fill_report(system->external, &system->report);
+  }
   system->times.solve += bw_seconds() - start;
   system->report.seconds += bw_seconds() - start;
   return status;

@@ -56,7 +56,7 @@ done:
 /* The equations: those given where they fit, else new ones that reuse what they can. */
 static bw_status prepare_system(statics *s, const bw_dof_map *dof_map, bw_system *given) {
   const bw_model *model = s->model;
-  if (given && !bwi_same_topology(given->mesh, model->mesh))
+  if (!bwi_system_reusable(given, model->mesh))
     given = NULL;
   if (given && (given->factor || given->two_level || given->preconditioner) &&
       bwi_system_serves(given, model, dof_map)) {

@@ -403,6 +403,8 @@ static int model_system(lua_State *L) {
   lua_settop(L, 2);
   lbw_options(L, 2, "system", list, NULL);
   const bw_solver *solver = lbw_solver_option(L, 2, "system");
+  if (lbw_solver_is_external(solver) && !external_ready(L))
+    return 3;
   lbw_box *box = lbw_box_new(L, &lbw_system_class);
   bw_system *system = NULL;
   bw_status status = bw_system_of_model(lbw_enter(L), (const bw_model *)model->object, solver,

@@ -501,10 +501,13 @@ static int system_rigid_mode_count(lua_State *L) {
 /* How the equations have been solved so far; nil where they are of an edit session. */
 static int system_report(lua_State *L) {
   const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
-  if (system->report.solver)
-    lbw_push_report(L, &system->report);
-  else
+  if (!system->report.solver) {
     lua_pushnil(L);
+    return 1;
+  }
+  lbw_push_report(L, &system->report);
+  if (system->external_report)
+    add_external(L, system->external_report);
   return 1;
 }
 
@@ -514,7 +517,10 @@ static int system_tostring(lua_State *L) {
   int written =
       snprintf(text, sizeof text, "system of %d unknowns, %d unconstrained rigid-body modes, ",
                (int)system->dof_map->unknown_count, (int)system->dof_map->rigid_mode_count);
-  if (system->iterative)
+  if (system->external_report)
+    snprintf(text + written, sizeof text - (size_t)written, "solved by %s (%s)",
+             system->report.solver, system->report.backend);
+  else if (system->iterative)
     snprintf(text + written, sizeof text - (size_t)written, "solved by %s%s%s",
              system->report.solver, system->report.preconditioner[0] ? " with " : "",
              system->report.preconditioner);
@@ -539,7 +545,8 @@ static int system_modes(lua_State *L) {
   lua_settop(L, 2);
   lbw_options(L, 2, "modes", list, &options);
   options.solver = lbw_eigensolver_option(L, 2, "modes");
-  if (options.solver && options.solver->options.kind == BW_EIGENSOLVER_SLEPC)
+  if (options.solver && options.solver->options.kind == BW_EIGENSOLVER_SLEPC &&
+      !system->external_report)
     return lbw_error(L, "modes: eigensolver slepc takes a model and not its equations: call "
                         "part:modes {solver = ...}");
   lbw_box *box = lbw_box_new(L, &lbw_modes_class);

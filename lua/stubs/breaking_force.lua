@@ -52,7 +52,7 @@ function bw.breaking_force(body, options) end
 ---@field modes? integer (count) of modes. Range: 1 to 500. Default: 15
 ---@field regions? integer (count) weak regions of each mode. Range: 1 to 1000. Default: 5
 ---@field seed? integer (seed) of the modes. Default: 1
----@field solver? bw.Solver|"auto" of the linear systems. `pcg` needs no factor; the modes then are by LOBPCG with its preconditioner. Default: "auto", a factor unless it is predicted to take more than 4 GB or more than the free memory
+---@field solver? bw.Solver|"auto" of the linear systems. `pcg` needs no factor; the modes then are by LOBPCG with its preconditioner. With the backend "petsc" modes are by SLEPc, and equations stay with the processes. Default: "auto", a factor unless it is predicted to take more than 4 GB or more than the free memory
 ---@field eigensolver? bw.Eigensolver|"auto" for the modes. Default: "auto"
 
 ---The breaking force of a body. `print` gives the answer in one line.

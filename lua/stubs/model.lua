@@ -261,7 +261,12 @@ function Model:modes(options) end
 ---conjugate gradients solve them, with the two-level preconditioner on quadratic elements and multigrid on linear ones. Where
 ---these do not converge, a factor takes their place, with a warning.
 ---
----Errors: singular (the matrix is not positive definite), memory (the factor does not fit), unsupported (the backend "petsc").
+---With the backend "petsc" they are spread over the processes that mpirun started, when they are first used, and stay there.
+---Right-hand sides are sent, and displacements come back. A script has one such system at a time: another takes its place, and
+---it is distributed again when it is used again. Its matrices are not here (`system:matrix`).
+---
+---Errors: singular (the matrix is not positive definite), memory (the factor does not fit), unsupported (the backend
+---"petsc" in a build without MPI).
 ---The two-level preconditioner raises on linear elements.
 ---@param options? bw.ModelSystemOptions how they are solved
 ---@return bw.System? system the equations
@@ -271,7 +276,7 @@ function Model:system(options) end
 
 ---How equations are solved.
 ---@class bw.ModelSystemOptions
----@field solver? bw.Solver|"auto" what solves them. A `tolerance` of `pcg` is on the error in energy over that of the solution, 1e-8 where it is left out. Default: "auto"
+---@field solver? bw.Solver|"auto" what solves them. A `tolerance` of `pcg` is on the error in energy over that of the solution, 1e-8 where it is left out; with "petsc" on the residual over the load, 1e-10. Default: "auto"
 
 ---The same supports and loads on a mesh of the same topology, such as that of an edited shape. They go with the surface; forces
 ---and gravity keep their directions.

@@ -63,7 +63,7 @@ function bw.worst_case(part, options) end
 ---@field tolerance? number (-) relative residual of the modes, above 0. Default: 1e-8, without a factor 1e-6
 ---@field sturm? boolean count the modes by a second factor, so that none is missing. Default: false
 ---@field seed? integer (seed) of the modes. Default: 1
----@field solver? bw.Solver|"auto" of the linear systems. `pcg` needs no factor; the modes then are by LOBPCG with its preconditioner. Default: "auto", a factor unless it is predicted to take more than 4 GB or more than the free memory
+---@field solver? bw.Solver|"auto" of the linear systems. `pcg` needs no factor; the modes then are by LOBPCG with its preconditioner. With the backend "petsc" modes are by SLEPc, and equations stay with the processes. Default: "auto", a factor unless it is predicted to take more than 4 GB or more than the free memory
 ---@field eigensolver? bw.Eigensolver|"auto" for the modes. Default: "auto"
 ---@field batch? integer (count) regions that are worked on at once. Default: 0, chosen
 ---@field lp? bw.LpSolver|"auto" what solves the linear programs. Default: "auto", by counted cost
@@ -105,7 +105,7 @@ function bw.worst_case(part, options) end
 ---@field weak_regions bw.WeakRegions? nil with `places`
 ---@field basis bw.PressureBasis of the pressures
 ---@field options bw.WorstCaseOptions as they were given, with defaults
----@field solve_error number (-) estimate of what the error of the linear solve does to `max_principal`, as a fraction of it; 0 by a factor
+---@field solve_error number (-) estimate of what the error of the linear solve does to `max_principal`, as a fraction of it; 0 by a factor. With "petsc" the relative residual stands for the error in energy
 ---@field reports table<string, bw.SolverReport> of solvers: `lp`, all linear programs together; `solver`, all linear systems (`modes.report` is of the modes)
 ---@field seconds table<string, number> by stage: system, assemble, factor, modes, regions, linear_programs, search, bound
 local WorstCase = {}

@@ -86,9 +86,18 @@ typedef struct bw_modes {
  * factor; unconstrained rigid-body modes are projected out exactly. Fewer than wanted where the
  * body has fewer. BW_CONVERGENCE where the iteration does not reach the tolerance; LOBPCG takes a
  * residual below 1e-4 that no longer falls, with a warning. BW_LIMIT for too many modes,
- * BW_UNSUPPORTED for SLEPC, which takes a model. `options` may be NULL. */
+ * BW_UNSUPPORTED for SLEPC without an external solver that has the equations, BW_INVALID for
+ * another eigensolver where it has them. `options` may be NULL. */
 BW_API bw_status bw_modes_elastic(bw_context *context, bw_system *system,
                                   const bw_modes_options *options, bw_modes **modes);
+/* The modes of a model by any eigensolver. `given` as in bw_system_of_model; `*system` (may be
+ * NULL) is the one that was used, also where modes fail, or NULL where the external solver
+ * has the equations. Equations at the external solver are taken by SLEPc, which may be left out
+ * then. Those of bw_system_of_model and bw_modes_elastic, BW_UNSUPPORTED where no external solver
+ * is registered, and that solver's own statuses. */
+BW_API bw_status bw_modes_of_model(bw_context *context, const bw_model *model, bw_system *given,
+                                   const bw_modes_options *options, bw_system **system,
+                                   bw_modes **modes);
 /* The lowest nonconstant modes of the scalar Laplacian on the mesh (free boundary), section 4 of
  * worst-case. `pattern`: of the mesh. BW_SINGULAR where its factor fails, BW_GEOMETRY for an
  * inverted element, and as bw_modes_elastic. */

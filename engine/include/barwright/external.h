@@ -2,8 +2,7 @@
 #ifndef BARWRIGHT_EXTERNAL_H
 #define BARWRIGHT_EXTERNAL_H
 
-#include "barwright/eigen.h"
-#include "barwright/statics.h"
+#include "barwright/linear.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -32,11 +31,12 @@ typedef struct bw_external_report {
 /* What an external solver is to assemble; all is borrowed while the system is open. The DOF map
  * says which components are unknowns, and in which frames. */
 typedef struct bw_external_problem {
-  const bw_model *model; /* its mesh and material */
-  const bw_dof_map *dof_map;
-  bool mass; /* assemble M too: modes are wanted */
+  const bw_material *material;
+  const bw_dof_map *dof_map; /* and its mesh */
+  bool mass;                 /* assemble M too: modes are wanted */
 } bw_external_problem;
 
+struct bw_modes_options;
 /* What it finds; the lists are allocated with bw_alloc for the caller, who releases them. */
 typedef struct bw_external_modes {
   int count;
@@ -61,31 +61,21 @@ typedef struct bw_external {
    * terms without their signs, from which rounding errors follow; may be NULL. */
   bw_status (*multiply)(bw_context *context, int count, const double *x, double *kx, double *mx,
                         double *magnitude);
-  /* Fields as those of bw_system_solve, the force balanced already; displacement up to a rigid-body
-   * motion. */
-  bw_status (*solve)(bw_context *context, const double *force, double *displacement);
+  /* `count` fields as those of bw_system_solve, the forces balanced already; displacements up to a
+   * rigid-body motion. The two may be the same block. */
+  bw_status (*solve)(bw_context *context, int count, const double *force, double *displacement);
   /* The lowest elastic modes. */
-  bw_status (*modes)(bw_context *context, const bw_modes_options *options,
+  bw_status (*modes)(bw_context *context, const struct bw_modes_options *options,
                      bw_external_modes *modes);
-  /* Releases the system, and reports on it. */
-  void (*close)(bw_context *context, bw_external_report *report);
+  /* What it did since it was opened. */
+  void (*report)(bw_context *context, bw_external_report *report);
+  /* Releases the system. */
+  void (*close)(void);
 } bw_external;
 /* Registers a solver for the process, borrowed until the next registration; NULL: none. */
 BW_API void bw_external_register(const bw_external *external);
 /* The registered solver, borrowed, or NULL. */
 BW_API const bw_external *bw_external_registered(void);
-
-/* As bw_modes_elastic, with what options->solver says of SLEPc: BW_UNSUPPORTED when no solver is
- * registered, and the solver's own statuses. */
-BW_API bw_status bw_modes_external(bw_context *context, const bw_model *model,
-                                   const bw_modes_options *options, bw_modes **modes);
-/* The modes of a model by any eigensolver. `given` as in bw_system_of_model; `*system` (may be
- * NULL) is the one that was used, also where modes fail, or NULL where the solver needs none. Those
- * of bw_system_of_model, bw_modes_elastic and bw_modes_external, BW_UNSUPPORTED where no external
- * solver is registered. */
-BW_API bw_status bw_modes_of_model(bw_context *context, const bw_model *model, bw_system *given,
-                                   const bw_modes_options *options, bw_system **system,
-                                   bw_modes **modes);
 
 #ifdef __cplusplus
 }

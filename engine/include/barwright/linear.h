@@ -34,7 +34,7 @@ typedef enum bw_backend {
                               last bits depend on the number of threads, and it cannot be
                               interrupted */
   BW_BACKEND_PETSC         /* the registered external solver (bw_external): a factor spread over the
-                              processes, or multigrid; for statics and modes */
+                              processes, or multigrid */
 } bw_backend;
 
 /* The elimination order of a factor. */
@@ -108,6 +108,7 @@ typedef struct bw_system bw_system;
 struct bwi_factor;
 struct bwi_two_level_solver;
 struct bwi_preconditioner;
+struct bwi_external;
 struct bw_system {
   bw_object object;
   const bw_mesh *mesh;         /* retained */
@@ -121,7 +122,10 @@ struct bw_system {
   struct bwi_factor *factor;                 /* or NULL */
   struct bwi_two_level_solver *two_level;    /* or NULL */
   struct bwi_preconditioner *preconditioner; /* of PCG with another one, or NULL */
-  bool iterative;                            /* bw_system_solve is by PCG */
+  struct bwi_external *external; /* at the external solver: this process has neither pattern nor
+                                    matrices; else NULL */
+  const struct bw_external_report *external_report; /* what that did, or NULL */
+  bool iterative;                                   /* bw_system_solve is by PCG */
   const bw_solver *solver; /* retained: of bw_system_of_model, where it is iterative; or NULL */
   bw_solve_times times;    /* of all that was computed */
   bw_solver_report report; /* how bw_system_solve solves, and what solutions took since
@@ -146,18 +150,22 @@ BW_API bw_status bw_system_create(bw_context *context, const bw_mesh *mesh,
  *
  * BW_SINGULAR as in bw_system_create; BW_MEMORY for a factor that is asked for, as
  * bw_system_factor; BW_INVALID for a preconditioner in the place of a solver and for two_level on
- * linear elements; BW_UNSUPPORTED for the backend BW_BACKEND_PETSC. */
+ * linear elements.
+ *
+ * With a solver of the backend BW_BACKEND_PETSC the equations are at the external solver, which
+ * distributes the mesh when they are first used. BW_UNSUPPORTED where none is registered. */
 BW_API bw_status bw_system_of_model(bw_context *context, const bw_model *model,
                                     const bw_solver *solver, bw_system *given, bw_system **system);
 /* Mass and factor, where the system has none yet, and solves by it: then it is one as
  * bw_system_create makes it. On failure it is as it was. BW_MEMORY, before any is allocated, where
  * the factor is larger than what is free (bw_available_memory); BW_SINGULAR and BW_LIMIT as
- * bw_system_create. */
+ * bw_system_create; BW_UNSUPPORTED for equations at the external solver. */
 BW_API bw_status bw_system_factor(bw_context *context, bw_system *system);
 /* u = K^-1 f for homogeneous supports, `count` right-hand sides at once: force (N, count x
  * node_count x 3), displacement (m, count x node_count x 3), which may be the same block. Changes
  * only the system's workspace and its report. BW_INVALID for a system without a factor that is not
- * iterative, BW_CONVERGENCE for one that is where PCG does not reach its tolerance. Where
+ * iterative, BW_CONVERGENCE for one that is where PCG does not reach its tolerance; the
+ * statuses of an external solver. Where
  * rigid-body modes are unconstrained, the force is first balanced by inertia (f - M r <r, f>; no
  * change for a balanced force) and the displacement made free of rigid-body motion (eq. 5 of
  * worst-case): u = P K^+ P^T f, symmetric; by PCG, to its tolerance. */
@@ -174,7 +182,7 @@ typedef enum bw_system_part {
  * `whole` they are all components instead, 3 node + 0, 1, 2 along x, y, z, without supports. On a
  * body with unconstrained rigid-body modes the unknowns lack its isostatic constraints, so that the
  * matrix of the unknowns is positive definite. BW_INVALID for the mass of a system that has none
- * yet, BW_LIMIT for 2^31 - 1 rows. */
+ * yet, BW_UNSUPPORTED for equations at the external solver, BW_LIMIT for 2^31 - 1 rows. */
 BW_API bw_status bw_system_matrix(bw_context *context, const bw_system *system, bw_system_part part,
                                   bool whole, bw_sparse_matrix **matrix);
 /* The right-hand side of the unknowns for nodal forces, force (N, node_count x 3): b (N,

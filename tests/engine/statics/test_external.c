@@ -15,7 +15,7 @@ static bw_status fake_open(bw_context *context, const bw_external_problem *probl
                            const bw_solver *solver) {
   (void)solver;
   fake.opened++;
-  return bw_system_create(context, problem->model->mesh, problem->model->material, problem->dof_map,
+  return bw_system_create(context, problem->dof_map->mesh, problem->material, problem->dof_map,
                           NULL, &fake.system);
 }
 
@@ -39,12 +39,14 @@ static bw_status fake_multiply(bw_context *context, int count, const double *x, 
   return forget(status);
 }
 
-static bw_status fake_solve(bw_context *context, const double *force, double *displacement) {
-  fake.solves++;
+static bw_status fake_solve(bw_context *context, int count, const double *force,
+                            double *displacement) {
+  fake.solves += count;
   if (fake.status != BW_OK)
     return forget(bw_fail(context, fake.status, "the fake has failed"));
-  bw_status status = bw_system_solve(context, fake.system, 1, force, displacement);
-  for (int64_t i = 0; status == BW_OK && i < 3 * (int64_t)fake.system->mesh->node_count; i++)
+  bw_status status = bw_system_solve(context, fake.system, count, force, displacement);
+  for (int64_t i = 0; status == BW_OK && i < 3 * (int64_t)count * fake.system->mesh->node_count;
+       i++)
     displacement[i] *= fake.scale;
   return forget(status);
 }
@@ -52,7 +54,9 @@ static bw_status fake_solve(bw_context *context, const double *force, double *di
 static bw_status fake_modes(bw_context *context, const bw_modes_options *options,
                             bw_external_modes *out) {
   bw_modes *modes = NULL;
-  bw_status status = bw_modes_elastic(context, fake.system, options, &modes);
+  bw_modes_options own = *options;
+  own.solver = NULL;
+  bw_status status = bw_modes_elastic(context, fake.system, &own, &modes);
   if (status != BW_OK)
     return forget(status);
   size_t size = 3 * (size_t)modes->count * (size_t)modes->mesh->node_count;
@@ -72,16 +76,38 @@ static bw_status fake_modes(bw_context *context, const bw_modes_options *options
   return forget(status);
 }
 
-static void fake_close(bw_context *context, bw_external_report *report) {
+static void fake_report(bw_context *context, bw_external_report *report) {
   (void)context;
+  *report = (bw_external_report){.ranks = 1};
+}
+
+static void fake_close(void) {
   fake.closed++;
   bw_release(fake.system);
   fake.system = NULL;
-  if (report)
-    *report = (bw_external_report){.ranks = 1};
 }
 
-static const bw_external outside = {fake_open, fake_multiply, fake_solve, fake_modes, fake_close};
+static const bw_external outside = {fake_open,  fake_multiply, fake_solve,
+                                    fake_modes, fake_report,   fake_close};
+
+/* By SLEPc, as it is registered. */
+static bw_status external_modes(bw_context *context, const bw_model *model,
+                                const bw_modes_options *given, bw_modes **modes) {
+  bw_eigensolver *solver = NULL;
+  bw_modes_options options;
+  bw_eigensolver_options slepc;
+  bw_eigensolver_options_default(&slepc);
+  slepc.kind = BW_EIGENSOLVER_SLEPC;
+  bw_modes_options_default(&options);
+  if (given)
+    options = *given;
+  bw_status status = bw_eigensolver_create(context, &slepc, &solver);
+  options.solver = solver;
+  if (status == BW_OK)
+    status = bw_modes_of_model(context, model, NULL, &options, NULL, modes);
+  bw_release(solver);
+  return status;
+}
 
 static bw_model *cantilever(bw_context *context, bool fixed) {
   bw_mesh *mesh = body_box(context, 1, 0.1, 0.1, 6, 2, 2, 1);
@@ -154,7 +180,7 @@ static void test_same_answers(void **state) {
     assert_string_equal(other->report.preconditioner, "amg");
     assert_string_equal(other->report.backend, "petsc");
     check_ok(context, bw_modes_elastic(context, own->system, &opts, &modes));
-    check_ok(context, bw_modes_external(context, model, &opts, &others));
+    check_ok(context, external_modes(context, model, &opts, &others));
     assert_int_equal(others->count, 4);
     assert_int_equal(others->rigid_count, fixed ? 0 : 6);
     for (int k = 0; k < 4; k++) {
@@ -198,6 +224,81 @@ static void test_lies(void **state) {
   bw_external_register(NULL);
 }
 
+/* Equations for many right-hand sides: the solver has one system at a time, and opens it again. */
+static void test_many_right_hand_sides(void **state) {
+  bw_context *context = check_context(state);
+  begin();
+  enum { COUNT = 3 };
+  bw_solver *solver = NULL;
+  const bw_solver_options options = {.backend = BW_BACKEND_PETSC};
+  check_ok(context, bw_solver_create(context, &options, &solver));
+  for (int fixed = 0; fixed < 2; fixed++) {
+    bw_model *model = cantilever(context, fixed);
+    bw_system *own = NULL, *system = NULL, *second = NULL;
+    bw_modes *modes = NULL, *others = NULL;
+    int64_t size = 3 * (int64_t)model->mesh->node_count;
+    double *force = BW_NEW(context, double, COUNT *size),
+           *u = BW_NEW(context, double, 2 * COUNT * size);
+    for (int64_t i = 0; i < COUNT * size; i++)
+      force[i] = (double)((i * 7919) % 101) - 50;
+    check_ok(context, bw_system_of_model(context, model, NULL, NULL, &own));
+    check_ok(context, bw_system_of_model(context, model, solver, own, &system));
+    assert_null(system->pattern);
+    assert_int_equal(fake.opened, fake.closed);
+    check_ok(context, bw_system_solve(context, own, COUNT, force, u));
+    memcpy(u + COUNT * size, force, (size_t)(COUNT * size) * sizeof *u);
+    check_ok(context, bw_system_solve(context, system, COUNT, u + COUNT * size, u + COUNT * size));
+    for (int64_t i = 0; i < COUNT * size; i++)
+      check_near(u[COUNT * size + i], u[i], 1e-14);
+    assert_string_equal(system->report.backend, "petsc");
+    assert_int_equal(system->external_report->ranks, 1);
+
+    int opened = fake.opened;
+    check_ok(context, bw_system_of_model(context, model, solver, system, &second));
+    assert_ptr_equal(second, system);
+    bw_release(second);
+    check_ok(context, bw_system_of_model(context, model, solver, NULL, &second));
+    check_ok(context, bw_system_solve(context, second, 1, force, u));
+    assert_int_equal(fake.closed, fake.opened - 1);
+    check_ok(context, bw_system_solve(context, system, 1, force, u));
+    assert_int_equal(fake.opened, opened + 2);
+    bw_release(second);
+    const bw_modes_options opts = {.count = 3, .tolerance = 1e-8, .seed = 1};
+    check_ok(context, bw_modes_of_model(context, model, own, &opts, NULL, &modes));
+    check_ok(context, bw_modes_of_model(context, model, system, &opts, NULL, &others));
+    assert_string_equal(others->report.solver, "slepc");
+    for (int k = 0; k < 3; k++)
+      check_near(others->frequency[k], modes->frequency[k], 1e-6 * modes->frequency[k]);
+
+    bw_static *result = NULL; /* its own equations */
+    const bw_statics_options relief = {.inertia_relief = true};
+    check_ok(context, bw_statics(context, model, system, &relief, &result));
+    assert_string_equal(result->report.backend, "multifrontal");
+    bw_sparse_matrix *matrix = NULL;
+    check_fails(context, BW_UNSUPPORTED, "spread over several processes",
+                bw_system_matrix(context, system, BW_STIFFNESS, false, &matrix));
+    check_fails(context, BW_UNSUPPORTED, "spread over several processes",
+                bw_system_factor(context, system));
+    fake.status = BW_LIMIT;
+    check_fails(context, BW_LIMIT, "the fake has failed",
+                bw_system_solve(context, system, 1, force, u));
+    fake.closed++; /* by itself */
+    fake.status = BW_OK;
+    check_ok(context, bw_system_solve(context, system, 1, force, u));
+    bw_release(system);
+    assert_int_equal(fake.opened, fake.closed);
+    bw_release(result);
+    bw_release(modes);
+    bw_release(others);
+    bw_release(own);
+    bw_release(model);
+    bw_free(force);
+    bw_free(u);
+  }
+  bw_release(solver);
+  bw_external_register(NULL);
+}
+
 static void test_misuse(void **state) {
   bw_context *context = check_context(state);
   bw_model *model = cantilever(context, true);
@@ -206,7 +307,7 @@ static void test_misuse(void **state) {
   check_fails(context, BW_UNSUPPORTED, "barwright.distributed",
               statics(context, model, false, &result));
   check_fails(context, BW_UNSUPPORTED, "barwright.distributed",
-              bw_modes_external(context, model, NULL, &modes));
+              external_modes(context, model, NULL, &modes));
   begin();
   bw_solver *amg = NULL;
   const bw_solver_options alone = {.kind = BW_SOLVER_AMG, .backend = BW_BACKEND_PETSC};
@@ -248,7 +349,7 @@ static void test_memory(void **state) {
       bw_modes *modes = NULL;
       bw_fail_allocation(n, true);
       status = what == 0 ? statics(context, model, false, &result)
-                         : bw_modes_external(context, model, &opts, &modes);
+                         : external_modes(context, model, &opts, &modes);
       bw_fail_allocation(0, false);
       if (status != BW_MEMORY)
         check_ok(context, status);
@@ -262,6 +363,7 @@ static void test_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(test_same_answers), check_test(test_lies),
+                                     check_test(test_many_right_hand_sides),
                                      check_test(test_misuse), check_test(test_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -165,6 +165,62 @@ case("rotated modes", function()
   same_modes(part, {solver = slepc, count = 5})
 end)
 
+-- The equations stay with the ranks: modes, adjoint solves, stresses.
+local function same_worst_case(part, options)
+  local limits = {force = 100, pressure = 1e6, modes = 5, regions = 2, targets = 4}
+  local own = assert(bw.worst_case(part, limits))
+  for key, value in pairs(options) do limits[key] = value end
+  local other = assert(bw.worst_case(part, limits))
+  assert(#own.regions == #other.regions)
+  check.near(own.max_principal, other.max_principal, 1e-8)
+  check.near(own.max_displacement, other.max_displacement, 1e-8)
+  for i = 1, #own.modes do check.near(own.modes.eigenvalues[i], other.modes.eigenvalues[i], 1e-8) end
+  assert(other.modes.report.solver == "slepc" and other.modes.report.ranks == ranks)
+  local report = other.reports.solver
+  assert(report.backend == "petsc" and report.ranks == ranks and report.solver == options.solver.kind)
+  return other
+end
+
+for _, name in ipairs {"cg", "cholesky"} do
+  local solver = spread[name]
+  case("worst case " .. name, function()
+    local mesh = check.beam({8, 2, 2}, 2)
+    same_worst_case(bw.model {mesh = mesh, material = steel}, {solver = solver})
+    same_worst_case(fixed(1), {solver = solver, eigensolver = slepc})
+  end)
+end
+
+case("breaking force", function()
+  local mesh = check.beam({4, 2, 2}, 2)
+  local limits = {material = bw.material.pla, length = 0.2, modes = 3, regions = 2, elements = 100, max_elements = 100}
+  local own = assert(bw.breaking_force(mesh, limits))
+  limits.solver = spread.cholesky
+  local other = assert(bw.breaking_force(mesh, limits))
+  check.near(own.force, other.force, 1e-8)
+  assert(other.worst.reports.solver.backend == "petsc")
+end)
+
+case("many right-hand sides", function()
+  local part, mesh = fixed(2)
+  local forces = {}
+  for k = 1, 3 do
+    local rows = {}
+    for i = 1, mesh.node_count do rows[i] = {math.sin(k * i), 0, math.cos(i)} end
+    forces[k] = bw.array(rows)
+  end
+  local own = assert(part:system()):solve(forces)
+  for _, solver in pairs(spread) do
+    local system = assert(part:system {solver = solver})
+    local other = assert(system:solve(forces))
+    for k = 1, 3 do same_field(own[k], other[k], 1e-8, "displacements") end
+    assert(assert(part:solve {solver = solver}).report.ranks == ranks) -- closes the system, which is opened again
+    same_field(own[1], assert(system:solve(forces[1])), 1e-8, "displacements")
+    assert(tostring(system):find("petsc", 1, true))
+    check.fails("unsupported", "spread over several processes", system:matrix "stiffness")
+    check.raises("take slepc", system.modes, system, {solver = bw.eigensolver.lanczos {}})
+  end
+end)
+
 case("failures come back, and work goes on", function()
   local part = fixed(1)
   check.fails("convergence", "3 iterations", part:solve {solver = cg {max_iterations = 3}})
