@@ -82,6 +82,11 @@ WIDE(_d8, double, eight2)
 
 /* ---- rows ---------------------------------------------------------------------------------- */
 
+static inline void columns_of_nine(const float *a, quad column[3]) {
+  for (int c = 0; c < 3; c++)
+    column[c] = *(const quad *)(a + 3 * c);
+}
+
 /* sum + the entries of row k outside its own block times z */
 static inline quad row_times(const bwi_smoother *s, int64_t k, const float *z, quad sum) {
   const bwi_smoother_part *even = &s->even, *odd = &s->odd;
@@ -92,8 +97,7 @@ static inline quad row_times(const bwi_smoother *s, int64_t k, const float *z, q
     sum += times_f(column, z + 3 * (int64_t)even->column[e]);
   }
   for (int64_t e = odd->start[k]; e < odd->outside[k]; e++) {
-    for (int c = 0; c < 3; c++)
-      column[c] = *(const quad *)(odd->value + 9 * e + 3 * c);
+    columns_of_nine(odd->value + 9 * e, column);
     sum += times_f(column, z + 3 * (int64_t)odd->column[e]);
   }
   return sum;
@@ -114,8 +118,7 @@ static inline void row_across(const bwi_smoother *s, int64_t k, quad x, float *y
   }
   for (int64_t e = odd->start[k]; e < odd->outside[k]; e++) {
     float *to = y + 3 * (int64_t)odd->column[e];
-    for (int c = 0; c < 3; c++)
-      column[c] = *(const quad *)(odd->value + 9 * e + 3 * c);
+    columns_of_nine(odd->value + 9 * e, column);
     across_f(column, x, add);
     for (int d = 0; d < 3; d++)
       to[d] += add[d];
@@ -247,61 +250,95 @@ static inline void satisfy(const sweep *w, int64_t k, bool backwards) {
 }
 
 /* The same for the rows of a block together. */
-static void satisfy_block_one(const sweep *w, int64_t block, bool backwards) {
+static void satisfy_block_one(const sweep *w, int64_t begin, int64_t end, bool backwards) {
   const bwi_smoother *s = w->s;
-  int64_t begin = s->block_start[block], end = s->block_start[block + 1];
-  int n = 3 * (int)(end - begin);
-  const float *a = s->block_inverse + s->inverse_start[block];
-  float sums[3 * BWI_SMOOTHER_BLOCK], own[3 * BWI_SMOOTHER_BLOCK + 1] = {0};
+  quad column[3];
   for (int64_t k = begin; k < end; k++) {
     quad sum = take_rest(w, k, backwards);
+    const float *l = s->factor + 9 * s->factor_start[k];
+    for (int64_t j = s->envelope[k]; j < k; j++, l += 9) {
+      columns_of_nine(l, column);
+      sum -= times_f(column, w->z + 3 * j);
+    }
     for (int d = 0; d < 3; d++)
-      sums[3 * (k - begin) + d] = sum[d];
+      w->z[3 * k + d] = sum[d];
   }
-  for (int j = 0; j < n; j++)
-    for (int i = 0; i < n; i++)
-      own[i] += a[n * j + i] * sums[j];
-  memcpy(w->z + 3 * begin, own, (size_t)n * sizeof *own);
   for (int64_t k = begin; k < end; k++) {
-    quad z = *(const quad *)(own + 3 * (k - begin));
+    columns_of_nine(s->inverse + 9 * k, column);
+    quad own = times_f(column, w->z + 3 * k);
+    for (int d = 0; d < 3; d++)
+      w->z[3 * k + d] = own[d];
+  }
+  for (int64_t k = end - 1; k >= begin; k--) {
+    const float *l = s->factor + 9 * s->factor_start[k];
+    quad z = {w->z[3 * k], w->z[3 * k + 1], w->z[3 * k + 2], 0};
+    for (int64_t j = s->envelope[k]; j < k; j++, l += 9) {
+      float add[3];
+      columns_of_nine(l, column);
+      across_f(column, z, add);
+      for (int d = 0; d < 3; d++)
+        w->z[3 * j + d] -= add[d];
+    }
     row_across(s, k, backwards ? z : -z, w->residual);
   }
 }
 
 /* And for four or eight fields from `first` on. */
 #define SATISFY_BLOCK(suffix, all)                                                                 \
-  static void satisfy_block##suffix(const sweep *w, int64_t block, int first, bool backwards) {    \
+  static void satisfy_block##suffix(const sweep *w, int64_t begin, int64_t end, int first,         \
+                                    bool backwards) {                                              \
     const bwi_smoother *s = w->s;                                                                  \
-    int64_t begin = s->block_start[block], end = s->block_start[block + 1], stride = w->width;     \
-    int n = 3 * (int)(end - begin);                                                                \
-    const float *a = s->block_inverse + s->inverse_start[block];                                   \
-    all sums[3 * BWI_SMOOTHER_BLOCK], own[3 * BWI_SMOOTHER_BLOCK];                                 \
-    memset(own, 0, (size_t)n * sizeof *own);                                                       \
-    for (int64_t k = begin; k < end; k++)                                                          \
-      take_rest##suffix(w, k, first, backwards, sums + 3 * (k - begin));                           \
-    for (int j = 0; j < n; j++)                                                                    \
-      for (int i = 0; i < n; i++)                                                                  \
-        own[i] += a[n * j + i] * sums[j];                                                          \
-    for (int i = 0; i < n; i++) {                                                                  \
-      put##suffix(w->z + (3 * begin + i) * stride + first, own[i]);                                \
-      own[i] = backwards ? own[i] : -own[i];                                                       \
+    int64_t stride = w->width;                                                                     \
+    float *z = w->z + first;                                                                       \
+    all own[3], in[3], add[3];                                                                     \
+    for (int64_t k = begin; k < end; k++) {                                                        \
+      take_rest##suffix(w, k, first, backwards, own);                                              \
+      const float *l = s->factor + 9 * s->factor_start[k];                                         \
+      for (int64_t j = s->envelope[k]; j < k; j++, l += 9) {                                       \
+        take##suffix(z + 3 * stride * j, stride, in);                                              \
+        nine_times##suffix(l, in, add);                                                            \
+        for (int d = 0; d < 3; d++)                                                                \
+          own[d] -= add[d];                                                                        \
+      }                                                                                            \
+      for (int d = 0; d < 3; d++)                                                                  \
+        put##suffix(z + (3 * k + d) * stride, own[d]);                                             \
     }                                                                                              \
-    for (int64_t k = begin; k < end; k++)                                                          \
-      rows_across##suffix(s, k, stride, own + 3 * (k - begin), w->residual + first);               \
+    for (int64_t k = begin; k < end; k++) {                                                        \
+      take##suffix(z + 3 * stride * k, stride, own);                                               \
+      nine_times##suffix(s->inverse + 9 * k, own, add);                                            \
+      for (int d = 0; d < 3; d++)                                                                  \
+        put##suffix(z + (3 * k + d) * stride, add[d]);                                             \
+    }                                                                                              \
+    for (int64_t k = end - 1; k >= begin; k--) {                                                   \
+      take##suffix(z + 3 * stride * k, stride, own);                                               \
+      const float *l = s->factor + 9 * s->factor_start[k];                                         \
+      for (int64_t j = s->envelope[k]; j < k; j++, l += 9) {                                       \
+        float *to = z + 3 * stride * j;                                                            \
+        nine_across##suffix(l, own, add);                                                          \
+        for (int d = 0; d < 3; d++)                                                                \
+          put##suffix(to + d * stride, at##suffix(to + d * stride) - add[d]);                      \
+      }                                                                                            \
+      for (int d = 0; d < 3; d++)                                                                  \
+        own[d] = backwards ? own[d] : -own[d];                                                     \
+      rows_across##suffix(s, k, stride, own, w->residual + first);                                 \
+    }                                                                                              \
   }
 SATISFY_BLOCK(_f4, four)
 SATISFY_BLOCK(_f8, eight)
 
 static void satisfy_block(const sweep *w, int64_t block, bool backwards) {
-  if (w->width == 1) {
-    satisfy_block_one(w, block, backwards);
-    return;
-  }
+  int64_t begin = w->s->block_start[block], end = w->s->block_start[block + 1];
   int first = 0;
-  for (; first + 8 <= w->width; first += 8)
-    satisfy_block_f8(w, block, first, backwards);
-  if (first < w->width)
-    satisfy_block_f4(w, block, first, backwards);
+  if (end == begin + 1)
+    satisfy(w, begin, backwards);
+  else if (w->width == 1)
+    satisfy_block_one(w, begin, end, backwards);
+  else {
+    for (; first + 8 <= w->width; first += 8)
+      satisfy_block_f8(w, begin, end, first, backwards);
+    if (first < w->width)
+      satisfy_block_f4(w, begin, end, first, backwards);
+  }
 }
 
 /* Rows, or blocks, from one chunk to another. */

@@ -28,8 +28,6 @@
 enum { BWI_SMOOTHER_SIDES = 12, BWI_SMOOTHER_ROWS = 512, BWI_SMOOTHER_MAX_CHUNKS = 16 };
 /* Numbers that a packed field has room for behind its end. */
 enum { BWI_SMOOTHER_SPARE = 8 };
-/* Nodes in a block, at most. */
-enum { BWI_SMOOTHER_BLOCK = 16 };
 
 /* The entries below the diagonal whose blocks have 6 numbers (xx xy xz yy yz zz), or those that
  * have 9 (by columns). */
@@ -73,13 +71,16 @@ typedef struct bwi_smoother {
   int32_t chunk_count;
   int32_t chunk_start[BWI_SMOOTHER_MAX_CHUNKS + 1]; /* rows after the last are between chunks */
   bwi_smoother_part even, odd;                      /* of 6 numbers, of 9 */
-  /* Rows that sweeps solve together (smoother_blocks.h). NULL: each row by itself. */
+  /* Rows that sweeps solve together (smoother_blocks.h). NULL: each row by itself. Else the matrix
+   * of each block is L D L^T, where L has the rows within its envelope. */
+  bool columns; /* most nodes are strongly coupled in one direction */
   int32_t block_count;
   int32_t *block_start;                             /* block_count + 1: rows */
   int32_t chunk_block[BWI_SMOOTHER_MAX_CHUNKS + 1]; /* the first block of each chunk */
-  int64_t *inverse_start;                           /* block_count + 1 */
-  float *block_inverse;                             /* symmetric */
-  float *inverse;   /* 9 by row, by columns: of the diagonal block at the unknowns, of unit * K */
+  int32_t *envelope;                                /* rows: the first column of L */
+  int64_t *factor_start;                            /* rows + 1 */
+  float *factor;                                    /* 9 each, by columns: L below the diagonal */
+  float *inverse;   /* 9 by row, by columns: of D at the unknowns, of unit * K */
   double *diagonal; /* 6 by row: unit * K */
   double unit;
 } bwi_smoother;

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* How blocks of rows are found and inverted (smoother_blocks.h). */
+/* How blocks of rows are found and factored (smoother_blocks.h). */
 #include "linear/smoother_blocks.h"
 
 #include <math.h>
@@ -9,15 +9,21 @@
 #include "base/dense.h"
 #include "base/union_find.h"
 
-enum { MOST = BWI_SMOOTHER_BLOCK, GRAIN = 64 };
+/* Nodes in a block that is no line, at most; blocks handed to a thread at once. */
+enum { MOST = 16, GRAIN = 64 };
 
 /* Nodes are strongly coupled where |K_ij|^2 >= STRONG^2 |K_ii| |K_jj|. In elements as thick as wide
- * few are; along the thickness of flat ones the ratio is 0.5 to 0.8. */
+ * few are; along the thickness of flat ones the ratio is 0.5 to 0.8, along fibres 0.4 to 0.6. */
 #define STRONG 0.4
-/* Nodes in a block on average, below which blocks do not pay; strong couplings of a node, above
- * which they are in no direction, as in nearly incompressible bodies. */
-#define MEAN_SIZE 2
+/* Strong couplings of a node on average, above which they are in no direction, as in nearly
+ * incompressible bodies. There are no lines then, and only elements that are nearly flat have
+ * couplings above the second ratio. */
 #define MOST_COUPLINGS 1
+#define STRONGER 0.6
+/* Nodes in a line on average, from which on a body consists of columns. */
+#define MEAN_SIZE 2
+/* Of a pivot over its diagonal entry, at least. */
+#define WEAKEST 1e-13
 
 /* ---- which nodes ----------------------------------------------------------------------------- */
 
@@ -39,93 +45,169 @@ static double square_of(const double *block) {
   return bwi_dot(9, block, block);
 }
 
-/* Those above STRONG, at most `room` of them; own: by node, the norm of its block. Returns the
- * number of all, or more than `room`. */
+/* Those of at least a ratio, or their number alone where list is NULL; own: by node, the norm of
+ * its block. */
 static int64_t list_couplings(const bw_block_pattern *pattern, const double *stiffness,
-                              const double *own, int64_t room, coupling *list) {
+                              const double *own, double ratio, coupling *list) {
   int64_t count = 0;
   for (int32_t i = 0; i < pattern->node_count; i++)
     for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++) {
       int32_t j = pattern->column[p];
-      double square = square_of(stiffness + 9 * p), least = STRONG * STRONG * own[i] * own[j];
-      if (!(square >= least))
+      double square = square_of(stiffness + 9 * p);
+      if (!(square >= ratio * ratio * own[i] * own[j]))
         continue;
-      if (count == room)
-        return room + 1;
-      list[count++] = (coupling){square / (own[i] * own[j]), i, j};
+      if (list)
+        list[count] = (coupling){square / (own[i] * own[j]), i, j};
+      count++;
     }
   return count;
 }
 
-/* Sets of at most MOST nodes, joined by the strongest couplings first; returns their number. */
-static int32_t join(const coupling *list, int64_t count, int32_t nodes, int32_t *parent,
-                    int32_t *size) {
-  int32_t sets = nodes;
+/* Sets of nodes, joined by the strongest couplings first: of at most MOST, or lines (`lines`),
+ * which are joined end to end. */
+static void join(const coupling *list, int64_t count, bool lines, int32_t nodes, int32_t *parent,
+                 int32_t *size, int32_t *degree) {
   for (int32_t i = 0; i < nodes; i++) {
     parent[i] = i;
     size[i] = 1;
+    degree[i] = 0;
   }
   for (int64_t k = 0; k < count; k++) {
-    int32_t a = bwi_set_root(parent, list[k].i), b = bwi_set_root(parent, list[k].j);
-    if (a == b || size[a] + size[b] > MOST)
+    int32_t i = list[k].i, j = list[k].j;
+    int32_t a = bwi_set_root(parent, i), b = bwi_set_root(parent, j), sum = size[a] + size[b];
+    if (a == b || (sum > MOST && !(lines && degree[i] < 2 && degree[j] < 2)))
       continue;
-    int32_t sum = size[a] + size[b];
     size[bwi_set_join(parent, a, b)] = sum;
-    sets--;
+    degree[i]++;
+    degree[j]++;
   }
-  return sets;
 }
 
-/* Nodes in the order of `near`, each followed by the others of its set. */
-static void gather(int32_t nodes, int32_t *parent, int32_t *size, int32_t *near, int32_t *start,
-                   int32_t *list) {
-  int32_t next = 0;
+/* Sets are numbered by their lowest nodes, and their members listed. */
+static void list_members(int32_t nodes, int32_t *parent, bwi_node_blocks *blocks) {
+  blocks->count = 0;
+  for (int32_t i = 0; i < nodes; i++) { /* a root is the lowest of its set */
+    int32_t root = bwi_set_root(parent, i);
+    blocks->of[i] = root == i ? blocks->count++ : blocks->of[root];
+  }
+  memset(blocks->start, 0, ((size_t)nodes + 1) * sizeof *blocks->start);
   for (int32_t i = 0; i < nodes; i++)
-    start[i] = -1;
-  for (int32_t k = 0; k < nodes; k++) {
-    int32_t root = bwi_set_root(parent, near[k]);
-    if (start[root] < 0) {
-      start[root] = next;
-      next += size[root];
-    }
-    list[start[root]++] = near[k];
-  }
-  memcpy(near, list, (size_t)nodes * sizeof *near);
+    blocks->start[blocks->of[i] + 1]++;
+  for (int32_t b = 0; b < blocks->count; b++)
+    blocks->start[b + 1] += blocks->start[b];
+  for (int32_t i = nodes - 1; i >= 0; i--) /* the ends come down to the starts */
+    blocks->member[--blocks->start[blocks->of[i] + 1]] = i;
+  memmove(blocks->start, blocks->start + 1, (size_t)blocks->count * sizeof *blocks->start);
+  blocks->start[blocks->count] = nodes;
 }
 
-bw_status bwi_smoother_find_blocks(bw_context *context, const bw_block_pattern *pattern,
-                                   const double *stiffness, int32_t *near, int32_t *block_of,
-                                   bool *any) {
+/* Members of a block by their distance (in edges of the pattern) from the first; seen: by node. */
+static void spread(const bw_block_pattern *pattern, const bwi_node_blocks *blocks, int32_t b,
+                   int32_t mark, int32_t *seen) {
+  int32_t *member = blocks->member, end = blocks->start[b];
+  seen[member[end++]] = mark;
+  for (int32_t at = blocks->start[b]; at < end; at++)
+    BWI_FOR_NEIGHBOURS(pattern, member[at], {
+      if (blocks->of[j] == b && seen[j] != mark) {
+        seen[j] = mark;
+        member[end++] = j;
+      }
+    });
+}
+
+/* Blocks in L of a block's factor; place: by node, where it is among the members. */
+static int64_t envelope_of(const bw_block_pattern *pattern, const bwi_node_blocks *blocks,
+                           int32_t b, int32_t *place) {
+  int64_t sum = 0;
+  for (int32_t m = blocks->start[b]; m < blocks->start[b + 1]; m++)
+    place[blocks->member[m]] = m;
+  for (int32_t m = blocks->start[b]; m < blocks->start[b + 1]; m++) {
+    int32_t first = m;
+    BWI_FOR_NEIGHBOURS(pattern, blocks->member[m],
+                       { first = blocks->of[j] == b && place[j] < first ? place[j] : first; });
+    sum += m - first;
+  }
+  return sum;
+}
+
+/* Members from one end to the other. Lines whose L has many entries, since they are folded, are cut
+ * into blocks of MOST nodes. `work`: by node. */
+static void lay_out(const bw_block_pattern *pattern, bwi_node_blocks *blocks, int32_t *work) {
+  int32_t nodes = pattern->node_count, whole = blocks->count, cuts = 0;
+  for (int32_t i = 0; i < nodes; i++)
+    work[i] = -1;
+  for (int32_t b = 0; b < whole; b++) {
+    int32_t begin = blocks->start[b], size = blocks->start[b + 1] - begin;
+    if (size < 3)
+      continue;
+    spread(pattern, blocks, b, -2, work);
+    int32_t last = blocks->member[begin + size - 1];
+    blocks->member[begin] = last; /* the others are found again */
+    spread(pattern, blocks, b, -3, work);
+    if (size > MOST && envelope_of(pattern, blocks, b, work) > MOST * (int64_t)size)
+      for (int32_t m = begin + MOST; m < begin + size; m++) {
+        cuts += (m - begin) % MOST == 0;
+        blocks->of[blocks->member[m]] = whole + cuts - 1;
+      }
+  }
+  if (cuts == 0)
+    return;
+  blocks->count = 0; /* members are in place; blocks are numbered again */
+  for (int32_t m = 0, before = -1; m < nodes; m++) {
+    int32_t i = blocks->member[m];
+    if (blocks->of[i] != before)
+      blocks->start[blocks->count++] = m;
+    before = blocks->of[i];
+    blocks->of[i] = blocks->count - 1;
+  }
+  blocks->start[blocks->count] = nodes;
+}
+
+void bwi_node_blocks_clear(bwi_node_blocks *blocks) {
+  bw_free(blocks->of);
+  bw_free(blocks->start);
+  bw_free(blocks->member);
+}
+
+bw_status bwi_node_blocks_find(bw_context *context, const bw_block_pattern *pattern,
+                               const double *stiffness, bwi_node_blocks *blocks) {
   bw_status status = BW_OK;
   int32_t nodes = pattern->node_count;
-  int64_t most = MOST_COUPLINGS * (int64_t)nodes, count = 0;
-  coupling *list = BW_NEW(context, coupling, most);
+  int64_t count = 0;
+  double ratio = STRONG;
+  coupling *list = NULL;
   double *own = BW_NEW(context, double, nodes);
-  int32_t *size = BW_NEW(context, int32_t, nodes), *start = BW_NEW(context, int32_t, nodes);
-  int32_t *gathered = BW_NEW(context, int32_t, nodes), *parent = BW_NEW(context, int32_t, nodes);
-  *any = false;
-  if (!list || !own || !size || !start || !gathered || !parent) {
+  int32_t *size = BW_NEW(context, int32_t, nodes), *parent = BW_NEW(context, int32_t, nodes);
+  blocks->of = BW_NEW(context, int32_t, nodes);
+  blocks->start = BW_NEW(context, int32_t, (int64_t)nodes + 1);
+  blocks->member = BW_NEW(context, int32_t, nodes);
+  if (!own || !size || !parent || !blocks->of || !blocks->start || !blocks->member) {
     status = BW_MEMORY;
     goto done;
   }
-  for (int64_t i = 0; i < nodes; i++)
+  for (int64_t i = 0; i < nodes && stiffness; i++)
     own[i] = sqrt(square_of(stiffness + 9 * (pattern->start[i + 1] - 1)));
-  count = list_couplings(pattern, stiffness, own, most, list);
-  if (count > most || MEAN_SIZE * (nodes - count) > nodes) /* each joins two sets at most */
-    goto done;
-  qsort(list, (size_t)count, sizeof *list, stronger_first);
-  *any = MEAN_SIZE * join(list, count, nodes, parent, size) <= nodes;
-  if (*any) {
-    gather(nodes, parent, size, near, start, gathered);
-    for (int32_t i = 0; i < nodes; i++)
-      block_of[i] = bwi_set_root(parent, i);
+  count = stiffness ? list_couplings(pattern, stiffness, own, ratio, NULL) : 0;
+  blocks->lines = count <= MOST_COUPLINGS * (int64_t)nodes;
+  if (!blocks->lines) {
+    ratio = STRONGER;
+    count = list_couplings(pattern, stiffness, own, ratio, NULL);
   }
+  list = BW_NEW(context, coupling, count + 1);
+  if (!list) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  if (stiffness)
+    list_couplings(pattern, stiffness, own, ratio, list);
+  qsort(list, (size_t)count, sizeof *list, stronger_first);
+  join(list, count, blocks->lines, nodes, parent, size, blocks->member);
+  list_members(nodes, parent, blocks);
+  lay_out(pattern, blocks, size);
 done:
   bw_free(list);
   bw_free(own);
   bw_free(size);
-  bw_free(start);
-  bw_free(gathered);
   bw_free(parent);
   return status;
 }
@@ -142,141 +224,140 @@ static bw_status end_outside(bw_context *context, const bwi_smoother *s, bwi_smo
       while (end > part->start[k] && part->column[end - 1] >= s->block_start[block])
         end--;
       part->within[k] = end;
+      if (end < part->start[k + 1] && part->column[end] < s->envelope[k])
+        s->envelope[k] = part->column[end];
     }
   part->outside = part->within;
   return BW_OK;
 }
 
-bw_status bwi_smoother_set_blocks(bw_context *context, bwi_smoother *s, const int32_t *block_of) {
+bw_status bwi_smoother_set_blocks(bw_context *context, bwi_smoother *s,
+                                  const bwi_node_blocks *blocks) {
   bw_status status = BW_OK;
-  int64_t numbers = 0;
+  s->columns = blocks->lines && s->count >= MEAN_SIZE * (int64_t)blocks->count;
   s->block_start = BW_NEW(context, int32_t, s->count + 1);
-  s->inverse_start = BW_NEW(context, int64_t, s->count + 1);
-  if (!s->block_start || !s->inverse_start)
+  s->envelope = BW_NEW(context, int32_t, s->count);
+  s->factor_start = BW_NEW(context, int64_t, (int64_t)s->count + 1);
+  if (!s->block_start || !s->envelope || !s->factor_start)
     return BW_MEMORY;
   for (int32_t k = 0, chunk = 0; k < s->count; k++) {
-    bool begins = k == 0 || block_of[s->node[k]] != block_of[s->node[k - 1]];
-    while (chunk <= s->chunk_count && s->chunk_start[chunk] <= k) { /* a chunk cuts a block */
-      begins |= s->chunk_start[chunk] == k;
-      s->chunk_block[chunk++] = begins ? s->block_count : s->block_count - 1;
-    }
-    if (begins)
-      s->block_start[s->block_count++] = k;
+    s->envelope[k] = k;
+    if (k > 0 && blocks->of[s->node[k]] == blocks->of[s->node[k - 1]])
+      continue;
+    while (chunk <= s->chunk_count && s->chunk_start[chunk] <= k) /* no chunk cuts a block */
+      s->chunk_block[chunk++] = s->block_count;
+    s->block_start[s->block_count++] = k;
   }
   for (int32_t chunk = 0; chunk <= s->chunk_count; chunk++)
     if (s->chunk_start[chunk] == s->count)
       s->chunk_block[chunk] = s->block_count;
   s->block_start[s->block_count] = s->count;
-  for (int32_t b = 0; b < s->block_count; b++) {
-    int64_t size = 3 * (int64_t)(s->block_start[b + 1] - s->block_start[b]);
-    s->inverse_start[b] = numbers;
-    numbers += size * size;
-  }
-  s->inverse_start[s->block_count] = numbers;
-  s->block_inverse = BW_NEW(context, float, numbers + BWI_SMOOTHER_SPARE);
-  if (!s->block_inverse)
-    return BW_MEMORY;
   BW_TRY(end_outside(context, s, &s->even));
   BW_TRY(end_outside(context, s, &s->odd));
+  s->factor_start[0] = 0;
+  for (int32_t k = 0; k < s->count; k++)
+    s->factor_start[k + 1] = s->factor_start[k] + k - s->envelope[k];
+  s->factor = BW_NEW(context, float, 9 * s->factor_start[s->count] + BWI_SMOOTHER_SPARE);
+  if (!s->factor)
+    status = BW_MEMORY;
 done:
   return status;
 }
 
-/* ---- inverses -------------------------------------------------------------------------------- */
+/* ---- factors --------------------------------------------------------------------------------- */
 
-typedef struct inverting {
+typedef struct factoring {
   bwi_smoother *s;
   const double *stiffness;
   const bw_dof_map *dof_map;
-} inverting;
+  int64_t length; /* of what a worker has */
+  double *works;  /* workers x length */
+} factoring;
 
-/* a (n x n) += the block of two nodes, from row r and column c on. */
-static void place(const bwi_smoother *s, const double *stored, bool across, int n, int r, int c,
-                  double *a) {
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) {
-      double entry = s->unit * stored[across ? 3 * j + i : 3 * i + j];
-      a[(3 * r + i) * n + 3 * c + j] = entry;
-      a[(3 * c + j) * n + 3 * r + i] = entry;
-    }
-}
-
-/* K of a block's nodes. */
-static void collect(const inverting *v, int32_t first, int32_t end, int n, double *a) {
+/* K of row k within its block, at the columns of its envelope (9 each, by rows). */
+static void collect(const factoring *v, int32_t k, double *row) {
   const bwi_smoother *s = v->s;
-  memset(a, 0, (size_t)(n * n) * sizeof *a);
-  for (int32_t k = first; k < end; k++) {
-    int64_t i = s->node[k];
-    place(s, v->stiffness + 9 * (s->pattern->start[i + 1] - 1), false, n, k - first, k - first, a);
-    const bwi_smoother_part *parts[2] = {&s->even, &s->odd};
-    for (int part = 0; part < 2; part++)
-      for (int64_t e = parts[part]->outside[k]; e < parts[part]->start[k + 1]; e++) {
-        bool across;
-        int64_t block = bwi_smoother_block(s, parts[part], k, e, &across);
-        place(s, v->stiffness + 9 * block, across, n, k - first, parts[part]->column[e] - first, a);
-      }
-  }
-}
-
-/* Rows, then columns, of a block at the unknowns of their nodes; `scale` along the others. */
-static void keep_unknowns(const inverting *v, int32_t first, int32_t end, int n, double scale,
-                          double *a) {
-  for (int32_t k = first; k < end; k++) {
-    int64_t node = v->s->node[k];
-    int at = 3 * (k - first);
-    for (int across = 0; across < 2; across++)
-      for (int i = 0; i < n; i++) {
-        double x[3];
-        for (int d = 0; d < 3; d++)
-          x[d] = a[across ? (at + d) * n + i : i * n + at + d];
-        bwi_project_unknowns(v->dof_map, node, x, x);
-        for (int d = 0; d < 3; d++)
-          a[across ? (at + d) * n + i : i * n + at + d] = x[d];
-      }
-    for (int d = 0; d < 3 && scale > 0; d++) {
-      double unit[3] = {d == 0, d == 1, d == 2}, kept[3];
-      bwi_project_unknowns(v->dof_map, node, unit, kept);
-      for (int c = 0; c < 3; c++)
-        a[(at + d) * n + at + c] += scale * (unit[c] - kept[c]);
+  const bwi_smoother_part *parts[2] = {&s->even, &s->odd};
+  memset(row, 0, 9 * (size_t)(k - s->envelope[k]) * sizeof *row);
+  for (int n = 0; n < 2; n++)
+    for (int64_t e = parts[n]->outside[k]; e < parts[n]->start[k + 1]; e++) {
+      bool across;
+      const double *stored = v->stiffness + 9 * bwi_smoother_block(s, parts[n], k, e, &across);
+      double *to = row + 9 * (parts[n]->column[e] - s->envelope[k]);
+      for (int c = 0; c < 9; c++)
+        to[c] = stored[across ? 3 * (c % 3) + c / 3 : c];
     }
-  }
 }
 
-static bw_status invert(void *data, int64_t begin, int64_t end, int worker) {
-  (void)worker;
-  const inverting *v = data;
+/* c -= a b^T */
+static void subtract_product(const double *a, const double *b, double *c) {
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      c[3 * i + j] -= bw_dot(a + 3 * i, b + 3 * j);
+}
+
+/* Components that are no unknowns have zero rows and columns in the inverses of D, which keeps them
+ * out of the rest. */
+static void factor_block(const factoring *v, int32_t begin, int32_t end, double *inverse,
+                         double *l) {
+  const unsigned states = 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC;
   bwi_smoother *s = v->s;
-  double a[9 * MOST * MOST], inverse[9 * MOST * MOST], column[3 * MOST];
+  const int64_t *start = s->factor_start;
+  const int32_t *envelope = s->envelope;
+  for (int32_t k = begin; k < end; k++) {
+    double *row = l + 9 * (start[k] - start[begin]), d[9];
+    int64_t i = s->node[k];
+    memcpy(d, v->stiffness + 9 * (s->pattern->start[i + 1] - 1), sizeof d);
+    double trace = d[0] + d[4] + d[8];
+    collect(v, k, row);
+    for (int32_t j = envelope[k]; j < k; j++) { /* L D of row k */
+      const double *other = l + 9 * (start[j] - start[begin]);
+      int32_t m = envelope[j] > envelope[k] ? envelope[j] : envelope[k];
+      for (; m < j; m++)
+        subtract_product(row + 9 * (m - envelope[k]), other + 9 * (m - envelope[j]),
+                         row + 9 * (j - envelope[k]));
+    }
+    for (int32_t j = envelope[k]; j < k; j++) {
+      double *at = row + 9 * (j - envelope[k]), whole[9];
+      memcpy(whole, at, sizeof whole);
+      bwi_multiply(3, 3, 3, whole, inverse + 9 * (j - begin), at);
+      subtract_product(at, whole, d);
+      for (int c = 0; c < 9; c++)
+        s->factor[9 * (start[k] + j - envelope[k]) + c] = (float)at[3 * (c % 3) + c / 3];
+    }
+    bool sound = d[0] + d[4] + d[8] > WEAKEST * trace &&
+                 bwi_invert_node_block(v->dof_map, i, states, 0, d, inverse + 9 * (k - begin));
+    for (int c = 0; c < 9; c++)
+      s->inverse[9 * (int64_t)k + c] =
+          sound ? (float)(inverse[9 * (k - begin) + 3 * (c % 3) + c / 3] / s->unit) : NAN;
+    if (!sound)
+      return;
+  }
+}
+
+static bw_status factor_blocks(void *data, int64_t begin, int64_t end, int worker) {
+  const factoring *v = data;
+  double *work = v->works + v->length * worker;
   for (int64_t b = begin; b < end; b++) {
-    int32_t first = s->block_start[b], last = s->block_start[b + 1];
-    int n = 3 * (last - first);
-    float *out = s->block_inverse + s->inverse_start[b];
-    collect(v, first, last, n, a);
-    keep_unknowns(v, first, last, n, 1, a); /* the largest diagonal entry is near 1 */
-    if (!bwi_cholesky(n, a, 1e-13)) {
-      out[0] = NAN;
-      continue;
-    }
-    for (int j = 0; j < n; j++) {
-      memset(column, 0, sizeof column);
-      column[j] = 1;
-      bwi_lower_solve(n, a, column);
-      bwi_upper_solve(n, a, column);
-      for (int i = 0; i < n; i++)
-        inverse[j * n + i] = column[i];
-    }
-    keep_unknowns(v, first, last, n, 0, inverse);
-    for (int i = 0; i < n * n; i++)
-      out[i] = (float)inverse[i];
+    int32_t first = v->s->block_start[b], last = v->s->block_start[b + 1];
+    if (last > first + 1)
+      factor_block(v, first, last, work, work + 9 * (int64_t)(last - first));
   }
   return BW_OK;
 }
 
-bw_status bwi_smoother_invert_blocks(bw_context *context, bwi_smoother *s, const double *stiffness,
-                                     const bw_dof_map *dof_map, bool *usable) {
-  inverting v = {s, stiffness, dof_map};
-  bw_status status = bw_parallel(context, s->block_count, GRAIN, invert, &v);
-  for (int32_t b = 0; b < s->block_count && status == BW_OK; b++)
-    *usable &= isfinite(s->block_inverse[s->inverse_start[b]]) != 0;
+bw_status bwi_smoother_factor_blocks(bw_context *context, bwi_smoother *s, const double *stiffness,
+                                     const bw_dof_map *dof_map) {
+  factoring v = {.s = s, .stiffness = stiffness, .dof_map = dof_map};
+  for (int32_t b = 0; b < s->block_count; b++) {
+    int64_t rows = s->block_start[b + 1] - s->block_start[b];
+    int64_t entries = s->factor_start[s->block_start[b + 1]] - s->factor_start[s->block_start[b]];
+    v.length = 9 * (rows + entries) > v.length ? 9 * (rows + entries) : v.length;
+  }
+  v.works = BW_NEW(context, double, bw_threads(context) * v.length);
+  if (!v.works)
+    return BW_MEMORY;
+  bw_status status = bw_parallel(context, s->block_count, GRAIN, factor_blocks, &v);
+  bw_free(v.works);
   return status;
 }

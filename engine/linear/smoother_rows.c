@@ -78,43 +78,43 @@ bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *s, const double
   s->unit = ldexp(1, -exponent);
   taking t = {s, stiffness, dof_map};
   BW_TRY(bw_parallel(context, s->count, ROWS, take, &t));
+  if (s->block_start)
+    BW_TRY(bwi_smoother_factor_blocks(context, s, stiffness, dof_map));
   *usable = true;
   for (int64_t k = 0; k < s->count; k++)
     *usable &= isfinite(s->inverse[9 * k]) != 0;
-  if (s->block_start && *usable)
-    BW_TRY(bwi_smoother_invert_blocks(context, s, stiffness, dof_map, usable));
 done:
   return status;
 }
 
 /* ---- the order ----------------------------------------------------------------------------- */
 
-/* Calls what follows for every neighbour j of node i, its block and whether that is of row j. */
-#define FOR_NEIGHBOURS(pattern, i, body)                                                           \
-  do {                                                                                             \
-    for (int64_t p_ = (pattern)->start[i]; p_ < (pattern)->start[(i) + 1] - 1; p_++) {             \
-      int32_t j = (pattern)->column[p_];                                                           \
-      body                                                                                         \
-    }                                                                                              \
-    for (int64_t u_ = (pattern)->upper_start[i]; u_ < (pattern)->upper_start[(i) + 1]; u_++) {     \
-      int32_t j = (pattern)->upper_row[u_];                                                        \
-      body                                                                                         \
-    }                                                                                              \
-  } while (0)
+typedef struct ordering {
+  const bw_block_pattern *pattern;
+  bwi_node_blocks blocks;
+  int32_t *near;    /* nodes by distance, blocks together */
+  int32_t *at;      /* by node: the place of its block in `near`; before, marks of nodes seen */
+  uint8_t *between; /* by node: its block has a neighbour in a later chunk */
+} ordering;
 
-/* Nodes by their distance (in edges of the pattern) from one, into order[begin ...]: its body.
- * Returns the end. */
-static int32_t spread_from(const bw_block_pattern *pattern, int32_t from, int32_t begin,
-                           int32_t mark, int32_t *seen, int32_t *order) {
-  int32_t end = begin;
-  order[end++] = from;
-  seen[from] = mark;
-  for (int32_t at = begin; at < end; at++)
-    FOR_NEIGHBOURS(pattern, order[at], {
-      if (seen[j] != mark) {
-        seen[j] = mark;
-        order[end++] = j;
-      }
+/* The nodes of a block, marked and added to `near`; returns the end. */
+static int32_t append(const ordering *o, int32_t node, int32_t end, int32_t mark) {
+  int32_t b = o->blocks.of[node];
+  for (int32_t m = o->blocks.start[b]; m < o->blocks.start[b + 1]; m++) {
+    o->at[o->blocks.member[m]] = mark;
+    o->near[end++] = o->blocks.member[m];
+  }
+  return end;
+}
+
+/* Nodes by their distance (in edges of the pattern, blocks as one) from one, into near[begin ...]:
+ * its body. Returns the end. */
+static int32_t spread_from(const ordering *o, int32_t from, int32_t begin, int32_t mark) {
+  int32_t end = append(o, from, begin, mark);
+  for (int32_t k = begin; k < end; k++)
+    BWI_FOR_NEIGHBOURS(o->pattern, o->near[k], {
+      if (o->at[j] != mark)
+        end = append(o, j, end, mark);
     });
   return end;
 }
@@ -124,34 +124,42 @@ static int32_t chunk_at(int64_t at, int32_t count, int32_t chunks) {
 }
 
 /* Whether node i has a neighbour in a later chunk. */
-static bool is_between(const bw_block_pattern *pattern, int32_t i, const int32_t *at,
-                       int32_t chunks) {
-  int32_t count = pattern->node_count, own = chunk_at(at[i], count, chunks);
-  FOR_NEIGHBOURS(pattern, i, {
-    if (chunk_at(at[j], count, chunks) > own)
+static bool is_between(const ordering *o, int32_t i, int32_t chunks) {
+  int32_t count = o->pattern->node_count, own = chunk_at(o->at[i], count, chunks);
+  BWI_FOR_NEIGHBOURS(o->pattern, i, {
+    if (chunk_at(o->at[j], count, chunks) > own)
       return true;
   });
   return false;
 }
 
-/* From nodes by distance (`at`: the inverse) to the order of rows, in as many chunks as leave few
- * nodes between them, whose rows are swept one after the other. */
-static void cut(bwi_smoother *s, const int32_t *near, const int32_t *at) {
-  int32_t chunks = BWI_SMOOTHER_MAX_CHUNKS, row = 0, chunk = -1;
-  for (; chunks > 1; chunks /= 2) {
-    int32_t shared = 0;
-    for (int32_t i = 0; i < s->count; i++)
-      shared += is_between(s->pattern, i, at, chunks);
-    if (shared < s->count / 8)
-      break;
+/* How many nodes are between so many chunks. */
+static int32_t find_between(const ordering *o, int32_t chunks) {
+  int32_t count = o->pattern->node_count, sum = 0;
+  for (int32_t k = 0, end; k < count; k = end) {
+    bool any = false;
+    for (end = k; end < count && o->at[o->near[end]] == k; end++)
+      any = any || is_between(o, o->near[end], chunks);
+    for (int32_t m = k; m < end; m++)
+      o->between[o->near[m]] = any;
+    sum += any ? end - k : 0;
   }
+  return sum;
+}
+
+/* From nodes by distance to the order of rows, in as many chunks as leave few nodes between them,
+ * whose rows are swept one after the other. */
+static void cut(bwi_smoother *s, const ordering *o) {
+  int32_t chunks = BWI_SMOOTHER_MAX_CHUNKS, row = 0, chunk = -1;
+  while (find_between(o, chunks) >= s->count / 8 && chunks > 1)
+    chunks /= 2;
   s->chunk_count = chunks;
   for (int pass = 0; pass < 2; pass++)
     for (int32_t k = 0; k < s->count; k++) {
-      while (pass == 0 && chunk < chunk_at(k, s->count, chunks))
+      while (pass == 0 && chunk < chunk_at(o->at[o->near[k]], s->count, chunks))
         s->chunk_start[++chunk] = row;
-      if (is_between(s->pattern, near[k], at, chunks) == (pass == 1))
-        s->node[row++] = near[k];
+      if (o->between[o->near[k]] == (pass == 1))
+        s->node[row++] = o->near[k];
       if (pass == 0 && k == s->count - 1)
         while (chunk < chunks)
           s->chunk_start[++chunk] = row;
@@ -160,28 +168,28 @@ static void cut(bwi_smoother *s, const int32_t *near, const int32_t *at) {
     s->row_of[s->node[k]] = k;
 }
 
-/* `block_of`: of nodes, where *blocks. */
+/* `o`: zero; its blocks are wanted later. */
 static bw_status order_nodes(bw_context *context, bwi_smoother *s, const double *stiffness,
-                             int32_t *block_of, bool *blocks) {
+                             ordering *o) {
   bw_status status = BW_OK;
-  int32_t *near = BW_NEW(context, int32_t, s->count), *at = BW_NEW0(context, int32_t, s->count);
-  if (!near || !at) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  o->pattern = s->pattern;
+  o->near = BW_NEW(context, int32_t, s->count);
+  o->at = BW_NEW0(context, int32_t, s->count);
+  o->between = BW_NEW(context, uint8_t, s->count);
+  if (!o->near || !o->at || !o->between)
+    return BW_MEMORY;
+  BW_TRY(bwi_node_blocks_find(context, s->pattern, stiffness, &o->blocks));
   for (int32_t i = 0, end = 0; i < s->count; i++)
-    if (at[i] == 0) { /* a body, from one end of it: the node farthest from any */
-      int32_t last = spread_from(s->pattern, i, end, 1, at, near);
-      end = spread_from(s->pattern, near[last - 1], end, 2, at, near);
+    if (o->at[i] == 0) { /* a body, from one end of it: the node farthest from any */
+      int32_t last = spread_from(o, i, end, 1);
+      end = spread_from(o, o->near[last - 1], end, 2);
     }
-  if (stiffness)
-    BW_TRY(bwi_smoother_find_blocks(context, s->pattern, stiffness, near, block_of, blocks));
-  for (int32_t k = 0; k < s->count; k++)
-    at[near[k]] = k;
-  cut(s, near, at);
+  for (int32_t k = 0, first = 0; k < s->count; k++) {
+    first = k > 0 && o->blocks.of[o->near[k]] == o->blocks.of[o->near[k - 1]] ? first : k;
+    o->at[o->near[k]] = first;
+  }
+  cut(s, o);
 done:
-  bw_free(near);
-  bw_free(at);
   return status;
 }
 
@@ -302,8 +310,9 @@ static void smoother_destroy(void *object) {
   bw_free(s->inverse);
   bw_free(s->diagonal);
   bw_free(s->block_start);
-  bw_free(s->inverse_start);
-  bw_free(s->block_inverse);
+  bw_free(s->envelope);
+  bw_free(s->factor_start);
+  bw_free(s->factor);
   bw_free(s);
 }
 
@@ -318,8 +327,8 @@ static size_t part_bytes(const bwi_smoother_part *part, size_t rows, size_t numb
 static size_t smoother_bytes(const void *object) {
   const bwi_smoother *s = object;
   size_t rows = (size_t)s->count;
-  size_t blocks = s->block_start ? (size_t)s->inverse_start[s->block_count] * sizeof(float) +
-                                       rows * (3 * sizeof(int64_t) + sizeof(int32_t))
+  size_t blocks = s->block_start ? (size_t)s->factor_start[s->count] * 9 * sizeof(float) +
+                                       rows * (3 * sizeof(int64_t) + 2 * sizeof(int32_t))
                                  : 0;
   return sizeof *s + blocks +
          rows * (2 * sizeof(int32_t) + 9 * sizeof(float) + 6 * sizeof(double)) +
@@ -332,8 +341,7 @@ bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
                               const bw_block_pattern *pattern, bool even, const double *stiffness,
                               bwi_smoother **out) {
   bw_status status = BW_OK;
-  bool blocks = false;
-  int32_t *block_of = NULL;
+  ordering o = {0};
   bwi_smoother *s = BW_NEW0(context, bwi_smoother, 1);
   if (!s)
     return BW_MEMORY;
@@ -344,17 +352,19 @@ bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
   s->row_of = BW_NEW(context, int32_t, s->count);
   s->inverse = BW_NEW0(context, float, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
   s->diagonal = BW_NEW0(context, double, 6 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
-  block_of = BW_NEW(context, int32_t, s->count);
-  if (!s->node || !s->row_of || !s->inverse || !s->diagonal || !block_of) {
+  if (!s->node || !s->row_of || !s->inverse || !s->diagonal) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(order_nodes(context, s, stiffness, block_of, &blocks));
+  BW_TRY(order_nodes(context, s, stiffness, &o));
   BW_TRY(make_rows(context, s, mesh, even));
-  if (blocks)
-    BW_TRY(bwi_smoother_set_blocks(context, s, block_of));
+  if (o.blocks.count < s->count)
+    BW_TRY(bwi_smoother_set_blocks(context, s, &o.blocks));
 done:
-  bw_free(block_of);
+  bwi_node_blocks_clear(&o.blocks);
+  bw_free(o.near);
+  bw_free(o.at);
+  bw_free(o.between);
   if (status == BW_OK)
     *out = s;
   else

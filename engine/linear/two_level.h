@@ -18,7 +18,7 @@
 typedef struct bwi_corner_rotations bwi_corner_rotations;
 
 /* Times at which a solution is asked whether its iterations are slow. */
-enum { BWI_TWO_LEVEL_ASKED = 6 };
+enum { BWI_TWO_LEVEL_ASKED = 8 };
 
 typedef struct bwi_two_level {
   bw_object object;

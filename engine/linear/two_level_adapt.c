@@ -19,7 +19,7 @@ enum { ITERATIONS = 8 };
  * smoother has blocks 0.4 to 0.7. */
 #define FEWER 0.3
 /* Of what they save, what making them may cost. */
-#define MAKING_FRACTION 0.5
+#define MAKING_FRACTION 0.65
 /* Of what is free, the memory that they may take. */
 #define MEMORY_FRACTION 0.8
 /* Moduli of a material that differ by more than this. */
@@ -27,8 +27,8 @@ enum { ITERATIONS = 8 };
 /* Poisson's ratio from which on linear elements are too stiff for another reason: they lock. */
 #define LOCKING 0.4
 
-/* Rotations cure linear elements that do not bend, not those that lock. Where the smoother has
- * blocks, or moduli differ strongly, elements do not bend in any case. */
+/* Rotations cure linear elements that do not bend, not those that lock. Where nodes are coupled
+ * strongly in one direction, or moduli differ strongly, elements do not bend in any case. */
 void bwi_two_level_forget(bwi_two_level *l, const bw_model *model, const double *stiffness) {
   const bw_material *m = model->material;
   double least = INFINITY, most = 0;
@@ -36,8 +36,8 @@ void bwi_two_level_forget(bwi_two_level *l, const bw_model *model, const double 
     least = fmin(least, fmin(m->young[k], m->shear[k]));
     most = fmax(most, fmax(m->young[k], m->shear[k]));
   }
-  l->may_rotate = l->smoother->block_start || most > CONTRAST * least ||
-                  (m->isotropic && m->poisson[0] < LOCKING);
+  l->may_rotate =
+      l->smoother->columns || most > CONTRAST * least || (m->isotropic && m->poisson[0] < LOCKING);
   l->stiffness = stiffness;
   l->asked = false;
 }

@@ -338,11 +338,59 @@ static void another_shape_remembers(void **state) {
   free(u[1]);
 }
 
+/* Blocks of the smoother along stiff fibres and at nearly flat elements, on 1 thread and on 4.
+ * Node by node they take 183 and 280 iterations. */
+static void strong_couplings_converge(void **state) {
+  bw_context *context = check_context(state);
+  bw_solver *pcg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG});
+  const bw_statics_options by_levels = {.solver = pcg};
+  for (int layer = 0; layer < 2; layer++) {
+    bw_mesh *box = body_box(context, 10, 10, 10, 10, 4, 4, 2), *mesh = NULL;
+    bw_material *material = NULL;
+    bw_model *model = NULL;
+    bw_static *result[2] = {NULL, NULL};
+    const bw_orthotropic fibres = {
+        .young = {1e10, 1e7, 1e7}, .poisson = {0.3, 3e-4, 3e-4}, .shear = {4e6, 4e6, 4e6}};
+    const double pull[3] = {3e3, 1e3, -2e3};
+    double *node = numbers(3 * (int64_t)box->node_count);
+    for (int64_t i = 0; i < 3 * (int64_t)box->node_count; i++)
+      node[i] =
+          box->node[i] - (layer && i % 3 == 0 ? 0.999 * fmin(fmax(box->node[i] - 4, 0), 1) : 0);
+    check_ok(context, bw_mesh_moved(context, box, node, &mesh));
+    if (layer)
+      material = body_material(context);
+    else
+      check_ok(context, bw_material_orthotropic(context, &fibres, &material));
+    check_ok(context, bw_model_create(context, mesh, material, &model));
+    bw_selection *low = face(context, mesh, 2, 0), *high = face(context, mesh, 2, 10);
+    check_ok(context, bw_model_fix(context, model, low));
+    check_ok(context, bw_model_force(context, model, high, pull));
+    for (int n = 0; n < 2; n++) {
+      check_ok(context, bw_set_threads(context, n ? 4 : 1));
+      check_ok(context, bw_statics(context, model, NULL, &by_levels, &result[n]));
+      assert_in_range(result[n]->report.iterations, 5, 40);
+    }
+    assert_memory_equal(result[0]->displacement, result[1]->displacement,
+                        3 * (size_t)mesh->node_count * sizeof(double));
+    bw_release(result[0]);
+    bw_release(result[1]);
+    bw_release(low);
+    bw_release(high);
+    bw_release(model);
+    bw_release(material);
+    bw_release(mesh);
+    bw_release(box);
+    free(node);
+  }
+  bw_release(pcg);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(fields_of_the_space_are_solved),
       check_test(no_memory),
       check_test(plates_converge),
+      check_test(strong_couplings_converge),
       check_test(ordinary_bodies_keep_theirs),
       check_test(same_bits),
       check_test(many_right_hand_sides),

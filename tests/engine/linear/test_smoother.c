@@ -293,21 +293,37 @@ static void check_forward(bw_context *context, const scene *s, const bwi_smoothe
   free(product);
 }
 
-/* A bar pressed flat, and a smoother of it that sweeps columns across the thickness together. */
-static bwi_smoother *flat_smoother(bw_context *context, scene *s) {
+/* Pressed along z, so that columns across the thickness are blocks; along x, so that lines of 21
+ * nodes are; one layer of cells pressed along x, so that most nodes are none's. */
+typedef enum pressed { ALONG_Z, ALONG_X, ONE_LAYER, PRESSED } pressed;
+
+static bwi_smoother *pressed_smoother(bw_context *context, scene *s, pressed how) {
   bwi_smoother *w = NULL;
   bool usable = false;
   bw_mesh *flat = NULL;
   double *node = numbers(s->size);
-  for (int64_t i = 0; i < s->size; i++)
-    node[i] = (i % 3 == 2 ? 0.1 : 1) * s->b.mesh->node[i];
+  for (int64_t i = 0; i < s->size; i++) {
+    double x = s->b.mesh->node[i];
+    node[i] = x;
+    if (i % 3 == 2 && how == ALONG_Z)
+      node[i] = 0.1 * x;
+    if (i % 3 == 0 && how != ALONG_Z)
+      node[i] = how == ALONG_X ? 0.05 * x : x - 0.99 * fmin(fmax(x - 4, 0), 1);
+  }
   check_ok(context, bw_mesh_moved(context, s->b.mesh, node, &flat));
   check_ok(context, bw_stiffness(context, s->pattern, flat, s->b.material, s->stiffness));
   check_ok(context, bwi_smoother_create(context, flat, s->pattern, true, s->stiffness, &w));
   check_ok(context, bwi_smoother_follow(context, w, s->stiffness, s->dof_map, &usable));
   assert_true(usable);
   assert_non_null(w->block_start);
-  assert_true(w->count >= 2 * w->block_count);
+  assert_true(w->columns == (how != ONE_LAYER));
+  int32_t longest = 0;
+  for (int32_t b = 0; b < w->block_count; b++) {
+    int32_t size = w->block_start[b + 1] - w->block_start[b];
+    longest = size > longest ? size : longest;
+  }
+  if (how == ALONG_X)
+    assert_in_range(longest, 17, 21);
   bw_release(flat);
   free(node);
   return w;
@@ -317,10 +333,10 @@ static bwi_smoother *flat_smoother(bw_context *context, scene *s) {
  * have the same. */
 static void blocks_are_solved(void **state) {
   bw_context *context = check_context(state);
-  for (int supports = 0; supports < SCENES; supports += 4) {
+  for (int n = 0; n < 2 * PRESSED; n++) {
     scene s;
-    scene_make(context, 2, supports, &s);
-    bwi_smoother *w = flat_smoother(context, &s);
+    scene_make(context, 2, n < PRESSED ? 0 : 4, &s);
+    bwi_smoother *w = pressed_smoother(context, &s, (pressed)(n % PRESSED));
     double *r = numbers(s.size), *z = numbers(s.size), *left = numbers(s.size);
     double *other = numbers(s.size), *again = numbers(s.size), *first = numbers(s.size);
     random_field(3, s.size, r);
