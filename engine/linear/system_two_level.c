@@ -113,12 +113,15 @@ done:
   return status;
 }
 
-/* Blocks are symmetric where elements are straight and of one material. */
+/* Blocks are symmetric where elements are straight, of one material, and displacements alone enter
+ * their energy: the mean volumetric strain couples a node's x with another's y, and not y with x.
+ */
 static bw_status find_even(bw_context *context, const bw_system *system, bool *even) {
   int32_t *number = NULL;
   int64_t curved = 0;
   bw_status status = bwi_find_curved(context, system->mesh, &number, &curved);
-  *even = curved == 0 && !system->material->orientations;
+  *even = curved == 0 && !system->material->orientations &&
+          !(bw_material_projected_bulk(system->material) > 0);
   bw_free(number);
   return status;
 }

@@ -68,6 +68,29 @@ static void as_a_factor(void **state) {
   }
 }
 
+/* B-bar elements, whose blocks of two nodes are not symmetric. */
+static void mean_dilatation(void **state) {
+  bw_context *context = check_context(state);
+  const bw_isotropic constants = {.name = "rubber", .young = 1e6, .poisson = 0.49};
+  const double pull[3] = {3e3, 1e3, -2e3};
+  bw_mesh *mesh = body_box(context, 4, 2, 2, 8, 4, 4, 2);
+  bw_material *standard = NULL, *material = NULL;
+  bw_model *model = NULL;
+  check_ok(context, bw_material_isotropic(context, &constants, &standard));
+  check_ok(context, bw_material_formulated(context, standard, BW_B_BAR, &material));
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  bw_selection *low = face(context, mesh, 0, 0), *high = face(context, mesh, 0, 4);
+  check_ok(context, bw_model_fix(context, model, low));
+  check_ok(context, bw_model_force(context, model, high, pull));
+  compare_ways(context, model);
+  bw_release(low);
+  bw_release(high);
+  bw_release(model);
+  bw_release(material);
+  bw_release(standard);
+  bw_release(mesh);
+}
+
 /* Bodies of which the supports leave one, three or six rigid-body modes free, on planes along the
  * axes and oblique ones; two bodies, of which one is fixed. */
 static void partly_free(void **state) {
@@ -568,6 +591,7 @@ int main(void) {
       solver_test(not_converged),    solver_test(mechanism),
       solver_test(same_bits),        solver_test(no_memory),
       solver_test(available_memory), solver_test(block_in_tension),
+      solver_test(mean_dilatation),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
