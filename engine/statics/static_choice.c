@@ -174,7 +174,7 @@ static bw_status iterate(bw_context *context, void *data, const double *force,
   bw_system *system = s->result->system;
   bool two_level = s->request.way == BWI_BY_TWO_LEVEL;
   bwi_system_pcg problem = {.way = s->request.way,
-                            .tolerance = two_level ? s->request.tolerance : tolerance_of(s, force),
+                            .tolerance = tolerance_of(s, force),
                             .limit = s->limit};
   double start = bw_seconds();
   status = bwi_system_iterate(context, system, &problem, 1, force, displacement);
