@@ -173,9 +173,8 @@ static bw_status iterate(bw_context *context, void *data, const double *force,
   statics *s = data;
   bw_system *system = s->result->system;
   bool two_level = s->request.way == BWI_BY_TWO_LEVEL;
-  bwi_system_pcg problem = {.way = s->request.way,
-                            .tolerance = tolerance_of(s, force),
-                            .limit = s->limit};
+  bwi_system_pcg problem = {
+      .way = s->request.way, .tolerance = tolerance_of(s, force), .limit = s->limit};
   double start = bw_seconds();
   status = bwi_system_iterate(context, system, &problem, 1, force, displacement);
   if (two_level) /* before the residual takes as much */
