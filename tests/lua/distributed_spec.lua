@@ -31,7 +31,8 @@ local CASES = {"static tet4 cg", "static tet10 cg", "static tet4 cholesky", "sta
   "orthotropic material", "B-bar elements", "curved elements", "many rows",
   "few iterations",
   "modes tet4", "modes tet10", "free modes tet4", "free modes tet10", "modes by conjugate gradients",
-  "rotated modes", "worst case cg", "worst case cholesky", "breaking force", "many right-hand sides", "failures come back, and work goes on", "a body that is nearly a mechanism is refused",
+  "rotated modes", "worst case cg", "worst case cholesky", "breaking force", "many right-hand sides",
+  "failures come back, and work goes on", "a body that is nearly a mechanism is refused",
   "misuse", "a forked job has no ranks", "the same numbers again"}
 
 for _, ranks in ipairs {2, 1} do

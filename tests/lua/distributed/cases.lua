@@ -192,7 +192,8 @@ end
 
 case("breaking force", function()
   local mesh = check.beam({4, 2, 2}, 2)
-  local limits = {material = bw.material.pla, length = 0.2, modes = 3, regions = 2, elements = 100, max_elements = 100}
+  local limits = {material = bw.material.pla, length = 0.2, modes = 3, regions = 2, elements = 100,
+    max_elements = 100}
   local own = assert(bw.breaking_force(mesh, limits))
   limits.solver = spread.cholesky
   local other = assert(bw.breaking_force(mesh, limits))
