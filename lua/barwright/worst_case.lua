@@ -367,8 +367,8 @@ end
 
 -- ---- showing ------------------------------------------------------------------------------------------
 
---- The answer in one line. It is of one mesh: bw.breaking_force has an error. Where PCG solved, the line states the
---- error of that too.
+--- The answer in one line. It is of one mesh: bw.breaking_force has an error. Where PCG solved, the line states
+--- the error of that too.
 function worst_case:__tostring()
   if not self.regions then return "worst case (closed)" end
   local head
