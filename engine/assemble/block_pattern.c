@@ -1,8 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The block sparsity pattern: nodes i and j share an element.
  *
- * Invariants: row i holds its columns j <= i in ascending order, the diagonal last. The indices
- * upper_block[upper_start[i]..] are those of the blocks (k, i) with k > i, k ascending. */
+ * Invariants: row i holds its columns j <= i in ascending order, the diagonal last. From
+ * upper_start[i] on, upper_row and upper_place list the blocks (k, i) with k > i, k ascending. */
 #include "assemble/internal.h"
 #include "base/sort.h"
 
@@ -17,7 +17,7 @@ static void destroy(void *object) {
   bw_free(pattern->start);
   bw_free(pattern->column);
   bw_free(pattern->upper_start);
-  bw_free(pattern->upper_block);
+  bw_free(pattern->upper_place);
   bw_free(pattern->upper_row);
   bw_free(pattern);
 }
@@ -26,7 +26,7 @@ static size_t bytes(const void *object) {
   const bw_block_pattern *pattern = (const bw_block_pattern *)object;
   size_t nodes = (size_t)pattern->node_count + 1, blocks = (size_t)pattern->block_count;
   return sizeof *pattern + 2 * nodes * sizeof(int64_t) + blocks * sizeof(int32_t) +
-         (blocks + 1 - nodes) * (sizeof(int64_t) + sizeof(int32_t));
+         (blocks + 1 - nodes) * 2 * sizeof(int32_t);
 }
 
 static const bw_kind pattern_kind = {"pattern", destroy, bytes};
@@ -129,9 +129,9 @@ static bw_status fill_upper(bw_context *context, bw_block_pattern *pattern) {
   int64_t count = pattern->block_count - pattern->node_count;
   int64_t *start = pattern->upper_start =
       BW_NEW0(context, int64_t, (int64_t)pattern->node_count + 1);
-  pattern->upper_block = BW_NEW(context, int64_t, count);
+  pattern->upper_place = BW_NEW(context, int32_t, count);
   pattern->upper_row = BW_NEW(context, int32_t, count);
-  if (!pattern->upper_start || !pattern->upper_block || !pattern->upper_row)
+  if (!pattern->upper_start || !pattern->upper_place || !pattern->upper_row)
     return BW_MEMORY;
   for (int32_t i = 0; i < pattern->node_count; i++)
     for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++)
@@ -141,7 +141,7 @@ static bw_status fill_upper(bw_context *context, bw_block_pattern *pattern) {
   for (int32_t i = 0; i < pattern->node_count; i++)
     for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++) {
       int64_t index = start[pattern->column[p]]++;
-      pattern->upper_block[index] = p;
+      pattern->upper_place[index] = (int32_t)(p - pattern->start[i]);
       pattern->upper_row[index] = i;
     }
   memmove(start + 1, start, (size_t)pattern->node_count * sizeof *start);
@@ -160,7 +160,7 @@ static bool is_ordered(const bw_block_pattern *pattern) {
       if (pattern->column[p] < 0 || pattern->column[p] >= pattern->column[p + 1])
         return false;
     for (int64_t k = pattern->upper_start[i]; k < pattern->upper_start[i + 1]; k++)
-      if (pattern->column[pattern->upper_block[k]] != i || pattern->upper_row[k] <= i ||
+      if (pattern->column[bw_upper_block(pattern, k)] != i || pattern->upper_row[k] <= i ||
           (k > pattern->upper_start[i] && pattern->upper_row[k] <= pattern->upper_row[k - 1]))
         return false;
   }

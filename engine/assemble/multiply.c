@@ -45,7 +45,7 @@ static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
         sum[r] += a[3 * r] * in[0] + a[3 * r + 1] * in[1] + a[3 * r + 2] * in[2];                  \
     }                                                                                              \
     for (int64_t k = pattern->upper_start[i]; k < pattern->upper_start[i + 1]; k++) {              \
-      const double *a = m->values + 9 * pattern->upper_block[k];                                   \
+      const double *a = m->values + 9 * bw_upper_block(pattern, k);                                \
       const type *in = (x) + 3 * (int64_t)pattern->upper_row[k];                                   \
       for (int r = 0; r < 3; r++)                                                                  \
         sum[r] += a[r] * in[0] + a[3 + r] * in[1] + a[6 + r] * in[2];                              \
@@ -60,7 +60,7 @@ static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
         sum[r] += m->values[p] * in[r];                                                            \
     }                                                                                              \
     for (int64_t k = pattern->upper_start[i]; k < pattern->upper_start[i + 1]; k++) {              \
-      double a = m->values[pattern->upper_block[k]];                                               \
+      double a = m->values[bw_upper_block(pattern, k)];                                            \
       const type *in = (x) + (n) * (int64_t)pattern->upper_row[k];                                 \
       for (int r = 0; r < (n); r++)                                                                \
         sum[r] += a * in[r];                                                                       \

@@ -190,7 +190,8 @@ static int32_t row_neighbours(const bwd_piece *piece, int32_t i, neighbour *list
   for (int64_t k = pattern->start[i]; k < pattern->start[i + 1]; k++)
     list[count++] = (neighbour){piece->node[pattern->column[k]], k, false};
   for (int64_t k = pattern->upper_start[i]; k < pattern->upper_start[i + 1]; k++)
-    list[count++] = (neighbour){piece->node[pattern->upper_row[k]], pattern->upper_block[k], true};
+    list[count++] =
+        (neighbour){piece->node[pattern->upper_row[k]], bw_upper_block(pattern, k), true};
   return count;
 }
 

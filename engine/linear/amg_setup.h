@@ -53,7 +53,7 @@ typedef struct bwi_amg_setup {
         body                                                                                       \
       }                                                                                            \
       for (int64_t e_ = p_->upper_start[i_]; e_ < p_->upper_start[i_ + 1]; e_++) {                 \
-        const double *block = (s)->matrix->stiffness + 9 * p_->upper_block[e_];                    \
+        const double *block = (s)->matrix->stiffness + 9 * bw_upper_block(p_, e_);                 \
         const int32_t j = g_->row_of[p_->upper_row[e_]];                                           \
         const bool across = true;                                                                  \
         body                                                                                       \

@@ -98,8 +98,8 @@ static void fill_node(const filling *fill, int32_t p) {
       if (order->position[other] < p)
         continue;
       if (fill->value)
-        bwi_matrix_block(fill->matrix, components, half ? pattern->upper_block[k] : k, !half, other,
-                         node, block);
+        bwi_matrix_block(fill->matrix, components, half ? bw_upper_block(pattern, k) : k, !half,
+                         other, node, block);
       for (int j = 0; j < components; j++)
         for (int i = 0; at[j] >= 0 && i < components; i++) {
           if (rows[i] < at[j])

@@ -125,7 +125,7 @@ static void sum_row(const galerkin *g, int32_t corner, const int32_t *mark, doub
     }
     for (int64_t u = fine->upper_start[i]; u < fine->upper_start[i + 1]; u++) {
       int32_t column = s->row_of[fine->upper_row[u]];
-      block_at_unknowns(g, k, column, g->stiffness + 9 * fine->upper_block[u], true, block);
+      block_at_unknowns(g, k, column, g->stiffness + 9 * bw_upper_block(fine, u), true, block);
       add_block(g, k, side, column, block, mark, sum);
     }
   }

@@ -47,7 +47,7 @@ void bwi_matrix_to_panel(const bwi_symbolic *symbolic, const bwi_matrix *matrix,
     for (int64_t k = pattern->upper_start[node]; k < pattern->upper_start[node + 1]; k++) {
       int32_t other = pattern->upper_row[k];
       if (order->position[other] >= p)
-        add_block(symbolic, matrix, pattern->upper_block[k], false, other, node,
+        add_block(symbolic, matrix, bw_upper_block(pattern, k), false, other, node,
                   local[order->position[other]], local[p], unit, panel, ld, scale);
     }
   }

@@ -92,7 +92,7 @@ static inline int64_t bwi_smoother_block(const bwi_smoother *s, const bwi_smooth
   int64_t i = s->node[k], place = part->place[e];
   int64_t before = pattern->start[i + 1] - 1 - pattern->start[i]; /* left of the diagonal */
   *across = place >= before;
-  return *across ? pattern->upper_block[pattern->upper_start[i] + place - before]
+  return *across ? bw_upper_block(pattern, pattern->upper_start[i] + place - before)
                  : pattern->start[i] + place;
 }
 

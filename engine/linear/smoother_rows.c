@@ -247,7 +247,7 @@ static void list_rows(bwi_smoother *s, const uint8_t *odd, entry *row) {
     for (int64_t u = pattern->upper_start[i]; u < pattern->upper_start[i + 1]; u++, place++)
       if (s->row_of[pattern->upper_row[u]] < k)
         row[count++] =
-            (entry){s->row_of[pattern->upper_row[u]], odd[pattern->upper_block[u]], place};
+            (entry){s->row_of[pattern->upper_row[u]], odd[bw_upper_block(pattern, u)], place};
     sort_row(row, count);
     for (int n = 0; n < 2; n++)
       parts[n]->start[k + 1] = parts[n]->start[k];

@@ -16,7 +16,7 @@ static void rows_clear(rows *r) {
   bw_free(r->pattern.start);
   bw_free(r->pattern.column);
   bw_free(r->pattern.upper_start);
-  bw_free(r->pattern.upper_block);
+  bw_free(r->pattern.upper_place);
   bw_free(r->pattern.upper_row);
   bw_free(r->value);
 }
@@ -92,9 +92,9 @@ static bw_status mirror(bw_context *context, rows *r) {
   bw_block_pattern *g = &r->pattern;
   int64_t above = g->block_count - g->node_count;
   g->upper_start = BW_NEW0(context, int64_t, (size_t)g->node_count + 2);
-  g->upper_block = BW_NEW(context, int64_t, above);
+  g->upper_place = BW_NEW(context, int32_t, above);
   g->upper_row = BW_NEW(context, int32_t, above);
-  if (!g->upper_start || !g->upper_block || !g->upper_row)
+  if (!g->upper_start || !g->upper_place || !g->upper_row)
     return BW_MEMORY;
   for (int32_t i = 0; i < g->node_count; i++)
     for (int64_t k = g->start[i]; k < g->start[i + 1] - 1; k++)
@@ -104,7 +104,7 @@ static bw_status mirror(bw_context *context, rows *r) {
   for (int32_t i = 0; i < g->node_count; i++)
     for (int64_t k = g->start[i]; k < g->start[i + 1] - 1; k++) {
       int64_t index = g->upper_start[g->column[k] + 1]++;
-      g->upper_block[index] = k;
+      g->upper_place[index] = (int32_t)(k - g->start[i]);
       g->upper_row[index] = i;
     }
   return BW_OK;

@@ -90,7 +90,7 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
       append(c, at, i, p->column[b], block, false);
     }
     for (int64_t b = p->upper_start[i]; b < p->upper_start[i + 1]; b++) {
-      block_of(c, p->upper_block[b], p->upper_row[b], i, block);
+      block_of(c, bw_upper_block(p, b), p->upper_row[b], i, block);
       append(c, at, i, p->upper_row[b], block, true);
     }
   }

@@ -30,7 +30,7 @@ static size_t dof_map_bytes(const void *object) {
   const bw_dof_map *dof_map = (const bw_dof_map *)object;
   size_t nodes = (size_t)dof_map->mesh->node_count;
   size_t bodies = (size_t)dof_map->mesh->component_count;
-  return sizeof *dof_map + nodes * (3 * 4 + 3 + 4 + 3 * 8 + 4 + 4 * 8) +
+  return sizeof *dof_map + nodes * (3 * 4 + 3 + 4 + 3 * 8 + 4 + (dof_map->weight ? 4 * 8 : 0)) +
          (size_t)dof_map->frame_count * 72 + bodies * 40 +
          (size_t)dof_map->rigid_mode_count * sizeof *dof_map->rigid_mode;
 }
@@ -308,6 +308,10 @@ bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t constrain
                      follow ? follow->previous : NULL));
   for (size_t i = 0; i < 3 * nodes; i++)
     dof_map->unknown[i] = dof_map->state[i] == BW_DOF_UNKNOWN ? dof_map->unknown_count++ : -1;
+  if (dof_map->rigid_mode_count == 0) {
+    bw_free(dof_map->weight);
+    dof_map->weight = NULL;
+  }
   assert(is_consistent(dof_map));
   *out = dof_map;
 done:

@@ -105,8 +105,7 @@ bw_status bwi_static_begin(bw_context *context, const bw_model *model,
   result->model = bw_retain(model);
   result->displacement = BW_NEW(context, double, size);
   result->force = BW_NEW(context, double, size);
-  result->reaction = BW_NEW(context, double, size);
-  if (!result->displacement || !result->force || !result->reaction) {
+  if (!result->displacement || !result->force) {
     status = BW_MEMORY;
     goto done;
   }
@@ -152,19 +151,30 @@ static bw_status check_residual(bw_context *context, const bwi_static_solver *so
   return BW_SINGULAR;
 }
 
+/* Room for numbers where there is none yet. */
+static bw_status reserve(bw_context *context, int64_t size, double **numbers) {
+  if (!*numbers)
+    *numbers = BW_NEW(context, double, size);
+  return *numbers ? BW_OK : BW_MEMORY;
+}
+
+static void swap(double **a, double **b) {
+  double *first = *a;
+  *a = *b;
+  *b = first;
+}
+
 bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
                            const bw_block_pattern *pattern, const double *stiffness,
                            const bwi_static_solver *solver, bw_static *result) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
-  double *u = result->displacement;
   bool balanced = dof_map->rigid_mode_count > 0;
   double *load = balanced ? BW_NEW(context, double, size) : result->force;
   double *work = BW_NEW(context, double, size);
   double *step = BW_NEW(context, double, size);
-  double *product = BW_NEW(context, double, size); /* K step; K u is then in the reactions' place */
-  bool taken = false;
-  if (!load || !work || !step || !product) {
+  double *product = NULL; /* K step; K u is then in the reactions' place */
+  if (!load || !work || !step) {
     status = BW_MEMORY;
     goto done;
   }
@@ -173,10 +183,10 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
     bw_rigid_modes_balance(dof_map, load);
   }
   /* work = load - K u at the unknowns, for u = u0 at first and the solution later */
-  bwi_prescribed_field(dof_map, u);
+  bwi_prescribed_field(dof_map, result->displacement);
   memcpy(work, load, (size_t)size * sizeof(double));
   if (dof_map->prescribed) {
-    BW_TRY(multiply(context, pattern, stiffness, solver, u, step, NULL));
+    BW_TRY(multiply(context, pattern, stiffness, solver, result->displacement, step, NULL));
     for (int64_t i = 0; i < size; i++)
       work[i] -= step[i];
   }
@@ -187,10 +197,11 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
   for (int pass = 0; scale > 0 && pass <= max && result->residual > solver->refine_to; pass++) {
     BW_TRY(solver->solve(context, solver->data, work, step));
     for (int64_t i = 0; i < size; i++)
-      step[i] += u[i];
+      step[i] += result->displacement[i];
     if (balanced && !dof_map->prescribed)
       bw_rigid_modes_remove(dof_map, step);
     double noise = 0;
+    BW_TRY(reserve(context, size, &product)); /* the solver's own room is free by now */
     BW_TRY(multiply(context, pattern, stiffness, solver, step, product, &noise));
     for (int64_t i = 0; i < size; i++)
       work[i] = load[i] - product[i];
@@ -204,17 +215,19 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
       break;
     bool enough = residual > 0.25 * result->residual || residual * scale <= noise;
     result->residual = residual;
-    memcpy(u, step, (size_t)size * sizeof(double));
-    memcpy(result->reaction, product, (size_t)size * sizeof(double));
-    taken = true;
+    swap(&result->displacement, &step);
+    swap(&result->reaction, &product);
     if (enough)
       break;
   }
   BW_TRY(check_residual(context, solver, scale, result));
-  if (!taken)
-    BW_TRY(multiply(context, pattern, stiffness, solver, u, result->reaction, NULL));
+  if (!result->reaction) {
+    BW_TRY(reserve(context, size, &result->reaction));
+    BW_TRY(multiply(context, pattern, stiffness, solver, result->displacement, result->reaction,
+                    NULL));
+  }
   for (int64_t i = 0; i < size; i++) {
-    result->energy += 0.5 * u[i] * result->reaction[i];
+    result->energy += 0.5 * result->displacement[i] * result->reaction[i];
     result->reaction[i] -= load[i];
   }
   bwi_keep_states(dof_map, 1u << BW_DOF_PRESCRIBED, result->reaction);

@@ -50,7 +50,7 @@ static bw_status reduced_matrix(bw_context *context, const bwi_symbolic *symboli
             if (order->position[other] < p)
               continue;
             if (value)
-              bwi_matrix_block(matrix, 3, half ? pattern->upper_block[k] : k, !half, other, node,
+              bwi_matrix_block(matrix, 3, half ? bw_upper_block(pattern, k) : k, !half, other, node,
                                block);
             for (int i = 0; i < 3; i++) {
               int32_t r = at[3 * (int64_t)other + i];

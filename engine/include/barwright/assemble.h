@@ -21,9 +21,13 @@ typedef struct bw_block_pattern {
   int64_t *start;       /* (index, node_count + 1) first block of each row */
   int32_t *column;      /* (index, block_count) columns j <= i of row i, ascending */
   int64_t *upper_start; /* (index, node_count + 1) of the blocks (k, i) with k > i seen from i */
-  int64_t *upper_block; /* (index, upper_start[node_count]) their places in `column` order */
   int32_t *upper_row;   /* (index, upper_start[node_count]) their rows k */
+  int32_t *upper_place; /* (index, upper_start[node_count]) their places within those rows */
 } bw_block_pattern;
+/* The index of upper block u in `column`. */
+static inline int64_t bw_upper_block(const bw_block_pattern *pattern, int64_t u) {
+  return pattern->start[pattern->upper_row[u]] + pattern->upper_place[u];
+}
 /* The pattern of a mesh. */
 BW_API bw_status bw_block_pattern_create(bw_context *context, const bw_mesh *mesh,
                                          bw_block_pattern **pattern);

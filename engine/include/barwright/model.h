@@ -272,7 +272,8 @@ typedef struct bw_dof_map {
   double *body_volume;       /* (m3, component_count) */
   double *body_centre;       /* (m, component_count x 3) centres of volume */
   double *weight; /* (any, node_count x 4) integral of the shape function over V (-), and of the
-                     shape function times (x - body centre) over V (m): all that W R needs */
+                     shape function times (x - body centre) over V (m): all that W R needs. NULL
+                     without rigid-body modes */
 } bw_dof_map;
 /* What a displacement component of a node is. */
 typedef enum bw_dof_state {

@@ -73,7 +73,7 @@ static void check_pattern(bw_context *context, const bw_mesh *mesh) {
     }
     for (int64_t k = g->upper_start[i]; k < g->upper_start[i + 1]; k++, uppers++) {
       int row = g->upper_row[k];
-      int64_t p = g->upper_block[k];
+      int64_t p = bw_upper_block(g, k);
       assert_true(row > i && g->column[p] == i && p >= g->start[row] && p < g->start[row + 1]);
       assert_true(k == g->upper_start[i] || row > g->upper_row[k - 1]);
     }
