@@ -218,7 +218,8 @@ static bw_status make_part(bw_context *context, bwi_smoother_part *part, int64_t
   part->place = BW_NEW(context, uint16_t, entries + 1);
   part->value = BW_NEW0(context, float, numbers *entries + BWI_SMOOTHER_SPARE);
   part->outside = part->start + 1;
-  part->rest = BW_NEW0(context, uint32_t, numbers * entries + BWI_SMOOTHER_SPARE);
+  if (products)
+    part->rest = BW_NEW0(context, uint32_t, numbers * entries + BWI_SMOOTHER_SPARE);
   return part->start && part->column && part->place && part->value && (part->rest || !products)
              ? BW_OK
              : BW_MEMORY;

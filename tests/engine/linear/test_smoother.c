@@ -132,6 +132,24 @@ static void halves(void **state) {
   }
 }
 
+/* For sweeps alone the lower halves are not kept. */
+static void upper_halves_alone(void **state) {
+  bw_context *context = check_context(state);
+  scene s;
+  scene_make(context, 2, 0, &s);
+  bwi_smoother *whole = smoother_of(context, &s, false), *sweeps = NULL;
+  bool usable = false;
+  check_ok(context, bwi_smoother_create(context, NULL, s.pattern, false, NULL, &sweeps));
+  check_ok(context, bwi_smoother_follow(context, sweeps, s.stiffness, s.dof_map, &usable));
+  assert_true(usable);
+  int64_t numbers = 9 * whole->odd.start[whole->count];
+  assert_int_equal(bw_bytes(whole) - bw_bytes(sweeps), (size_t)numbers * sizeof(uint32_t));
+  assert_memory_equal(whole->odd.value, sweeps->odd.value, (size_t)numbers * sizeof(float));
+  bw_release(whole);
+  bw_release(sweeps);
+  scene_clear(&s);
+}
+
 /* The block of nodes i, j, as three rows, in the frames' global directions. */
 static void block_of(const scene *s, int32_t i, int32_t j, double block[9]) {
   int32_t high = i > j ? i : j, low = i > j ? j : i;
@@ -421,6 +439,7 @@ int main(void) {
       check_test(chunks_are_apart),
       check_test(halves),
       check_test(products),
+      check_test(upper_halves_alone),
       check_test(sweeps),
       check_test(blocks_are_solved),
       check_test(singular_nodes_are_reported),
