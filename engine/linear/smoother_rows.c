@@ -279,7 +279,7 @@ static bw_status make_rows(bw_context *context, bwi_smoother *s, const bw_mesh *
     for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++)
       entries[odd[p]]++;
   }
-  if (longest > UINT16_MAX) {
+  if (longest - 1 > UINT16_MAX) {
     status = bw_fail(context, BW_LIMIT,
                      "a node shares elements with %lld others: fewer than 65536 are possible",
                      (long long)longest - 1);
