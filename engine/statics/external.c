@@ -3,7 +3,6 @@
  * engine's own matrices, whatever the solver says. */
 #include <float.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "linear/external.h"
