@@ -59,10 +59,10 @@ static bool rotations_pay(const bwi_two_level *l, double left, int64_t count) {
 }
 
 static bw_status rotate(bw_context *context, bwi_two_level *l) {
-  l->asked = true;
   bw_progress(context, "corner rotations", 0);
   bw_status status =
       bwi_corner_rotations_create(context, l, l->dof_map->mesh, l->stiffness, &l->rotations);
+  l->asked = status != BW_CANCELLED; /* then the next solution asks again */
   if (status != BW_MEMORY)
     return status;
   bw_clear_failure(context); /* the iteration does without */

@@ -338,6 +338,36 @@ static void another_shape_remembers(void **state) {
   free(u[1]);
 }
 
+static void cancel_rotations(void *data, const char *stage, double fraction) {
+  (void)fraction;
+  if (strcmp(stage, "corner rotations") == 0)
+    bw_cancel((bw_context *)data);
+}
+
+/* Where making them was cancelled, the next solution makes them. */
+static void cancelled_rotations_are_made_later(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = plate_of(context, 10, 1, 10, CLAMPED);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *f = random_numbers(size), *u = numbers(size);
+  bwi_two_level_problem problem = {.tolerance = 1e-9, .limit = 500};
+  bool usable = false;
+  levels v;
+  levels_make(context, model, &v);
+  bwi_two_level *l = v.two_level;
+  check_ok(context, bwi_two_level_follow(context, l, model, v.dof_map, v.stiffness, &usable));
+  bw_set_progress(context, cancel_rotations, context);
+  check_fails(context, BW_CANCELLED, "", bwi_two_level_solve(context, l, &problem, 1, f, u));
+  bw_set_progress(context, NULL, NULL);
+  bw_clear_cancel(context);
+  check_ok(context, bwi_two_level_solve(context, l, &problem, 1, f, u));
+  assert_true(problem.converged && l->rotations);
+  levels_clear(&v);
+  bw_release(model);
+  free(f);
+  free(u);
+}
+
 /* Blocks of the smoother along stiff fibres and at nearly flat elements, on 1 thread and on 4.
  * Node by node they take 183 and 280 iterations. */
 static void strong_couplings_converge(void **state) {
@@ -396,6 +426,7 @@ int main(void) {
       check_test(many_right_hand_sides),
       check_test(modes_rotate),
       check_test(another_shape_remembers),
+      check_test(cancelled_rotations_are_made_later),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
