@@ -92,6 +92,7 @@ bw_status bwi_two_level_probe(bw_context *context, bwi_two_level *l, int64_t cou
       .tolerance = PROBE_TO, .energy_alone = true, .limit = PROBED, .expected = count};
   BW_TRY(bwi_two_level_solve(context, l, &problem, 1, force, force + size));
 done:
+  bwi_two_level_release(l); /* iterations of others have room of their own */
   bw_free(force);
   return status;
 }
