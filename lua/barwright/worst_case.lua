@@ -236,8 +236,8 @@ function worst_case.analyse(part, given, view)
   local modes
   -- Regions need no more. The last two digits of an iteration without a factor cost a fifth of it.
   local iterative = not opts.laplacian and system.report.solver == "pcg"
-  local tolerance = opts.tolerance or iterative and 1e-6 or 1e-8
-  local ask = {count = opts.modes, tolerance = tolerance, seed = opts.seed, sturm = opts.sturm,
+  opts.tolerance = opts.tolerance or iterative and 1e-6 or 1e-8
+  local ask = {count = opts.modes, tolerance = opts.tolerance, seed = opts.seed, sturm = opts.sturm,
     solver = opts.eigensolver}
   if system == view and not opts.laplacian then
     modes, message, details = view:modes(ask)

@@ -86,6 +86,7 @@ describe("worst cases without a factor", function()
       local found = answer(bodies.free(bw.material.pla), bw.solver.pcg {tolerance = tolerance}, "paper")
       assert.is_true(math.abs(found.max_principal / own - 1) <= found.solve_error)
       assert.is_true(found.solve_error < 1e3 * tolerance)
+      assert.equal(1e-6, found.options.tolerance) -- of the modes, by default
     end
   end)
 
