@@ -194,7 +194,7 @@ static bw_status surface_of_mesh(bwi_cursor *cursor, bwi_format kind, bw_surface
   if (!known)
     status =
         bwi_fail_unknown(cursor, "STL (text beginning with 'solid', or a binary size of 84 + 50 n "
-                                 "bytes), OBJ, OFF, PLY, MSH, VTU, MEDIT, INP");
+                                 "bytes), OBJ, OFF, PLY, MSH, VTU, PVTU, MEDIT, INP");
   if (status == BW_OK)
     status = bwi_raw_surface(&raw, format, surface, info);
   bwi_raw_clear(&raw);

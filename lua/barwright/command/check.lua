@@ -303,9 +303,9 @@ local by_kind = {surface = check_surface, mesh = check_mesh, outline = check_out
 
 return {
   summary = "whether a model is sound, and what is wrong with it",
-  about = "Reads a surface (STL OBJ OFF PLY), a mesh of tetrahedra (MSH VTU MEDIT INP TetGen) or a drawing (SVG "
-    .. "DXF) and reports what is in it: size, and whether the unit can be right; whether the surface is closed, "
-    .. "faces outwards, crosses itself; how thin its walls are; what a repair would do.\n\n"
+  about = "Reads a surface (STL OBJ OFF PLY), a mesh of tetrahedra (MSH VTU PVTU MEDIT INP TetGen) or a drawing "
+    .. "(SVG DXF) and reports what is in it: size, and whether the unit can be right; whether the surface is "
+    .. "closed, faces outwards, crosses itself; how thin its walls are; what a repair would do.\n\n"
     .. output.codes("sound", "it has faults (also where they can be repaired)"),
   arguments = {{name = "model", type = "file", what = "the file"}},
   options = {

@@ -11,7 +11,7 @@ local model = {}
 
 --- The argument of those that compute.
 model.body_argument = {name = "model", type = "file",
-  what = "surface (STL OBJ OFF PLY) or mesh of tetrahedra (MSH VTU MEDIT INP TetGen)"}
+  what = "surface (STL OBJ OFF PLY) or mesh of tetrahedra (MSH VTU PVTU MEDIT INP TetGen)"}
 
 --- The option --unit of every command that reads a model.
 model.unit_option = {name = "unit", value = "UNIT", one_of = {"mm", "cm", "m", "km", "um", "in", "ft"},
