@@ -7,19 +7,22 @@ local input_files = {}
 
 local letters = {amp = "&", lt = "<", gt = ">", quot = '"', apos = "'"}
 
--- Appends {file, sha256} of a file and of the pieces that it names. True, or nil, message, details.
+-- Appends {file, sha256}. True, or nil, message, details.
 local function append(list, path)
   local digest, message, details = core.sha256(path)
   if not digest then return nil, message, details end
   list[#list + 1] = {file = path, sha256 = digest}
-  if not path:lower():find "%.pvtu$" then return true end
+  return true
+end
+
+-- Likewise of the pieces that a .pvtu file names.
+local function append_pieces(list, path)
   local text, why = read_file(path)
   if not text then return nil, why, {status = "io", file = path} end
-  for source in text:gmatch "<Piece%s[^>]-Source%s*=%s*[\"']([^\"']*)" do
+  for _, source in text:gmatch "<Piece%s[^>]-Source%s*=%s*([\"'])(.-)%1" do
     local piece = source:gsub("&(%a+);", letters)
     if piece:sub(1, 1) ~= "/" then piece = (path:match "^(.*/)" or "") .. piece end
-    local ok
-    ok, message, details = append(list, piece)
+    local ok, message, details = append(list, piece)
     if not ok then return nil, message, details end
   end
   return true
@@ -30,6 +33,7 @@ function input_files.digests(paths)
   local list = {}
   for _, path in ipairs(paths) do
     local ok, message, details = append(list, path)
+    if ok and path:lower():find "%.pvtu$" then ok, message, details = append_pieces(list, path) end
     if not ok then return nil, message, details end
   end
   return list

@@ -100,6 +100,11 @@ describe("a folder of results", function()
     assert.not_equal(first[2].sha256, second[2].sha256)
     os.remove(first[2].file)
     check.fails("io", "a&b_0.vtu", bw.results.open(folder .. "/out", {inputs = {folder .. "/a&b.pvtu"}}))
+    -- A name with the other quotation mark, and a file that names itself.
+    check.write(folder .. "/o'clock.pvtu", [[<Piece Source="o'clock.pvtu"/>]])
+    local own = assert(bw.results.open(folder .. "/out", {inputs = {folder .. "/o'clock.pvtu"}})).manifest.inputs
+    assert.equal(2, #own)
+    assert.equal(folder .. "/o'clock.pvtu", own[2].file)
   end)
 
   it("is refused where it cannot be made or an input is missing", function()
