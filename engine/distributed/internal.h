@@ -141,7 +141,7 @@ typedef struct bwd_system {
   Vec ghosted;            /* of this rank: a field at its own nodes and ghost nodes */
   VecScatter to_ghosted;
   KSP solver;
-  bool ready; /* the solver is: it is completed at the first use, which has its tolerance */
+  bool ready; /* the solver is complete, from its first use on, which gives the tolerance */
   int iterations;
   double seconds_send, seconds_assembly, seconds_setup, seconds_solve;
   double processor; /* of this process when the system was opened */

@@ -166,7 +166,7 @@ static PetscErrorCode converged(KSP solver, PetscInt iteration, PetscReal norm,
     if (w->system->rank == 0 && w->first > 0 && norm > 0 && wanted > 0)
       bw_progress(w->context, "conjugate gradients",
                   fmin(0.99, fmax(0, log(w->first / norm) / wanted)));
-    if (bwd_cancelled(w->context))      /* who is shown progress may cancel */
+    if (bwd_cancelled(w->context))      /* the progress function may have cancelled */
       *reason = KSP_DIVERGED_BREAKDOWN; /* distinguished by the flag */
   }
   return 0;
