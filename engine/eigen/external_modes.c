@@ -74,7 +74,7 @@ static bw_status modes_of(bw_context *context, bwi_external *external,
                               .counted = found.counted,
                               .report = {.solver = "slepc", .backend = "", .preconditioner = ""}};
   snprintf(result.report.reason, sizeof result.report.reason, "%s",
-           options.solver ? "it was given" : "the equations are at the external solver");
+           options.solver ? "it was given" : "the equations are spread over the processes");
   result.residual = BW_NEW(context, double, found.count);
   if (!result.residual) {
     status = BW_MEMORY;

@@ -9,19 +9,20 @@
 static const bw_external *registered;
 static bwi_external *open_system; /* what the registered solver has, borrowed; or NULL */
 
-void bw_external_register(const bw_external *external) {
-  registered = external;
-}
-
-const bw_external *bw_external_registered(void) {
-  return registered;
-}
-
 /* Memory of other processes goes back now, and not when another system is opened. */
 static void close_system(void) {
   if (open_system && registered)
     registered->close();
   open_system = NULL;
+}
+
+void bw_external_register(const bw_external *external) {
+  close_system(); /* the former solver has it */
+  registered = external;
+}
+
+const bw_external *bw_external_registered(void) {
+  return registered;
 }
 
 static void external_destroy(void *object) {
