@@ -235,7 +235,9 @@ function worst_case.analyse(part, given, view)
   start = clock()
   local modes
   -- Regions need no more. The last two digits of an iteration without a factor cost a fifth of it.
-  local iterative = not opts.laplacian and system.report.solver == "pcg"
+  -- The equations of an edit session always have one, and no report.
+  local report = system.report
+  local iterative = not opts.laplacian and report and report.solver == "pcg"
   opts.tolerance = opts.tolerance or iterative and 1e-6 or 1e-8
   local ask = {count = opts.modes, tolerance = opts.tolerance, seed = opts.seed, sturm = opts.sturm,
     solver = opts.eigensolver}
