@@ -268,6 +268,8 @@ int lbw_option_refused(lua_State *L, const char *function, const char *key, cons
 
 /* Pushes a table of what a report says; fields that do not apply are left out. */
 void lbw_push_report(lua_State *L, const bw_solver_report *report);
+/* Whether there was a solution to report. */
+bool lbw_has_report(const bw_solver_report *report);
 
 /* An option that is an object of the class: NULL where it is left out or "auto". It stays with the
  * table. */

@@ -37,7 +37,7 @@ static void store_reuse(lua_State *L, int index, const bw_plane_reuse *reuse) {
 #undef NUMBER
   lua_pushstring(L, level_words[reuse->level]);
   lua_setfield(L, index, "level");
-  if (reuse->report.solver) {
+  if (lbw_has_report(&reuse->report)) {
     lbw_push_report(L, &reuse->report);
     lua_setfield(L, index, "report");
   }

@@ -18,6 +18,10 @@ static void number(lua_State *L, const char *key, double value) {
   }
 }
 
+bool lbw_has_report(const bw_solver_report *report) {
+  return report->solver && report->solver[0];
+}
+
 void lbw_push_report(lua_State *L, const bw_solver_report *report) {
   lua_createtable(L, 0, 12);
   text(L, "solver", report->solver);

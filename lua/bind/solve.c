@@ -501,7 +501,7 @@ static int system_rigid_mode_count(lua_State *L) {
 /* How the equations have been solved so far; nil where they are of an edit session. */
 static int system_report(lua_State *L) {
   const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
-  if (!system->report.solver) {
+  if (!lbw_has_report(&system->report)) {
     lua_pushnil(L);
     return 1;
   }

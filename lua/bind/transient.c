@@ -105,7 +105,7 @@ static int motion_newton(lua_State *L) {
 
 /* Of the last step; nil before the first. */
 static int motion_report(lua_State *L) {
-  if (!self(L)->report.solver)
+  if (!lbw_has_report(&self(L)->report))
     return 0;
   lbw_push_report(L, &self(L)->report);
   return 1;
@@ -118,7 +118,7 @@ static int motion_tostring(lua_State *L) {
            lbw_quantity(m->time, "s").text, (long long)m->steps, lbw_quantity(m->kinetic, "J").text,
            lbw_quantity(m->strain, "J").text);
   lua_pushstring(L, text);
-  if (!m->report.solver)
+  if (!lbw_has_report(&m->report))
     return 1;
   lua_pushstring(L, "; ");
   lbw_push_report(L, &m->report);
