@@ -10,15 +10,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "barwright.h"
-
-#define OK(call)                                                                                   \
-  do {                                                                                             \
-    if ((call) != BW_OK) {                                                                         \
-      fprintf(stderr, "%s\n", bw_message(context));                                                \
-      exit(1);                                                                                     \
-    }                                                                                              \
-  } while (0)
+#include "bench/bench.h"
 
 enum { X = 50, Y = 50, Z = 40, CELLS = X * Y * Z, REPEATS = 9 };
 

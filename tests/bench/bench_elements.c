@@ -14,18 +14,10 @@
 #include <time.h>
 
 #include "assemble/gather.h"
-#include "barwright.h"
+#include "bench/bench.h"
 #include "linear/smoother.h"
 
 enum { LANES = 8, REPEATS = 15 };
-
-#define CHECK(call)                                                                                \
-  do {                                                                                             \
-    if ((call) != BW_OK) {                                                                         \
-      fprintf(stderr, "%s\n", bw_message(context));                                                \
-      exit(1);                                                                                     \
-    }                                                                                              \
-  } while (0)
 
 typedef double lanes __attribute__((vector_size(64)));
 
@@ -43,12 +35,6 @@ typedef struct product {
   const double *x;
   double *y;
 } product;
-
-static double seconds(clockid_t clock) {
-  struct timespec now;
-  clock_gettime(clock, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* Stresses at the corners, in the order xx yy zz xy xz yz. */
 static void stresses(const product *p, lanes u[10][3], lanes g[4][3], lanes s[4][6]) {
@@ -186,14 +172,14 @@ int main(int argc, char **argv) {
   bw_dof_map *dof_map = NULL;
   bwi_smoother *s = NULL;
   bool usable;
-  CHECK(bw_mesh_box_grid(context, min, max, cells, 2, &mesh));
-  CHECK(bw_material_isotropic(context, &constants, &material));
-  CHECK(bw_block_pattern_create(context, mesh, &pattern));
-  CHECK(bw_dof_map_unconstrained(context, mesh, &dof_map));
+  OK(bw_mesh_box_grid(context, min, max, cells, 2, &mesh));
+  OK(bw_material_isotropic(context, &constants, &material));
+  OK(bw_block_pattern_create(context, mesh, &pattern));
+  OK(bw_dof_map_unconstrained(context, mesh, &dof_map));
   double *stiffness = malloc(9 * (size_t)pattern->block_count * sizeof *stiffness);
-  CHECK(bw_stiffness(context, pattern, mesh, material, stiffness));
-  CHECK(bwi_smoother_create(context, mesh, pattern, true, NULL, &s));
-  CHECK(bwi_smoother_follow(context, s, stiffness, dof_map, &usable));
+  OK(bw_stiffness(context, pattern, mesh, material, stiffness));
+  OK(bwi_smoother_create(context, mesh, pattern, true, NULL, &s));
+  OK(bwi_smoother_follow(context, s, stiffness, dof_map, &usable));
   size_t size = 3 * (size_t)mesh->node_count;
   double *x = calloc(size + BWI_SMOOTHER_SPARE, sizeof *x), energy[BWI_SMOOTHER_SIDES];
   double *y = calloc(size + BWI_SMOOTHER_SPARE, sizeof *y), *z = calloc(size, sizeof *z);
@@ -218,18 +204,18 @@ int main(int argc, char **argv) {
   for (int threads = 1; threads <= 2; threads++) {
     double wall[2] = {INFINITY, INFINITY}, processor[2] = {INFINITY, INFINITY};
     double off = 0, largest = 0;
-    CHECK(bw_set_threads(context, threads));
+    OK(bw_set_threads(context, threads));
     for (int k = 0; k < 2 * REPEATS; k++) {
-      double began = seconds(CLOCK_MONOTONIC), used = seconds(CLOCK_PROCESS_CPUTIME_ID);
+      double began = bw_seconds(), used = processor_seconds();
       if (k % 2 == 0)
-        CHECK(bwi_smoother_product(context, s, 1, x, y, energy));
+        OK(bwi_smoother_product(context, s, 1, x, y, energy));
       else {
         memset(z, 0, size * sizeof *z);
-        CHECK(bw_parallel(context, s->chunk_count, 1, add_chunks, &p));
+        OK(bw_parallel(context, s->chunk_count, 1, add_chunks, &p));
         add_chunks(&p, s->chunk_count, s->chunk_count + 1, 0);
       }
-      wall[k % 2] = fmin(wall[k % 2], seconds(CLOCK_MONOTONIC) - began);
-      processor[k % 2] = fmin(processor[k % 2], seconds(CLOCK_PROCESS_CPUTIME_ID) - used);
+      wall[k % 2] = fmin(wall[k % 2], bw_seconds() - began);
+      processor[k % 2] = fmin(processor[k % 2], processor_seconds() - used);
     }
     for (size_t i = 0; i < size; i++) {
       off = fmax(off, fabs(s->unit * z[i] - y[i]));

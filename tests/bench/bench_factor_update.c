@@ -10,16 +10,12 @@
 
 #include <time.h>
 
+#include "bench/bench.h"
 #include "bench/cholmod_baseline.h"
 
 static int ascending(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
   return x < y ? -1 : x > y;
-}
-
-/* Processor seconds of all threads: on a busy machine they are more reliable than the clock. */
-static double processor(void) {
-  return (double)clock() / CLOCKS_PER_SEC;
 }
 
 static double median(double *value, int count) {
@@ -127,19 +123,19 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
   start = bw_seconds();
   BW_TRY(bwi_factor_update(context, factor, &matrix, NULL, NULL, NULL));
   double again = bw_seconds() - start;
-  start = processor();
+  start = processor_seconds();
   BW_TRY(bwi_factor_update(context, factor, &matrix, NULL, NULL, NULL));
-  double whole_cpu = processor() - start;
+  double whole_cpu = processor_seconds() - start;
   x = malloc((size_t)symbolic->unknowns * sizeof(double));
   for (int32_t i = 0; i < symbolic->unknowns; i++)
     x[i] = i % 7 - 3;
-  double solves[5], solve_cpu = processor();
+  double solves[5], solve_cpu = processor_seconds();
   for (int k = 0; k < 5; k++) {
     start = bw_seconds();
     BW_TRY(bwi_factor_solve(context, factor, 1, x));
     solves[k] = bw_seconds() - start;
   }
-  solve_cpu = (processor() - solve_cpu) / 5;
+  solve_cpu = (processor_seconds() - solve_cpu) / 5;
   double solve = median(solves, 5);
   if (baseline[0] == 0) {
     cholmod_times times;
@@ -147,7 +143,7 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
     baseline[0] = times.factor;
     baseline[1] = times.solve;
   }
-  double update = 0, update_cpu = processor();
+  double update = 0, update_cpu = processor_seconds();
   for (int32_t d = 0; d < s->subdomains; d++) {
     double flops;
     memset(touched, 0, (size_t)s->subdomains);
@@ -159,7 +155,7 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
     total[d] = (baseline[0] + baseline[1]) / (seconds[d] + solve);
     update += flops;
   }
-  update_cpu = processor() - update_cpu;
+  update_cpu = processor_seconds() - update_cpu;
   size_t kept, work;
   bwi_factor_update_bytes(factor, &kept, &work);
   double entries = (double)symbolic->panel[order->super_count];

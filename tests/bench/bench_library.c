@@ -7,15 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "barwright.h"
-
-#define OK(call)                                                                                   \
-  do {                                                                                             \
-    if ((call) != BW_OK) {                                                                         \
-      fprintf(stderr, "%s\n", bw_message(context));                                                \
-      exit(1);                                                                                     \
-    }                                                                                              \
-  } while (0)
+#include "bench/bench.h"
 
 static void progress(void *data, const char *stage, double fraction) {
   double *last = (double *)data;

@@ -7,15 +7,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "barwright.h"
-
-#define OK(call)                                                                                   \
-  do {                                                                                             \
-    if ((call) != BW_OK) {                                                                         \
-      fprintf(stderr, "%s\n", bw_message(context));                                                \
-      exit(1);                                                                                     \
-    }                                                                                              \
-  } while (0)
+#include "bench/bench.h"
 
 enum { CHORDS = 10, REPEATS = 41 };
 

@@ -9,25 +9,11 @@
 #include <string.h>
 #include <time.h>
 
-#include "barwright.h"
+#include "bench/bench.h"
 #include "linear/pcg.h"
 #include "linear/system_two_level.h"
 
 enum { MOST = 16, REPEATS = 2 };
-
-#define CHECK(call)                                                                                \
-  do {                                                                                             \
-    if ((call) != BW_OK) {                                                                         \
-      fprintf(stderr, "%s\n", bw_message(context));                                                \
-      exit(1);                                                                                     \
-    }                                                                                              \
-  } while (0)
-
-static double processor(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* Unit forces of directions of their own around points of the body. */
 static void forces(const bw_mesh *mesh, double *force) {
@@ -54,11 +40,11 @@ static void measure(bw_context *context, const bw_model *model, bw_solver_kind k
   bw_static *result = NULL;
   bw_solver *m = NULL, *pcg = NULL;
   bw_solver_options of_m = {.kind = kind}, of_pcg = {.kind = BW_SOLVER_PCG};
-  CHECK(bw_solver_create(context, &of_m, &m));
+  OK(bw_solver_create(context, &of_m, &m));
   of_pcg.preconditioner = m;
-  CHECK(bw_solver_create(context, &of_pcg, &pcg));
+  OK(bw_solver_create(context, &of_pcg, &pcg));
   const bw_statics_options options = {.solver = pcg};
-  CHECK(bw_statics(context, model, NULL, &options, &result));
+  OK(bw_statics(context, model, NULL, &options, &result));
   bw_system *system = result->system;
   double one = 0;
   static const int counts[] = {1, 8, 12};
@@ -66,11 +52,11 @@ static void measure(bw_context *context, const bw_model *model, bw_solver_kind k
     double least = INFINITY;
     int iterations = 0;
     for (int pass = 0; pass < REPEATS; pass++) {
-      double start = processor();
+      double start = processor_seconds();
       if (kind == BW_SOLVER_TWO_LEVEL) {
         bwi_two_level_problem problem = {.tolerance = 1e-10, .limit = 200};
-        CHECK(bwi_two_level_solve(context, system->two_level->preconditioner, &problem, counts[c],
-                                  force, displacement));
+        OK(bwi_two_level_solve(context, system->two_level->preconditioner, &problem, counts[c],
+                               force, displacement));
         iterations = problem.iterations;
       } else {
         bwi_pcg problem = {.pattern = system->pattern,
@@ -80,10 +66,10 @@ static void measure(bw_context *context, const bw_model *model, bw_solver_kind k
                            .data = system->preconditioner,
                            .tolerance = 1e-10,
                            .limit = 200};
-        CHECK(bwi_pcg_solve(context, &problem, counts[c], force, displacement));
+        OK(bwi_pcg_solve(context, &problem, counts[c], force, displacement));
         iterations = problem.iterations;
       }
-      least = fmin(least, processor() - start);
+      least = fmin(least, processor_seconds() - start);
     }
     one = c == 0 ? least : one;
     printf("| %s | %d | %d | %.3f | %.2f |\n", bw_solver_word(kind), counts[c], iterations, least,
@@ -104,16 +90,16 @@ int main(int argc, char **argv) {
       .name = "steel", .young = 200e9, .poisson = 0.3, .density = 7800, .strength = 4e8};
   const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
   const int cells[3] = {n, n, n};
-  CHECK(bw_set_threads(context, argc > 2 ? atoi(argv[2]) : 1));
-  CHECK(bw_mesh_box_grid(context, low, high, cells, 2, &mesh));
-  CHECK(bw_material_isotropic(context, &steel, &material));
+  OK(bw_set_threads(context, argc > 2 ? atoi(argv[2]) : 1));
+  OK(bw_mesh_box_grid(context, low, high, cells, 2, &mesh));
+  OK(bw_material_isotropic(context, &steel, &material));
   bw_model *model = NULL;
   bw_selection *root = NULL;
   const double point[3] = {0, 0, 0}, normal[3] = {0, 1, 0}, pull[3] = {1e3, 0, -1e3};
-  CHECK(bw_select_plane(context, mesh, point, normal, 1e-9, &root));
-  CHECK(bw_model_create(context, mesh, material, &model));
-  CHECK(bw_model_fix(context, model, root));
-  CHECK(bw_model_gravity(context, model, pull));
+  OK(bw_select_plane(context, mesh, point, normal, 1e-9, &root));
+  OK(bw_model_create(context, mesh, material, &model));
+  OK(bw_model_fix(context, model, root));
+  OK(bw_model_gravity(context, model, pull));
   double *force = BW_NEW(context, double, 3 * (int64_t)MOST * mesh->node_count);
   double *displacement = BW_NEW(context, double, 3 * (int64_t)MOST * mesh->node_count);
   if (!force || !displacement)

@@ -7,21 +7,10 @@
 #include <string.h>
 #include <time.h>
 
+#include "bench/bench.h"
 #include "nonlinear/internal.h"
 
-#define OK(call)                                                                                   \
-  do {                                                                                             \
-    if ((call) != BW_OK) {                                                                         \
-      fprintf(stderr, "%s\n", bw_message(context));                                                \
-      exit(1);                                                                                     \
-    }                                                                                              \
-  } while (0)
-
 enum { REPEATS = 4 };
-
-static double processor_seconds(void) {
-  return (double)clock() / CLOCKS_PER_SEC;
-}
 
 static bw_solid_material *material_of(bw_context *context, bw_law law, int level, int fibres) {
   bw_rule *rule = NULL;

@@ -8,22 +8,7 @@
 #include <string.h>
 #include <sys/resource.h>
 
-#include "barwright.h"
-
-#define CHECK(call)                                                                                \
-  do {                                                                                             \
-    if ((call) != BW_OK) {                                                                         \
-      fprintf(stderr, "%s\n", bw_message(context));                                                \
-      return 1;                                                                                    \
-    }                                                                                              \
-  } while (0)
-
-static double processor(void) {
-  struct rusage use;
-  getrusage(RUSAGE_SELF, &use);
-  return (double)(use.ru_utime.tv_sec + use.ru_stime.tv_sec) +
-         1e-6 * (double)(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
-}
+#include "bench/bench.h"
 
 int main(int count, char **word) {
   if (count < 4) {
@@ -43,12 +28,12 @@ int main(int count, char **word) {
   bw_coarse *coarse = NULL;
   bw_newton_options options;
   bw_solid_static *result = NULL;
-  CHECK(bw_grid_create(context, origin, spacing, cells, NULL, NULL, &grid));
-  CHECK(bw_solid_material_create(context, "", BW_NEO_HOOKEAN, 1e6, 0.4, 1000, &material));
+  OK(bw_grid_create(context, origin, spacing, cells, NULL, NULL, &grid));
+  OK(bw_solid_material_create(context, "", BW_NEO_HOOKEAN, 1e6, 0.4, 1000, &material));
   const bw_solid_material *one = material;
-  CHECK(bw_material_table_create(context, 2, &one, &material_table));
-  CHECK(bw_solid_create(context, grid, material_table, NULL, &solid));
-  CHECK(bw_load_case_create(context, grid, &load_case));
+  OK(bw_material_table_create(context, 2, &one, &material_table));
+  OK(bw_solid_create(context, grid, material_table, NULL, &solid));
+  OK(bw_load_case_create(context, grid, &load_case));
   int32_t *node = BW_NEW(context, int32_t, grid->node_count);
   for (int high = 0; node && high < 2; high++) {
     int64_t nodes = 0;
@@ -62,9 +47,9 @@ int main(int count, char **word) {
     double area = (double)cells[0] * cells[1] * cells[2] / cells[axis];
     double force[3] = {0, 0, 1e4 * area * cells[2] / cells[axis]};
     if (high)
-      CHECK(bw_load_case_force(context, load_case, nodes, node, force));
+      OK(bw_load_case_force(context, load_case, nodes, node, force));
     else
-      CHECK(bw_load_case_fix(context, load_case, nodes, node, all, NULL));
+      OK(bw_load_case_fix(context, load_case, nodes, node, all, NULL));
   }
   bw_newton_options_default(&options);
   const bw_solver direct = {.options = {.kind = BW_SOLVER_CHOLESKY}},
@@ -78,20 +63,20 @@ int main(int count, char **word) {
     options.iterations = atoi(word[5]);
     options.min_step = 1;
   }
-  CHECK(bw_coarsen(context, BW_COARSE_NAIVE, NULL, material_table, grid, 1, &coarse));
-  CHECK(bw_solid_create(context, coarse->grid, coarse->material_table, NULL, &small));
+  OK(bw_coarsen(context, BW_COARSE_NAIVE, NULL, material_table, grid, 1, &coarse));
+  OK(bw_solid_create(context, coarse->grid, coarse->material_table, NULL, &small));
   const bw_coarsening *coarsening = coarse->coarsening[0];
   const bw_solid *of_coarse = small;
   options.coarse_count = 1;
   options.coarsening = &coarsening;
   options.coarse = &of_coarse;
-  double before = processor();
+  double before = processor_seconds();
   if (bw_solid_statics(context, solid, load_case, NULL, &options, &result) != BW_OK)
     fprintf(stderr, "%s\n", bw_message(context));
   if (!result)
     return 1;
   const bw_newton_report *r = &result->newton;
-  double per = r->iterations > 0 ? r->iterations : 1, used = processor() - before;
+  double per = r->iterations > 0 ? r->iterations : 1, used = processor_seconds() - before;
   printf("{\"way\": \"%s\", \"cells\": [%d, %d, %d], \"iterations\": %d, \"cg\": %lld, "
          "\"factorisations\": %d, \"seconds_iteration\": %.4f, \"processor_iteration\": %.4f, "
          "\"seconds_quadrature\": %.3f, \"seconds_analysis\": %.3f, \"seconds_factor\": %.3f, "

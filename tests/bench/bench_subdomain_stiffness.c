@@ -7,15 +7,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "barwright.h"
-
-#define OK(call)                                                                                   \
-  do {                                                                                             \
-    if ((call) != BW_OK) {                                                                         \
-      fprintf(stderr, "%s\n", bw_message(context));                                                \
-      exit(1);                                                                                     \
-    }                                                                                              \
-  } while (0)
+#include "bench/bench.h"
 
 enum { REPEATS = 41 };
 
@@ -24,10 +16,6 @@ enum { REPEATS = 41 };
 typedef struct lap {
   double clock, processor, since, processor_since;
 } lap;
-
-static double processor_seconds(void) {
-  return (double)clock() / CLOCKS_PER_SEC;
-}
 
 static void begin(lap *l) {
   l->since = bw_seconds();
