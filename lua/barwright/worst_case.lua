@@ -241,8 +241,9 @@ function worst_case.analyse(part, given, view)
   opts.tolerance = opts.tolerance or iterative and 1e-6 or 1e-8
   local ask = {count = opts.modes, tolerance = opts.tolerance, seed = opts.seed, sturm = opts.sturm,
     solver = opts.eigensolver}
-  if system == view and not opts.laplacian then
-    modes, message, details = view:modes(ask)
+  local spread = report and report.backend == "petsc" -- over processes: no other eigensolver has the equations
+  if (system == view or spread) and not opts.laplacian then
+    modes, message, details = system:modes(ask)
   else
     ask.laplacian = opts.laplacian
     modes, message, details = part:modes(ask)

@@ -187,6 +187,8 @@ for _, name in ipairs {"cg", "cholesky"} do
     local mesh = check.beam({8, 2, 2}, 2)
     same_worst_case(bw.model {mesh = mesh, material = steel}, {solver = solver})
     same_worst_case(fixed(1), {solver = solver, eigensolver = slepc})
+    check.raises("lanczos", bw.worst_case, fixed(1), {force = 100, modes = 2, regions = 1, solver = solver,
+      eigensolver = bw.eigensolver.lanczos {}})
   end)
 end
 
