@@ -5,7 +5,8 @@
  * making and its locking another process may take it for one that was left behind, lock it and
  * remove it: then the lock is refused, or taken on a file without a name, and another one is made.
  * Files that belong to it are made after it and removed before it, so that they are left behind
- * exactly if it is not there. */
+ * exactly if it is not there.
+ * Its path is in open_files before the file is made: a signal at any time finds it. */
 #include "barwright/temporary.h"
 
 #include <ctype.h>
@@ -40,7 +41,7 @@ struct bw_temporary {
 };
 
 /* For bw_temporaries_abandon: a signal handler may read it at any time, so an entry is one pointer,
- * set after the file was made and cleared before it is freed. */
+ * cleared before its path is freed or changed. */
 static char *open_files[OPEN];
 
 static int enter(char *path) {
@@ -51,6 +52,12 @@ static int enter(char *path) {
       return i;
   }
   return -1;
+}
+
+static void leave(bw_temporary *t) {
+  if (t->slot >= 0)
+    __atomic_store_n(&open_files[t->slot], NULL, __ATOMIC_SEQ_CST);
+  t->slot = -1;
 }
 
 void bw_temporaries_abandon(void) {
@@ -208,8 +215,7 @@ static void remove_other(void *data, const char *path, const char *name) {
 
 static void destroy(void *object) {
   bw_temporary *t = (bw_temporary *)object;
-  if (t->slot >= 0)
-    __atomic_store_n(&open_files[t->slot], NULL, __ATOMIC_SEQ_CST);
+  leave(t);
   bool own = t->owner == getpid() && t->file >= 0;
   path_text folder;
   if (own && t->with_others && folder_of(folder, t->path))
@@ -277,7 +283,10 @@ bw_status bw_temporary_create(bw_context *context, const char *target, bool with
   for (int i = 0; i < TRIES && made == 0; i++) {
     snprintf(t->path, bytes, "%.*s%s%ld.%08x", (int)(before + kept), target, word, (long)getpid(),
              (unsigned)tag());
+    t->slot = enter(t->path);
     made = try_once(t);
+    if (made <= 0)
+      leave(t);
   }
   if (made <= 0) {
     char text[BWI_WORDS];
@@ -290,7 +299,6 @@ bw_status bw_temporary_create(bw_context *context, const char *target, bool with
     bw_detail_text(context, "file", target);
     goto done;
   }
-  t->slot = enter(t->path);
   *temporary = t;
   t = NULL;
 done:
