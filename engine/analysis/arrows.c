@@ -158,10 +158,7 @@ bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basis *basi
   double width = fmax(radius, diagonal / ((1 << CELL_BITS) - 4));
   node = BW_NEW(context, loaded, basis->count);
   order = BW_NEW(context, rank, basis->count);
-  if (!node || !order) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(node && order);
   int32_t count = list_loaded(basis, pressure, node);
   for (int32_t i = 0; i < count; i++) {
     int64_t cell[3];
@@ -175,10 +172,7 @@ bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basis *basi
   for (int32_t i = 0; i < count; i++) {
     if (node[order[i].index].taken)
       continue;
-    if (!bw_grow(context, (void **)&list, &capacity, found, 1, sizeof *list)) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(bw_grow(context, (void **)&list, &capacity, found, 1, sizeof *list));
     list[found++] = gather(node, count, order[i].index, low, width, radius);
   }
   if (found > 1)

@@ -397,20 +397,14 @@ bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_opt
   test.part = BW_NEW(context, bwi_contact_part, test.part_count * bw_threads(context));
   result.peak = BW_NEW(context, double, drops);
   result.drops = test.options.drops;
-  if (!test.body || !test.block || !test.stress || !test.principal || !result.exceedance ||
-      !result.mean_peak || !result.contact || !result.force || !result.direction ||
-      !result.resultant || !result.nodes || !result.area || !result.peak || !test.part) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(test.body && test.block && test.stress && test.principal && result.exceedance &&
+                result.mean_peak && result.contact && result.force && result.direction &&
+                result.resultant && result.nodes && result.area && result.peak && test.part);
   test.result = &result;
   BW_TRY(weigh(context, mesh, system->material->density, test.body));
   if (!(bw_material_strength(system->material, system->material->axes) > 0)) {
     histogram = BW_NEW0(context, double, HISTOGRAM_BINS);
-    if (!histogram) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(histogram);
     int64_t pilot = result.drops < PILOT ? result.drops : PILOT;
     for (test.first = 0; test.first < pilot; test.first += BATCH)
       BW_TRY(run_drops(&test, system, pilot - test.first < BATCH ? pilot - test.first : BATCH,

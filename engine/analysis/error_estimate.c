@@ -59,10 +59,7 @@ bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh, const bw_m
   s.energy = BW_NEW(context, double, mesh->element_count);
   s.nodal = nodal;
   s.error = element ? element : own;
-  if (!nodal || !s.error || !s.energy) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(nodal && s.error && s.energy);
   BW_TRY(bw_nodal_stress(context, mesh, material, displacement, nodal));
   /* products of shape functions: exact on straight elements */
   bwi_rule_make(mesh->order, mesh->order == 1 ? 2 : BWI_CURVED_DEGREE, &s.rule);

@@ -166,10 +166,7 @@ bw_status bwi_pressure_with_friction(bw_context *context, const bw_pressure_basi
   bw_status status = BW_OK;
   w.normal = BW_NEW(context, double, 3 * (size_t)plain->count);
   w.tangent = BW_NEW0(context, double, 6 * plain->start[plain->count]);
-  if (!w.normal || !w.tangent) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(w.normal && w.tangent);
   BW_TRY(bwi_pressure_rules_create(context, plain, &w.rules));
   for (int32_t j = 0; j < plain->count; j++)
     mean_normal(plain, j, w.normal + 3 * (size_t)j);

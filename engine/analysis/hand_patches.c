@@ -64,10 +64,7 @@ bw_status bwi_hand_patches(bw_context *context, const bw_pressure_basis *basis, 
   int32_t n = basis->count / basis->directions, first = 0;
   by_place *order = BW_NEW(context, by_place, n);
   int32_t *rank = BW_NEW(context, int32_t, n);
-  if (!order || !rank) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(order && rank);
   find_normals(basis, normal);
   for (int32_t g = 0; g < n; g++)
     order[g] = (by_place){place_of(basis, g)[0], g};
@@ -82,10 +79,7 @@ bw_status bwi_hand_patches(bw_context *context, const bw_pressure_basis *basis, 
     for (int32_t i = first; i < n && order[i].x <= x + radius; i++) {
       if (!in_patch(basis, normal, g, order[i].node, radius))
         continue;
-      if (!bw_grow(context, (void **)member, &capacity, count, 1, sizeof **member)) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(bw_grow(context, (void **)member, &capacity, count, 1, sizeof **member));
       (*member)[count++] = order[i].node;
     }
     qsort(*member + start[g], count - (size_t)start[g], sizeof **member, compare_node);

@@ -123,10 +123,8 @@ static bw_status part_of(bw_context *context, const bw_pressure_basis *basis, co
   part->start = BW_NEW0(context, int64_t, columns + 1);
   part->row = BW_NEW(context, int32_t, entries);
   part->coefficient = BW_NEW(context, double, 3 * entries);
-  if (!part->node || !part->at || !part->area || !part->start || !part->row || !part->coefficient) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(part->node && part->at && part->area && part->start && part->row &&
+                part->coefficient);
   for (int32_t j = 0; j < basis->count; j++) {
     if (!taken[j / basis->directions])
       continue;
@@ -383,10 +381,7 @@ bw_status bwi_hands_create(bw_context *context, const bw_pressure_basis *basis,
   h->normal = BW_NEW(context, double, 3 * (size_t)h->nodes);
   h->start = BW_NEW0(context, int64_t, (size_t)h->nodes + 1);
   h->work = BW_NEW(context, double, (size_t)dof_map->rigid_mode_count *(size_t)basis->count + 1);
-  if (!h->normal || !h->start || !h->work) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(h->normal && h->start && h->work);
   bwi_column_motions(basis, dof_map, h->work);
   BW_TRY(bwi_hand_patches(context, basis, sqrt(options->hand_area / 3.14159265358979323846),
                           h->normal, h->start, &h->member));
@@ -414,10 +409,7 @@ bw_status bwi_hands_solve(bw_context *context, const bwi_hands *h, const double 
   size_t n = (size_t)h->basis->count;
   double largest = 0;
   double *rewarded = BW_NEW(context, double, n);
-  if (!rewarded) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(rewarded);
   for (size_t j = 0; j < n; j++)
     largest = fmax(largest, fabs(objective[j] / h->basis->area[j]));
   double bonus = h->options.force_is_max ? 0 : reward * largest;

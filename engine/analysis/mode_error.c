@@ -14,15 +14,10 @@ bw_status bw_modes_error(bw_context *context, const bw_modes *modes, double *rel
   const bw_mesh *mesh = modes->mesh;
   double *error = BW_NEW(context, double, mesh->element_count);
   double *energy = BW_NEW(context, double, mesh->element_count);
-  if (!error || !energy) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  if (modes->components != 3 || !modes->material) {
-    status = bw_fail(context, BW_INVALID,
-                     "Laplacian modes have no stress: their error is not estimated");
-    goto done;
-  }
+  BW_TRY_MEMORY(error && energy);
+  if (modes->components != 3 || !modes->material)
+    BW_TRY(bw_fail(context, BW_INVALID,
+                   "Laplacian modes have no stress: their error is not estimated"));
   for (int k = 0; k < modes->count; k++) {
     const double *shape = modes->shape + 3 * (size_t)mesh->node_count * (size_t)k;
     double above = 0, all = 0;

@@ -377,10 +377,7 @@ bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
   of_facet = BW_NEW0(context, double, 3 * p.facets);
   force = BW_NEW(context, double, size);
   adjoint = BW_NEW(context, double, size);
-  if (!d.part || !at_corner || !of_facet || !force || !adjoint) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(d.part && at_corner && of_facet && force && adjoint);
   BW_TRY(bwi_facet_areas_around(context, mesh, &area));
   bw_pressure_force(state->basis, state->pressure, force);
   memset(gradient, 0, size * sizeof *gradient);

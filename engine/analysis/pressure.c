@@ -125,10 +125,7 @@ static bw_status number_nodes(bw_context *context, const bw_selection *forbidden
   const bw_mesh *mesh = basis->mesh;
   size_t nodes = (size_t)mesh->nodes_per_facet, count = 0;
   int32_t *facets = BW_NEW0(context, int32_t, mesh->node_count);
-  if (!facets) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(facets);
   for (size_t f = 0; f < (size_t)mesh->facet_count; f++)
     for (size_t i = 0; i < 3; i++)
       facets[mesh->facet[f * nodes + i]]++;
@@ -138,10 +135,7 @@ static bw_status number_nodes(bw_context *context, const bw_selection *forbidden
     count += facets[i] > 0;
   basis->node = BW_NEW(context, int32_t, count);
   basis->start = BW_NEW(context, int64_t, count + 1);
-  if (!basis->node || !basis->start) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(basis->node && basis->start);
   /* Room for every row as if no two facets shared one, tightened later. */
   basis->start[0] = 0;
   for (int32_t i = 0; i < mesh->node_count; i++) {
@@ -266,21 +260,16 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
   basis->directions = 1;
   BW_TRY(number_columns(context, options, &rules, basis));
   int32_t count = basis->count;
-  if (count == 0) {
-    status = bw_fail(
-        context, BW_EMPTY,
-        "the forbidden surface is the whole boundary: no admissible surface is left for pressures");
-    goto done;
-  }
+  if (count == 0)
+    BW_TRY(bw_fail(context, BW_EMPTY,
+                   "the forbidden surface is the whole boundary: no admissible surface is left for "
+                   "pressures"));
   basis->at = BW_NEW0(context, double, 3 * (size_t)count);
   basis->area = BW_NEW0(context, double, count);
   basis->row = BW_NEW(context, int32_t, basis->start[count]);
   basis->coefficient = BW_NEW(context, double, 3 * basis->start[count]);
   filled = BW_NEW0(context, int32_t, count);
-  if (!basis->at || !basis->area || !basis->row || !basis->coefficient || !filled) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(basis->at && basis->area && basis->row && basis->coefficient && filled);
 
   for (int32_t f = 0; f < mesh->facet_count; f++) {
     const int32_t *node = mesh->facet + (size_t)f * (size_t)nodes;

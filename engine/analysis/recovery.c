@@ -149,20 +149,14 @@ bw_status bw_recovered_stress(bw_context *context, const bw_mesh *mesh, const bw
   number = BW_NEW(context, int32_t, mesh->node_count);
   r.corner = BW_NEW(context, int32_t, mesh->node_count);
   r.scale = BW_NEW(context, double, mesh->node_count);
-  if (!number || !r.corner || !r.scale) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(number && r.corner && r.scale);
   for (int32_t i = 0; i < mesh->node_count; i++) {
     number[i] = r.around.local[r.around.start[i]] < 4 ? corners : -1;
     if (number[i] >= 0)
       r.corner[corners++] = i;
   }
   r.fit = BW_NEW(context, double, 6 * TERMS * (int64_t)corners);
-  if (!r.fit) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(r.fit);
   BW_TRY(bw_parallel(context, corners, CORNERS_PER_CHUNK, fit_corners, &r));
   memset(stress, 0, 6 * (size_t)mesh->node_count * sizeof *stress);
   for (int32_t i = 0; i < mesh->node_count; i++) {

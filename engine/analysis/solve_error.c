@@ -68,12 +68,10 @@ bw_status bwi_solve_error_open(bw_context *context, bw_system *system, bwi_solve
   BW_TRY(bw_modes_elastic(context, system, &options, &modes));
   if (modes->count == 0)
     goto done;
-  if (!modes->counted || !(modes->eigenvalue[0] > 0)) {
-    status = bw_fail(context, BW_CONVERGENCE,
-                     "the lowest eigenvalue of the body could not be confirmed, so the error of "
-                     "the linear solves is not known");
-    goto done;
-  }
+  if (!modes->counted || !(modes->eigenvalue[0] > 0))
+    BW_TRY(bw_fail(context, BW_CONVERGENCE,
+                   "the lowest eigenvalue of the body could not be confirmed, so the error of "
+                   "the linear solves is not known"));
   double theta;
   BW_TRY(fraction_of_diagonal(context, system->mesh, &theta));
   double scale = LOWEST_FRACTION * modes->eigenvalue[0] * theta;

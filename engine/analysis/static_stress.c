@@ -23,10 +23,7 @@ bw_status bw_static_stress(bw_context *context, const bw_static *result, bool on
     goto done;
   size_t count = 6 * (size_t)(on_nodes ? mesh->node_count : mesh->element_count);
   thermal = BW_NEW(context, double, count);
-  if (!thermal) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(thermal);
   BW_TRY(bw_model_thermal_stress(context, model, on_nodes, thermal));
   for (size_t i = 0; i < count; i++)
     stress[i] -= thermal[i];

@@ -85,18 +85,13 @@ bw_status bw_weighted_rank_correlation(bw_context *context, int64_t count, const
                    (long long)count);
   rank_a = BW_NEW(context, double, count);
   rank_b = BW_NEW(context, double, count);
-  if (!rank_a || !rank_b) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(rank_a && rank_b);
   BW_TRY(centred_ranks(context, count, a, weight, rank_a, &square_a));
   BW_TRY(centred_ranks(context, count, b, weight, rank_b, &square_b));
-  if (!(square_a > 0) || !(square_b > 0)) {
-    status = bw_fail(context, BW_INVALID,
-                     "no rank correlation: the %s series has the same value everywhere",
-                     square_a > 0 ? "second" : "first");
-    goto done;
-  }
+  if (!(square_a > 0) || !(square_b > 0))
+    BW_TRY(bw_fail(context, BW_INVALID,
+                   "no rank correlation: the %s series has the same value everywhere",
+                   square_a > 0 ? "second" : "first"));
   for (int64_t i = 0; i < count; i++)
     product += (weight ? weight[i] : 1) * rank_a[i] * rank_b[i];
   product /= sqrt(square_a) * sqrt(square_b);

@@ -45,12 +45,10 @@ bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *mesh, int
     double largest = 0;
     for (int k = 0; k < 6; k++)
       largest = fmax(largest, fabs(t[k]));
-    if (!isfinite(largest) || !(largest > 0)) {
-      status =
-          bw_fail(context, BW_INVALID,
-                  "the stress of region %d must be finite and not zero to have a direction", i + 1);
-      goto done;
-    }
+    if (!isfinite(largest) || !(largest > 0))
+      BW_TRY(bw_fail(context, BW_INVALID,
+                     "the stress of region %d must be finite and not zero to have a direction",
+                     i + 1));
     double volume =
         bwi_shape_integrals(mesh, r->element[0], NULL, NULL); /* curved edges included */
     bwi_directed_weight(t, 1 / volume, r->weight);

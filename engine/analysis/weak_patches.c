@@ -69,10 +69,7 @@ bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh,
   collected c = {.weight = BW_NEW(context, double, 3 * (size_t)mesh->facet_count),
                  .facet = BW_NEW(context, int32_t, mesh->facet_count)};
   int32_t *first = BW_NEW(context, int32_t, count);
-  if (!c.weight || !c.facet || !first) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(c.weight && c.facet && first);
   BW_TRY(bwi_surface_patches_begin(context, mesh, dof_map, radius, &patches));
   for (int64_t i = 0; i < count; i++) {
     BW_TRY(check_patch(context, &patches, i, node[i], stress + 6 * i));

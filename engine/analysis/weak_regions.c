@@ -195,10 +195,7 @@ static bw_status cut_regions(bw_context *context, const bw_mesh *mesh, const mod
   for (int32_t c = 0; c < count; c++) {
     if (!mark[chosen[c].element])
       continue;
-    if (!bw_grow(context, (void **)&part, &capacity, parts, 1, sizeof *part)) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(bw_grow(context, (void **)&part, &capacity, parts, 1, sizeof *part));
     /* The stack never shrinks: it ends up as the list of the part's elements. */
     int32_t size = 1;
     double energy = 0, volume = 0, peak = 0;
@@ -222,10 +219,7 @@ static bw_status cut_regions(bw_context *context, const bw_mesh *mesh, const mod
     *r = (bw_weak_region){
         .mode = mode, .count = size, .volume = volume, .energy = energy, .peak = peak};
     r->element = BW_NEW(context, int32_t, size);
-    if (!r->element) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(r->element);
     parts++;
     memcpy(r->element, stack, (size_t)size * sizeof *stack);
   }
@@ -280,10 +274,7 @@ static bw_status find_in_mode(const find_work *work, int mode) {
   fields.energy = BW_NEW(context, double, n);
   list = BW_NEW(context, candidate, n);
   mark = BW_NEW0(context, uint8_t, n);
-  if (!fields.field || !fields.measure || !fields.energy || !list || !mark) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(fields.field && fields.measure && fields.energy && list && mark);
   BW_TRY(bw_check_cancel(context));
   if (fields.components == 3)
     mean_fields(mesh, shape, laplacian, &fields);
@@ -294,11 +285,8 @@ static bw_status find_in_mode(const find_work *work, int mode) {
   for (size_t e = 0; e < n; e++) {
     list[e] = (candidate){fields.measure[e], mesh->volume[e], (int32_t)e};
     total += mesh->volume[e];
-    if (!isfinite(fields.measure[e])) {
-      status =
-          bw_fail(context, BW_INVALID, "mode %d is not finite in element %zu", mode + 1, e + 1);
-      goto done;
-    }
+    if (!isfinite(fields.measure[e]))
+      BW_TRY(bw_fail(context, BW_INVALID, "mode %d is not finite in element %zu", mode + 1, e + 1));
   }
   int32_t count = select_top(list, (int32_t)n, work->options->fraction * total);
   for (int32_t c = 0; c < count; c++)
@@ -354,10 +342,7 @@ bw_status bw_weak_regions_find(bw_context *context, const bw_mesh *mesh,
   regions = BW_NEW0(context, bw_weak_regions, 1);
   work.region = BW_NEW0(context, bw_weak_region, slots);
   work.found = BW_NEW0(context, int, modes->count);
-  if (!regions || !work.region || !work.found) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(regions && work.region && work.found);
   BW_TRY(bw_parallel(context, modes->count, 1, find_body, &work));
   for (int mode = 0; mode < modes->count; mode++)
     for (int i = 0; i < work.found[mode]; i++)

@@ -214,10 +214,7 @@ static bw_status bound_element(const search *s, worker *w, const double *respons
   }
   out->upper = 0;
   for (int f = FACES - 1; f >= 0; f--) {
-    if (!bw_grow(context, (void **)&stack, &capacity, count, 1, sizeof *stack)) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(bw_grow(context, (void **)&stack, &capacity, count, 1, sizeof *stack));
     stack[count++] = (node){s->face[f], BW_FIRST_FACE + f, 0, NULL};
   }
   while (count > 0) {
@@ -233,10 +230,7 @@ static bw_status bound_element(const search *s, worker *w, const double *respons
       continue;
     bwi_triangle part[4];
     bwi_divide_triangle(&at.cell, part);
-    if (!bw_grow(context, (void **)&stack, &capacity, count, 4, sizeof *stack)) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(bw_grow(context, (void **)&stack, &capacity, count, 4, sizeof *stack));
     for (int k = 0; k < 4; k++)
       stack[count++] = (node){part[k], 4 * at.number + k, at.depth + 1, NULL};
   }
@@ -295,10 +289,7 @@ static bw_status prepare_rows(search *s) {
   int32_t *pivot = BW_NEW(context, int32_t, m + 1);
   s->motion = BW_NEW(context, double, m *count + 1);
   s->projector = BW_NEW0(context, double, m *count + 1);
-  if (!gram || !pivot || !s->motion || !s->projector) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(gram && pivot && s->motion && s->projector);
   bwi_column_motions(s->basis, s->system->dof_map, s->motion);
   for (size_t a = 0; a < m; a++)
     for (size_t b = 0; b < m; b++)
@@ -334,10 +325,7 @@ static bw_status prepare_workers(search *s) {
     w->objective = BW_NEW(context, double, count);
     w->pressure = BW_NEW(context, double, count);
     w->gain = BW_NEW(context, double, count + 1);
-    if (!w->response || !w->objective || !w->pressure || !w->gain) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(w->response && w->objective && w->pressure && w->gain);
   }
 done:
   return status;
@@ -393,10 +381,7 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
   BW_TRY(prepare_rows(&s));
   s.upper = BW_NEW(context, double, s.columns);
   s.result = BW_NEW0(context, found, BATCH);
-  if (!s.upper || !s.result) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s.upper && s.result);
   for (int32_t g = 0; g < s.columns; g++)
     s.upper[g] = g < basis->count / basis->directions
                      ? basis->area[(size_t)g * (size_t)basis->directions] *

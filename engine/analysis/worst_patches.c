@@ -87,11 +87,8 @@ static bw_status sum_columns(bw_context *context, const patch_work *w, int32_t p
   coarse->start = BW_NEW0(context, int64_t, (size_t)patches + 1);
   coarse->row = BW_NEW(context, int32_t, entries);
   coarse->coefficient = BW_NEW0(context, double, 3 * entries);
-  if (!first || !next || !place || !coarse->node || !coarse->at || !coarse->area ||
-      !coarse->start || !coarse->row || !coarse->coefficient) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(first && next && place && coarse->node && coarse->at && coarse->area &&
+                coarse->start && coarse->row && coarse->coefficient);
   for (int32_t k = 0; k < patches; k++)
     first[k] = -1;
   for (int32_t j = n - 1; j >= 0; j--) {
@@ -140,10 +137,7 @@ bw_status bwi_pressure_patches(bw_context *context, const bw_pressure_basis *bas
   w.distance = BW_NEW(context, double, n);
   w.patch = BW_NEW0(context, int32_t, n);
   w.seed = BW_NEW(context, int32_t, n);
-  if (!w.normal || !w.distance || !w.patch || !w.seed) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(w.normal && w.distance && w.patch && w.seed);
   mean_normals(basis, w.normal, &area);
   w.length2 = area / patches;
   int32_t count = sample(&w, patches);

@@ -68,18 +68,13 @@ bw_status bwi_child_run(bw_context *context, const char *what, const bwi_child_l
   } while (which < 0);
   bw_job_usage usage;
   bw_job_read_usage(job, &usage);
-  if (usage.state == BW_JOB_CRASHED) {
-    status = fail_broken(context, what, usage.signal);
-    goto done;
-  }
+  if (usage.state == BW_JOB_CRASHED)
+    BW_TRY(fail_broken(context, what, usage.signal));
   BW_TRY(bw_job_result(context, job, &result, &length));
   unsigned char *own = bwi_job_take(job);
   if (!own)
     own = BW_NEW(context, unsigned char, 0);
-  if (!own) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(own);
   *bytes = own;
   *count = length;
 done:

@@ -171,11 +171,9 @@ bw_status bw_job_start(bw_context *context, const bw_job_options *options, bw_jo
       goto done;
     }
   }
-  if (pipe2(ends, O_CLOEXEC) != 0) {
-    status = bw_fail(context, BW_LIMIT, "%s: no pipe for a child process (%s)", job->name,
-                     strerror(errno));
-    goto done;
-  }
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    BW_TRY(bw_fail(context, BW_LIMIT, "%s: no pipe for a child process (%s)", job->name,
+                   strerror(errno)));
   fflush(NULL); /* else the child would hold, and write, what is buffered here */
   settle_libraries();
   job->start = bw_seconds();
@@ -192,10 +190,8 @@ bw_status bw_job_start(bw_context *context, const bw_job_options *options, bw_jo
   }
   pthread_mutex_unlock(&lock);
   bwi_blas_leave();
-  if (job->child < 0) {
-    status = bw_fail(context, BW_MEMORY, "%s: no child process (%s)", job->name, strerror(why));
-    goto done;
-  }
+  if (job->child < 0)
+    BW_TRY(bw_fail(context, BW_MEMORY, "%s: no child process (%s)", job->name, strerror(why)));
   setpgid(job->child, job->child); /* as the child does: whoever comes first */
   job->pipe = ends[0];
   ends[0] = -1;
@@ -353,10 +349,8 @@ bw_status bw_jobs_wait(bw_context *context, int count, bw_job *const *jobs, doub
     double left = 1000 * (seconds - (bw_seconds() - start));
     int timeout = left >= POLL_MILLISECONDS ? POLL_MILLISECONDS : left > 0 ? (int)ceil(left) : 0;
     int found = poll(ready, (nfds_t)count, timeout);
-    if (found < 0 && errno != EINTR) {
-      status = bw_fail(context, BW_LIMIT, "waiting for %d jobs: %s", count, strerror(errno));
-      goto done;
-    }
+    if (found < 0 && errno != EINTR)
+      BW_TRY(bw_fail(context, BW_LIMIT, "waiting for %d jobs: %s", count, strerror(errno)));
     /* What has come by the end of the time is still read, and may be somebody's last words. */
     late = left <= 0 && (found == 0 || left < -DRAIN_MILLISECONDS);
     for (int i = 0; i < count && found >= 0; i++)

@@ -275,10 +275,7 @@ bw_status bw_temporary_create(bw_context *context, const char *target, bool with
   if (folder_of(folder, target))
     sweep_once(folder);
   t->path = BW_NEW(context, char, bytes);
-  if (!t->path) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(t->path);
   int made = 0;
   for (int i = 0; i < TRIES && made == 0; i++) {
     snprintf(t->path, bytes, "%.*s%s%ld.%08x", (int)(before + kept), target, word, (long)getpid(),

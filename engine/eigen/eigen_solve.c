@@ -227,10 +227,7 @@ static bw_status find_errors(bw_context *context, pencil *p, const bwi_eigen_res
   bw_solver *pcg = NULL;
   bw_solver_options options = {.kind = BW_SOLVER_PCG, .tolerance = 1e-3, .max_iterations = 1000};
   double *r = BW_NEW(context, double, count *size), *z = BW_NEW(context, double, count *size);
-  if (!r || !z) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(r && z);
   BW_TRY(pencil_stiffness(context, p, count, result->vector, r));
   BW_TRY(pencil_mass(context, p, count, result->vector, z));
   for (int64_t k = 0; k < count; k++)
@@ -382,10 +379,7 @@ bw_status bw_eigen_solve(bw_context *context, const bw_operator *stiffness, cons
     result.report.flops = bwi_factor_flops(p.factor);
   }
   error = BW_NEW(context, double, result.count);
-  if (!error) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(error);
   BW_TRY(find_errors(context, &p, &result, error));
   BW_TRY(make_pairs(context, &p, &result, &error, pairs));
 done:

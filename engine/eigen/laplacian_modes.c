@@ -84,10 +84,7 @@ static bw_status open_laplacian(bw_context *context, const bw_mesh *mesh,
   l->mass = BW_NEW(context, double, pattern->block_count);
   l->weight = BW_NEW(context, double, nodes);
   l->sum = BW_NEW0(context, double, mesh->component_count);
-  if (!unknown || !l->stiffness || !l->mass || !l->weight || !l->sum) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(unknown && l->stiffness && l->mass && l->weight && l->sum);
   BW_TRY(bw_laplacian(context, pattern, mesh, l->stiffness));
   BW_TRY(bw_mass(context, pattern, mesh, l->mass));
   BW_TRY(bwi_order_create(context, pattern, NULL, &order));
@@ -106,10 +103,7 @@ static bw_status open_laplacian(bw_context *context, const bw_mesh *mesh,
   BW_TRY(bwi_factor_create(context, constrained, &matrix, &l->factor, NULL));
   /* weights: V 1 over the volume of the body */
   double *ones = BW_NEW(context, double, nodes);
-  if (!ones) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(ones);
   for (int32_t i = 0; i < nodes; i++)
     ones[i] = 1;
   status = laplacian_mass(context, l, 1, ones, l->weight);

@@ -102,10 +102,7 @@ bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
   first->state = BW_NEW0(context, double, unknowns);
   first->before = BW_NEW0(context, double, unknowns);
   first->reaction = BW_NEW0(context, double, unknowns);
-  if (!first->state || !first->before || !first->reaction) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(first->state && first->before && first->reaction);
   if (flow->components == 4)
     for (size_t i = 3; i < unknowns; i += 4)
       first->state[i] = description->reference;

@@ -50,10 +50,7 @@ bw_status bw_grid_surface(bw_context *context, const bw_grid *grid, bw_surface *
   number = BW_NEW0(context, int32_t, grid->node_count);
   triangle = BW_NEW(context, int32_t, 6 * faces);
   group = BW_NEW(context, int32_t, 2 * faces);
-  if (!number || !triangle || !group) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(number && triangle && group);
   for (int64_t f = 0; f < faces; f++)
     for (int k = 0; k < 4; k++)
       number[face[f].node[k]] = 1;
@@ -61,10 +58,7 @@ bw_status bw_grid_surface(bw_context *context, const bw_grid *grid, bw_surface *
     points += number[n];
   of = BW_NEW(context, int32_t, points);
   point = BW_NEW(context, double, 3 * (int64_t)points);
-  if (!of || !point) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(of && point);
   points = 0;
   for (int32_t n = 0; n < grid->node_count; n++)
     if (number[n]) {

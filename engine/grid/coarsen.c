@@ -86,10 +86,7 @@ bw_status bw_coarsening_create(bw_context *context, const bw_grid *fine, bw_coar
   it->parent = BW_NEW(context, int32_t, fine->element_count);
   it->child = BW_NEW(context, int32_t, 8 * (int64_t)coarse->element_count);
   it->stencil = BW_NEW(context, int32_t, 8 * (int64_t)fine->node_count);
-  if (!it->parent || !it->child || !it->stencil) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(it->parent && it->child && it->stencil);
   memset(it->child, -1, 8 * (size_t)coarse->element_count * sizeof *it->child);
   memset(it->stencil, -1, 8 * (size_t)fine->node_count * sizeof *it->stencil);
   for (int32_t e = 0; e < fine->element_count; e++) {

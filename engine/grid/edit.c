@@ -54,10 +54,7 @@ static bw_status change_elements(bw_context *context, const bw_grid *grid, int64
   int64_t cells = bwi_grid_cells(grid->cells);
   int32_t *now = BW_NEW0(context, int32_t, cells);
   double *fraction = grid->fraction ? BW_NEW(context, double, cells) : NULL;
-  if (!now || (grid->fraction && !fraction)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(now && (!grid->fraction || fraction));
   for (int64_t c = 0; fraction && c < cells; c++)
     fraction[c] = 1;
   for (int32_t e = 0; e < grid->element_count; e++) {

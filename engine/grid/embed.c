@@ -166,10 +166,7 @@ bw_status bw_embedding_create(bw_context *context, const bw_grid *grid, int64_t 
   it->element = BW_NEW(context, int32_t, points);
   it->local = BW_NEW(context, double, 3 * points);
   it->weight = BW_NEW(context, double, 8 * points);
-  if (!it->element || !it->local || !it->weight) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(it->element && it->local && it->weight);
   job j = {context, it, point, reach};
   BW_TRY(bw_parallel(context, points, GRAIN, embed, &j));
   *out = it;

@@ -214,10 +214,7 @@ static bw_status raw_fractions(bw_context *context, const bw_surface *surface,
   }
   j.area = BW_NEW(context, double, layer);
   j.cut = BW_NEW(context, double, layer);
-  if (!j.area || !j.cut) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(j.area && j.cut);
   BW_TRY(sort_facets(&j));
   BW_TRY(bw_parallel(context, cells[2], 1, fill_layers, &j));
 done:

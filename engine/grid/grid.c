@@ -111,10 +111,7 @@ static bw_status number_nodes(bw_context *context, bw_grid *grid) {
     count += number[p];
   grid->node_count = count;
   grid->node = BW_NEW(context, int32_t, count);
-  if (!grid->node) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(grid->node);
   count = 0;
   for (int64_t p = 0; p < points; p++)
     if (number[p]) {
@@ -148,20 +145,14 @@ bw_status bw_grid_create(bw_context *context, const double origin[3], const doub
   }
   int64_t total = bwi_grid_cells(cells);
   grid->at = BW_NEW(context, int32_t, total);
-  if (!grid->at) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(grid->at);
   BW_TRY(count_elements(context, grid, material, fraction));
   int32_t n = grid->element_count;
   grid->cell = BW_NEW(context, int32_t, n);
   grid->element = BW_NEW(context, int32_t, 8 * (int64_t)n);
   grid->material = BW_NEW(context, int32_t, n);
   grid->fraction = fraction ? BW_NEW(context, double, n) : NULL;
-  if (!grid->cell || !grid->element || !grid->material || (fraction && !grid->fraction)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(grid->cell && grid->element && grid->material && (!fraction || grid->fraction));
   for (int64_t c = 0; c < total; c++) {
     int32_t e = grid->at[c];
     if (e < 0)

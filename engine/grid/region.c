@@ -199,10 +199,7 @@ static bw_status choose(bw_context *context, const bw_grid *grid, const bw_regio
                 : cells ? grid->element_count
                         : grid->node_count;
   chosen = BW_NEW(context, int32_t, all);
-  if (!chosen) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(chosen);
   for (int64_t i = 0; i < all; i++) {
     int64_t place = voids ? i : cells ? grid->cell[i] : grid->node[i];
     int32_t item = voids ? grid->at[i] : (int32_t)i;

@@ -83,10 +83,7 @@ static bw_status warn_of_parts(bw_context *context, const bw_grid *grid) {
   if (parts == 1)
     goto done;
   size = BW_NEW0(context, int32_t, parts);
-  if (!size) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(size);
   for (int32_t e = 0; e < grid->element_count; e++)
     size[group[e]]++;
   for (int32_t i = 0; i < parts; i++) {
@@ -120,30 +117,23 @@ bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
   all = bwi_grid_cells(cells);
   fraction = BW_NEW(context, double, all);
   material = BW_NEW(context, int32_t, all);
-  if (!fraction || !material) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(fraction && material);
   BW_TRY(bw_grid_fractions(context, surface, origin, spacing, cells, fraction));
   for (int64_t c = 0; c < all; c++) {
     max = fmax(max, fraction[c]);
     material[c] = fraction[c] > 0 && fraction[c] >= options->min_fraction ? options->material : 0;
     held += material[c] > 0;
   }
-  if (max == 0) {
-    status = bw_fail(context, BW_GEOMETRY,
-                     "the surface encloses nothing that cells of %g m would hold: its volume is %g "
-                     "m3",
-                     spacing[0], bw_surface_volume(surface));
-    goto done;
-  }
-  if (held == 0) {
-    status = bw_fail(context, BW_EMPTY,
-                     "no cell of %g m has a volume fraction above %.3g inside the surface, and the "
-                     "minimum fraction is %g: take smaller cells or a smaller minimum fraction",
-                     spacing[0], max, options->min_fraction);
-    goto done;
-  }
+  if (max == 0)
+    BW_TRY(bw_fail(context, BW_GEOMETRY,
+                   "the surface encloses nothing that cells of %g m would hold: its volume is %g "
+                   "m3",
+                   spacing[0], bw_surface_volume(surface)));
+  if (held == 0)
+    BW_TRY(bw_fail(context, BW_EMPTY,
+                   "no cell of %g m has a volume fraction above %.3g inside the surface, and the "
+                   "minimum fraction is %g: take smaller cells or a smaller minimum fraction",
+                   spacing[0], max, options->min_fraction));
   BW_TRY(bw_grid_create(context, origin, spacing, cells, material, options->whole ? NULL : fraction,
                         &grid));
   BW_TRY(warn_of_parts(context, grid));

@@ -16,10 +16,7 @@ bw_status bw_grid_write_vtu(bw_context *context, const bw_grid *grid, const char
   double *point = BW_NEW(context, double, 3 * (int64_t)grid->node_count);
   int32_t *cell = BW_NEW(context, int32_t, 8 * (int64_t)grid->element_count);
   bw_field *list = BW_NEW0(context, bw_field, (size_t)field_count + 1);
-  if (!point || !cell || !list) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(point && cell && list);
   for (int32_t n = 0; n < grid->node_count; n++)
     bw_grid_position(grid, n, point + 3 * (int64_t)n);
   for (int64_t e = 0; e < grid->element_count; e++)

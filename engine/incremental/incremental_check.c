@@ -82,13 +82,11 @@ bw_status bwi_incremental_check(bw_context *context, const bw_incremental_system
   double off = difference(system->stiffness, values, 9 * blocks);
   if (reuse)
     reuse->difference_stiffness = fmax(reuse->difference_stiffness, off);
-  if (!(off <= same_stiffness)) {
-    status = bw_fail(context, BW_INTERNAL,
-                     "the incrementally updated stiffness differs from the reassembled one by %.3g "
-                     "of the largest entry (allowed: %g)",
-                     off, same_stiffness);
-    goto done;
-  }
+  if (!(off <= same_stiffness))
+    BW_TRY(bw_fail(context, BW_INTERNAL,
+                   "the incrementally updated stiffness differs from the reassembled one by %.3g "
+                   "of the largest entry (allowed: %g)",
+                   off, same_stiffness));
   bwi_matrix matrix = {.pattern = system->pattern, .stiffness = values, .dof_map = dof_map};
   BW_TRY(bwi_symbolic_for(context, system->pattern, dof_map, BW_ORDERING_AUTO, 0, NULL, NULL, NULL,
                           &symbolic));
@@ -109,14 +107,12 @@ bw_status bwi_incremental_check(bw_context *context, const bw_incremental_system
     if (!(off <= allowed))
       BW_TRY(relative_residual(context, system, tolerance, size, force + k * size,
                                displacement + k * size, &residual));
-    if (!(residual <= same_residual)) {
-      status = bw_fail(context, BW_INTERNAL,
-                       "the solution for right-hand side %lld differs from that of a recomputed "
-                       "factor by %.3g of the largest displacement (allowed: %g), and its "
-                       "residual is %.3g times what the tolerance and rounding leave",
-                       (long long)(k + 1), off, allowed, residual);
-      goto done;
-    }
+    if (!(residual <= same_residual))
+      BW_TRY(bw_fail(context, BW_INTERNAL,
+                     "the solution for right-hand side %lld differs from that of a recomputed "
+                     "factor by %.3g of the largest displacement (allowed: %g), and its "
+                     "residual is %.3g times what the tolerance and rounding leave",
+                     (long long)(k + 1), off, allowed, residual));
   }
 done:
   bw_free(reference);

@@ -46,10 +46,7 @@ bw_status bwi_incremental_by_two_level(bw_context *context, bw_incremental_syste
   if (!inner->two_level_usable)
     goto done;
   solution = BW_NEW(context, double, size);
-  if (!solution) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(solution);
   BW_TRY(bwi_two_level_solve(context, inner->two_level, &problem, count,
                              left->force ? left->force : displacement, solution));
   *iterations += problem.iterations;

@@ -121,10 +121,7 @@ static bw_status conjugate(bw_context *context, const bw_incremental_system *inc
   problem->load = left->load;
   problem->energy = left->energy;
   solution = BW_NEW(context, double, size);
-  if (!solution) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(solution);
   BW_TRY(
       bwi_pcg_solve(context, problem, count, left->force ? left->force : displacement, solution));
   if (problem->converged) {
@@ -286,10 +283,8 @@ static bw_status solve_by_iterations(bw_context *context, bw_incremental_system 
     BW_TRY(iterate(context, incremental, options, max.iterate,
                    way == BWI_AUTO ? instead / cost.one_iteration : 0, &cost, left, count,
                    displacement, &iterations, solved));
-    if (!*solved && way == BWI_ITERATE) {
-      status = fail_convergence(context, iterations, options->tolerance);
-      goto done;
-    }
+    if (!*solved && way == BWI_ITERATE)
+      BW_TRY(fail_convergence(context, iterations, options->tolerance));
     if (*solved && reuse)
       bwi_incremental_note(BWI_ITERATE, reuse);
   }
@@ -303,10 +298,8 @@ static bw_status solve_by_iterations(bw_context *context, bw_incremental_system 
       double fair = 1 + BWI_TWO_LEVEL_RATE * log(2 / left->tolerance);
       inner->two_level_ratio[cost.near] = fmin(fmax((needed - 1) / (fair - 1), 0.2), 5);
     }
-    if (!*solved && way == BWI_PCG) {
-      status = fail_levels(context, incremental, iterations, options->tolerance);
-      goto done;
-    }
+    if (!*solved && way == BWI_PCG)
+      BW_TRY(fail_levels(context, incremental, iterations, options->tolerance));
     if (*solved && reuse)
       bwi_incremental_note(BWI_PCG, reuse);
     if (*solved && isfinite(cost.pcg))

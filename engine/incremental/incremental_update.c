@@ -180,10 +180,7 @@ bw_status bw_incremental_system_update(bw_context *context, bw_incremental_syste
   double start = bw_seconds(), *supports = NULL;
   double *frame = BW_NEW(context, double, 9 * subdomains);
   uint8_t *touched = BW_NEW0(context, uint8_t, subdomains);
-  if (!frame || !touched) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(frame && touched);
   BW_TRY(check_model(context, incremental, model));
   BW_TRY(check_material(context, incremental, model, motion));
   for (size_t d = 0; d < subdomains; d++)

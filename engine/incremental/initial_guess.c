@@ -68,10 +68,7 @@ static bw_status combine(bw_context *context, const bw_system *system, int field
   double *gram = BW_NEW(context, double, n *n);
   double *weight = BW_NEW(context, double, n *(size_t)count);
   double *scale = BW_NEW(context, double, n);
-  if (!v || !kv || !gram || !weight || !scale) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(v && kv && gram && weight && scale);
   for (size_t k = 0; k < n; k++) {
     double sum = 0;
     memcpy(v + k * length, field[k], length * sizeof *v);
@@ -153,10 +150,7 @@ bw_status bwi_initial_guess_make(bw_context *context, const bw_incremental_syste
   left->load = BW_NEW(context, double, count);
   left->energy = BW_NEW(context, double, count);
   work = BW_NEW(context, double, size);
-  if (!left->guess || !left->force || !left->load || !left->energy || !work) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(left->guess && left->force && left->load && left->energy && work);
   BW_TRY(combine(context, incremental->system, options->guess_count, options->guess, count, force,
                  left->guess, left->force, left->energy));
   double max = 0;

@@ -83,10 +83,7 @@ bw_status bwi_triangular_solve_create(bw_context *context, const bwi_factor *fac
     return BW_MEMORY;
   solve->symbolic = bw_retain(symbolic);
   solve->start = BW_NEW(context, int64_t, (size_t)supers + 1);
-  if (!solve->start) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(solve->start);
   solve->start[0] = 0;
   for (int32_t s = 0; s < supers; s++) {
     int64_t n = bwi_pivots(symbolic, s), rows = symbolic->rows[s], below = padded(rows - n);
@@ -98,10 +95,7 @@ bw_status bwi_triangular_solve_create(bw_context *context, const bwi_factor *fac
   solve->entry = BW_NEW(context, float, solve->start[supers]);
   solve->x = BW_NEW(context, float, symbolic->unknowns);
   solve->below = BW_NEW0(context, float, max);
-  if (!solve->entry || !solve->x || !solve->below) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(solve->entry && solve->x && solve->below);
   copy c = {factor, solve, largest > 0 ? 1 / largest : 1};
   solve->scale = c.scale * c.scale;
   BW_TRY(bw_parallel(context, supers, 1024, copy_supernodes, &c));

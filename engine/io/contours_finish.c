@@ -257,10 +257,7 @@ static bw_status build_loops(bwi_contours *c, double tolerance, double min, int6
   size_t *mate = BW_NEW0(c->context, size_t, 2 * c->pieces);
   bwi_contour_edge *list = BW_NEW(c->context, bwi_contour_edge, c->edges);
   *lines = BW_NEW(c->context, int64_t, c->pieces);
-  if (!open || !used || !mate || !list || !*lines) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(open && used && mate && list && *lines);
   BW_TRY(drop_doubles(c, min, used));
   for (size_t p = 0; p < c->pieces; p++) {
     double *at[2];
@@ -301,10 +298,7 @@ static bw_status assign_regions(bwi_contours *c) {
   bwi_draft *d = &c->draft;
   double *area = BW_NEW(c->context, double, d->loops);
   int32_t *parent = BW_NEW(c->context, int32_t, d->loops), next = 0;
-  if (!area || !parent) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(area && parent);
   BW_TRY(bwi_outline_nesting(c->context, d->point, (int32_t)d->loops, d->loop, d->segment, area,
                              parent));
   for (size_t l = 0; l < d->loops; l++) {

@@ -27,10 +27,7 @@ bw_status bwi_ids_build(bw_context *context, int64_t *id, size_t count, bwi_ids 
   bw_status status = BW_OK;
   pair *list = BW_NEW(context, pair, count);
   ids->place = BW_NEW(context, int32_t, count);
-  if (!list || !ids->place) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list && ids->place);
   for (size_t i = 0; i < count; i++)
     list[i] = (pair){id[i], (int32_t)i};
   qsort(list, count, sizeof *list, compare_pairs);

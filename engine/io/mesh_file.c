@@ -67,10 +67,7 @@ bw_status bw_mesh_file_renumber(bw_context *context, bw_mesh_file *file, bw_renu
   new_node = BW_NEW(context, int32_t, mesh->node_count);
   new_element = BW_NEW(context, int32_t, mesh->element_count);
   array = BW_NEW0(context, bw_array *, file->field_count + 1);
-  if (!new_node || !new_element || !array) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(new_node && new_element && array);
   for (int i = 0; i < file->field_count; i++)
     BW_TRY(bwi_array_rows(context, file->field_array[i], file->field_array[i]->rows,
                           file->field_place[i] == BW_ON_NODES ? node_from : element_from,

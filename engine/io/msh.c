@@ -113,10 +113,7 @@ static bw_status read_data(bwi_msh *msh, bool nodes) {
   bool wanted = rows > 0 && (uint64_t)given >= rows / 2;
   if (!nodes && wanted && !msh->elements.id) {
     int64_t *copy = BW_NEW(raw->context, int64_t, raw->tet_count), twice;
-    if (!copy) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(copy);
     memcpy(copy, msh->tet_id, raw->tet_count * sizeof *copy);
     status = bwi_ids_build(raw->context, copy, raw->tet_count, &msh->elements, &twice);
     if (status == BW_FORMAT)

@@ -112,10 +112,8 @@ static bw_status read_facets(bwi_cursor *cursor, bwi_soup *soup, obj_line *scrat
       while (bwi_next_word(&line, &word) && *word.at != '#') {
         if (count == BWI_POLYGON_CORNERS)
           BW_TRY(bwi_fail_line(&line, "a facet of more than %d corners", BWI_POLYGON_CORNERS));
-        if (!bw_grow(cursor->context, (void **)&corner, &capacity, count, 1, sizeof *corner)) {
-          status = BW_MEMORY;
-          goto done;
-        }
+        BW_TRY_MEMORY(
+            bw_grow(cursor->context, (void **)&corner, &capacity, count, 1, sizeof *corner));
         BW_TRY(read_corner(&line, word, before, (int64_t)soup->point_count, &corner[count]));
         count++;
       }

@@ -267,11 +267,8 @@ static bw_status read_list(bwi_cursor *cursor, ply *file, const property *p, siz
     const unsigned char *bytes;
     return bwi_take(cursor, file->list_count * min, &bytes, "a list");
   }
-  if (!bw_grow(cursor->context, (void **)&file->list, &file->list_capacity, 0, file->list_count + 1,
-               sizeof *file->list)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(bw_grow(cursor->context, (void **)&file->list, &file->list_capacity, 0,
+                        file->list_count + 1, sizeof *file->list));
   for (size_t i = 0; i < file->list_count; i++) {
     BW_TRY(read_scalar(cursor, file, p->type, p->meaning != IGNORED, &value));
     if (p->meaning == IGNORED)

@@ -168,10 +168,7 @@ static bw_status take_compressed(stream *s, bw_context *context, const bwi_vtu_f
   if (total != expected)
     BW_TRY(fail_size(s, array, total, expected));
   packed = BW_NEW(context, uint64_t, blocks);
-  if (!packed) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(packed);
   for (uint64_t i = 0; i < blocks; i++) {
     BW_TRY(take_word(s, file->wide, &packed[i]));
     if (packed[i] > bytes_left(s))
@@ -185,10 +182,7 @@ static bw_status take_compressed(stream *s, bw_context *context, const bwi_vtu_f
                          bwi_show(array->name), (long long)array->line,
                          (unsigned long long)expected, (unsigned long long)all, bytes_left(s)));
   bytes = BW_NEW(context, unsigned char, expected);
-  if (!bytes) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(bytes);
   for (uint64_t i = 0; i < blocks; i++) {
     BW_TRY(bw_check_cancel(context));
     uint64_t size = i + 1 == blocks && last ? last : block;
@@ -290,10 +284,7 @@ bw_status bwi_vtu_reals(const bwi_cursor *cursor, const bwi_vtu_file *file,
   else
     BW_TRY(array_bytes(cursor, file, array, count, &bytes));
   made = BW_NEW(cursor->context, double, count);
-  if (!made) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made);
   for (uint64_t i = 0; i < count; i++) {
     if (array->form == BWI_VTU_ASCII)
       BW_TRY(finite ? bwi_read_real(&text, &made[i], "a number")
@@ -350,10 +341,7 @@ bw_status bwi_vtu_integers(const bwi_cursor *cursor, const bwi_vtu_file *file,
   else
     BW_TRY(array_bytes(cursor, file, array, count, &bytes));
   made = BW_NEW(cursor->context, int64_t, count);
-  if (!made) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made);
   for (uint64_t i = 0; i < count; i++)
     if (array->form == BWI_VTU_ASCII)
       BW_TRY(bwi_read_integer(&text, &made[i], "an integer"));

@@ -307,10 +307,7 @@ static bw_status read_cells(const bwi_cursor *cursor, const vtu *file, size_t nu
                            (long long)i, (long long)node[i], (long long)p->points));
   if (longest > 64) {
     scratch = BW_NEW(cursor->context, int32_t, longest);
-    if (!scratch) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(scratch);
   }
   BW_TRY(read_groups(cursor, file, number, &group));
   for (int64_t i = 0; i < p->cells; i++) {
@@ -409,10 +406,7 @@ bw_status bwi_vtu_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
       tet_cell = BW_NEW(cursor->context, int32_t, cells);
       max = cells;
     }
-    if (!tet_cell) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(tet_cell);
     BW_TRY(read_cells(cursor, &file, i, raw, first_point, tet_cell));
   }
   for (size_t i = 0; i < file.array_count && raw->tet_count > 0; i++) {

@@ -46,10 +46,7 @@ static bw_status pack(bw_context *context, const void *source, size_t bytes, pac
   packing p = {(const unsigned char *)source, bytes, compressBound(BLOCK_BYTES), NULL, NULL};
   p.out = BW_NEW(context, unsigned char, blocks *p.stride);
   p.size = BW_NEW(context, uint64_t, blocks);
-  if (!p.out || !p.size) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(p.out && p.size);
   status = bw_parallel(context, (int64_t)blocks, 1, pack_blocks, &p);
   if (status == BW_MEMORY)
     bw_fail(context, BW_MEMORY, "out of memory while compressing %zu bytes", bytes);
@@ -59,10 +56,7 @@ static bw_status pack(bw_context *context, const void *source, size_t bytes, pac
     all += p.size[i];
   to->count = (3 + blocks) * sizeof(uint64_t) + all;
   to->bytes = BW_NEW(context, unsigned char, to->count);
-  if (!to->bytes) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(to->bytes);
   uint64_t head[3] = {blocks, BLOCK_BYTES, bytes % BLOCK_BYTES};
   unsigned char *at = to->bytes;
   memcpy(at, head, sizeof head);
@@ -107,10 +101,7 @@ static bw_status pack_cells(bw_context *context, const bwi_vtu_cells *g, packed 
   bw_status status = BW_OK;
   int64_t *end = BW_NEW(context, int64_t, g->cells);
   uint8_t *type = BW_NEW(context, uint8_t, g->cells);
-  if (!end || !type) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(end && type);
   for (int64_t i = 0; i < g->cells; i++) {
     end[i] = (i + 1) * g->width;
     type[i] = g->type;
@@ -293,10 +284,7 @@ bw_status bw_plane_write_vtu(bw_context *context, const bw_plane_mesh *mesh, con
   double *point = BW_NEW0(context, double, 3 * (size_t)nodes);
   bw_field *list = BW_NEW(context, bw_field, field_count);
   bw_array **space = BW_NEW0(context, bw_array *, field_count);
-  if (!point || !list || !space) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(point && list && space);
   for (int64_t i = 0; i < nodes; i++)
     memcpy(point + 3 * i, mesh->point + 2 * i, 2 * sizeof *point);
   for (int i = 0; i < field_count; i++) {

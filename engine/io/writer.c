@@ -82,10 +82,8 @@ bw_status bw_writer_open(bw_context *context, const char *path, bw_writer **writ
   made->status = BW_OK;
   made->used = 0;
   struct stat old;
-  if (!path[0]) {
-    status = bw_fail(context, BW_INVALID, "an empty path: the name of a file is needed");
-    goto done;
-  }
+  if (!path[0])
+    BW_TRY(bw_fail(context, BW_INVALID, "an empty path: the name of a file is needed"));
   BW_TRY(bw_may_use(context, path, BW_TO_WRITE));
   BW_TRY(resolve(made, path));
   bool exists = stat(made->path, &old) == 0;

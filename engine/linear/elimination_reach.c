@@ -48,21 +48,16 @@ bw_status bwi_elimination_reach_create(bw_context *context, bwi_symbolic *symbol
   reach->set = BW_NEW0(context, uint64_t, (size_t)supers * words);
   reach->keep = BW_NEW0(context, uint8_t, supers);
   super_of = BW_NEW(context, int32_t, order->size);
-  if (!reach->set || !reach->keep || !super_of) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(reach->set && reach->keep && super_of);
   for (int32_t s = 0; s < supers; s++)
     for (int32_t p = order->super[s]; p < order->super[s + 1]; p++)
       super_of[p] = s;
   for (int64_t e = 0; e < mesh->element_count; e++) {
     int32_t subdomain = element_subdomain[e];
-    if (subdomain < 0 || subdomain >= subdomain_count) {
-      status = bw_fail(context, BW_INVALID,
-                       "element %lld is in subdomain %d: the subdomains are 1 to %d",
-                       (long long)(e + 1), subdomain + 1, subdomain_count);
-      goto done;
-    }
+    if (subdomain < 0 || subdomain >= subdomain_count)
+      BW_TRY(bw_fail(context, BW_INVALID,
+                     "element %lld is in subdomain %d: the subdomains are 1 to %d",
+                     (long long)(e + 1), subdomain + 1, subdomain_count));
     for (int k = 0; k < npe; k++) {
       int32_t position = order->position[mesh->element[e * npe + k]];
       if (position >= 0)

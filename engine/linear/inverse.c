@@ -98,10 +98,7 @@ bw_status bw_operator_inverse(bw_context *context, const bw_sparse_matrix *matri
   BW_TRY(bw_operator_of_matrix(context, matrix, NULL, &a));
   BW_TRY(bwi_operator_check_symmetric(context, a, NULL));
   m = BW_NEW0(context, inverse, 1);
-  if (!m) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(m);
   m->size = matrix->rows;
   if (jacobi)
     BW_TRY(invert_diagonal(context, matrix, m));
@@ -136,10 +133,7 @@ bw_status bwi_operator_check_symmetric(bw_context *context, const bw_operator *a
     return BW_OK;
   bw_random random;
   double *x = BW_NEW(context, double, 2 * size), *ax = BW_NEW(context, double, 2 * size);
-  if (!x || !ax) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(x && ax);
   bw_random_seed(&random, 1);
   for (int64_t i = 0; i < 2 * size; i++)
     x[i] = 2 * bw_random_uniform(&random) - 1;

@@ -43,10 +43,7 @@ static bw_status order_inside(dissection *cut, const int32_t *node, int32_t coun
     for (idx_t k = near->start[node[i]]; k < near->start[node[i] + 1]; k++)
       entries += cut->number[near->neighbour[k]] >= 0;
   neighbour = BW_NEW(context, idx_t, entries);
-  if (!start || !neighbour || !permutation) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(start && neighbour && permutation);
   entries = 0;
   for (int32_t i = 0; i < count; i++) {
     start[i] = (idx_t)entries;
@@ -156,10 +153,7 @@ static bw_status dissect_groups(dissection *cut, int32_t *group, int32_t count, 
     return order_inside(cut, node, nodes);
   int32_t *tree = BW_NEW(context, int32_t, count), *other = BW_NEW(context, int32_t, count),
           *moved = BW_NEW(context, int32_t, nodes);
-  if (!tree || !other || !moved) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(tree && other && moved);
   int32_t choice, size[4] = {0, 0, 0, 0}, groups[2] = {0, 0};
   double mean = span(cut, group, count, tree, other, &choice);
   if (choice < 0)
@@ -206,10 +200,7 @@ bw_status bwi_order_along_interfaces(bw_context *context, const bwi_adjacency *n
   cut.shared = BW_NEW(context, int32_t, (size_t)groups * (size_t)groups);
   cut.side = BW_NEW(context, int8_t, groups);
   cut.number = BW_NEW(context, idx_t, near->size);
-  if (!group || !node || !cut.shared || !cut.side || !cut.number) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(group && node && cut.shared && cut.side && cut.number);
   bwi_count_shared(of, near->size, groups, cut.shared);
   for (int32_t g = 0; g < groups; g++) {
     group[g] = g;

@@ -51,10 +51,7 @@ bw_status bwi_plan_create(bw_context *context, const bwi_symbolic *symbolic, con
   int32_t *lowest = BW_NEW(context, int32_t, supers);    /* its first wanted supernode */
   int64_t *children = BW_NEW0(context, int64_t, supers); /* numbers of children on the stack */
   uint8_t *in_task = BW_NEW0(context, uint8_t, supers);
-  if (!below || !lowest || !children || !in_task) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(below && lowest && children && in_task);
   for (int32_t s = 0; s < supers; s++)
     lowest[s] = s;
   for (int32_t s = 0; s < supers; s++) {
@@ -82,10 +79,7 @@ bw_status bwi_plan_create(bw_context *context, const bwi_symbolic *symbolic, con
   plan->task = BW_NEW0(context, bwi_task, plan->task_count);
   plan->top = BW_NEW(context, int32_t, plan->top_count);
   plan->task_of = BW_NEW(context, int32_t, supers);
-  if (!plan->task || !plan->top || !plan->task_of) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(plan->task && plan->top && plan->task_of);
   int32_t tasks = 0, tops = 0;
   stack_count stack = {0, 0}, top_stack = {0, 0};
   for (int32_t s = 0; s < supers; s++) {

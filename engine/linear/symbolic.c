@@ -72,10 +72,7 @@ bw_status bwi_symbolic_create(bw_context *context, bwi_order *order, int compone
   symbolic->at = BW_NEW(context, int32_t, (int64_t)order->node_count * components);
   symbolic->panel = BW_NEW(context, int64_t, order->super_count + 1);
   symbolic->rows = BW_NEW(context, int32_t, order->super_count);
-  if (!symbolic->first || !symbolic->at || !symbolic->panel || !symbolic->rows) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(symbolic->first && symbolic->at && symbolic->panel && symbolic->rows);
   BW_TRY(number_unknowns(context, symbolic, unknown));
   symbolic->panel[0] = 0;
   for (int32_t s = 0; s < order->super_count; s++) {

@@ -118,10 +118,7 @@ bw_status bw_system_matrix(bw_context *context, const bw_system *system, bw_syst
   count_entries(&c, rows);
   c.column = BW_NEW(context, int32_t, c.start[rows] + 1);
   c.value = BW_NEW(context, double, c.start[rows] + 1);
-  if (!c.column || !c.value) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(c.column && c.value);
   BW_TRY(bw_parallel(context, system->mesh->node_count, NODES_PER_CHUNK, fill_rows, &c));
   BW_TRY(bw_sparse_matrix_adopt(context, (int32_t)rows, (int32_t)rows, c.start, c.column, c.value,
                                 matrix));
@@ -163,10 +160,7 @@ bw_status bw_system_right_hand_side(bw_context *context, const bw_system *system
   size_t n = 3 * (size_t)system->mesh->node_count;
   double *rest = BW_NEW(context, double, n);
   double *u = BW_NEW(context, double, n), *product = BW_NEW(context, double, n);
-  if (!rest || !u || !product) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(rest && u && product);
   memcpy(rest, force, n * sizeof *rest);
   if (dof_map->prescribed) {
     BW_TRY(bwi_need_equations(context, system));

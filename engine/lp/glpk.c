@@ -115,17 +115,12 @@ static bw_status glpk_open(bw_context *context, const bwi_linear_program *progra
   int *volatile row = BW_NEW(context, int, capacity);
   int *volatile column = BW_NEW(context, int, capacity);
   double *volatile value = BW_NEW(context, double, capacity);
-  if (!glpk || !row || !column || !value) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(glpk && row && column && value);
   glpk->program = program;
   glpk->max_iterations = max_iterations;
   int fresh = glp_init_env();
-  if (fresh > 1) {
-    status = bw_fail(context, BW_MEMORY, "GLPK found no memory to start");
-    goto done;
-  }
+  if (fresh > 1)
+    BW_TRY(bw_fail(context, BW_MEMORY, "GLPK found no memory to start"));
   glpk->own_environment = fresh == 0;
   if (setjmp(glpk->escape) == 0) {
     glpk->terminal = glp_term_out(GLP_ON);

@@ -51,10 +51,7 @@ bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_prog
   double *basis = BW_NEW0(context, double, (size_t)m *(size_t)m);
   double *rest = BW_NEW(context, double, m), *x = BW_NEW(context, double, m);
   int32_t *pivot = BW_NEW(context, int32_t, m), *full = BW_NEW(context, int32_t, m);
-  if (!basis || !rest || !x || !pivot || !full) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(basis && rest && x && pivot && full);
   solution->value = 0;
   solution->violation = solution->gap = INFINITY;
   for (int32_t j = 0; j < n; j++)

@@ -63,10 +63,7 @@ bw_status bw_material_rotated_by_element(bw_context *context, const bw_material 
     made->orientations = t;
   else
     bwi_material_orientations_destroy(t);
-  if (!made || !one || !t) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made && one && t);
   made->unrotated = (const bw_material *)bw_retain(material);
   memcpy(t->of_element, of_element, (size_t)element_count * sizeof *of_element);
   memcpy(t->rotation, rotation, 9 * (size_t)group_count * sizeof *rotation);

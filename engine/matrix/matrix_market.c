@@ -110,10 +110,7 @@ bw_status bwi_market_read_matrix(bwi_cursor *cursor, bw_sparse_matrix **matrix) 
   row = BW_NEW(context, int32_t, capacity);
   column = BW_NEW(context, int32_t, capacity);
   value = BW_NEW(context, double, capacity);
-  if (!row || !column || !value) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(row && column && value);
   int64_t count = 0;
   for (int64_t k = 0; k < m.entries; k++) {
     if (k % 65536 == 0)

@@ -202,25 +202,18 @@ static bw_status build(const bwi_cursor *archive, const bw_array *shape, const b
   start = BW_NEW(context, int64_t, rows + 1);
   column = BW_NEW(context, int32_t, count + 1);
   value = BW_NEW(context, double, count + 1);
-  if (!start || !column || !value) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(start && column && value);
   for (int64_t i = 0; i <= rows; i++) {
     start[i] = whole_at(indptr, i);
-    if (start[i] < (i > 0 ? start[i - 1] : 0) || start[i] > count || (i == 0 && start[0] != 0)) {
-      status = bwi_fail_byte(archive, "row %lld starts at entry %lld of %lld", (long long)i + 1,
-                             (long long)start[i], (long long)count);
-      goto done;
-    }
+    if (start[i] < (i > 0 ? start[i - 1] : 0) || start[i] > count || (i == 0 && start[0] != 0))
+      BW_TRY(bwi_fail_byte(archive, "row %lld starts at entry %lld of %lld", (long long)i + 1,
+                           (long long)start[i], (long long)count));
   }
   for (int64_t k = 0; k < count; k++) {
     int64_t j = whole_at(indices, k);
-    if (j < 0 || j >= columns) {
-      status = bwi_fail_byte(archive, "entry %lld lies in column %lld of %lld", (long long)k + 1,
-                             (long long)j, (long long)columns);
-      goto done;
-    }
+    if (j < 0 || j >= columns)
+      BW_TRY(bwi_fail_byte(archive, "entry %lld lies in column %lld of %lld", (long long)k + 1,
+                           (long long)j, (long long)columns));
     column[k] = (int32_t)j;
     value[k] = bw_array_get(data, k, 0);
   }

@@ -125,10 +125,7 @@ bw_status bw_sparse_matrix_create(bw_context *context, int32_t rows, int32_t col
   int64_t *start = BW_NEW0(context, int64_t, (size_t)rows + 2);
   int32_t *to_column = BW_NEW(context, int32_t, count + 1);
   double *to_value = BW_NEW(context, double, count + 1);
-  if (!by_column || !by_row || !place || !start || !to_column || !to_value) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(by_column && by_row && place && start && to_column && to_value);
   for (int64_t k = 0; k < count; k++) {
     place[column[k] + 1]++;
     start[row[k] + 2]++;

@@ -316,10 +316,7 @@ bw_status bwi_coarsen_collapse(bwi_coarsening *c, int64_t *collapsed) {
       double length = distance_of(place(c, a), place(c, b));
       if (!is_short(c, a, b, length))
         continue;
-      if (!bw_grow(c->context, (void **)&edge, &capacity, count, 1, sizeof *edge)) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(bw_grow(c->context, (void **)&edge, &capacity, count, 1, sizeof *edge));
       edge[count] = (bwi_keyed){.item = a, .part = b};
       memcpy(&edge[count++].key, &length, 8); /* positive numbers sort like their bits */
     }

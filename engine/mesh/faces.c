@@ -209,10 +209,7 @@ static bw_status find_faces(bwi_face_finder *f) {
   int32_t *list = BW_NEW(f->context, int32_t, regions);
   uint8_t *mark = BW_NEW0(f->context, uint8_t, regions);
   uint8_t *tried = BW_NEW0(f->context, uint8_t, regions);
-  if (!order || !list || !mark || !tried) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(order && list && mark && tried);
   BW_TRY(bwi_order_by(f->context, regions, f->region_area, order));
   for (int32_t i = 0; i < regions; i++)
     if (is_plane(f, order[i]))
@@ -304,15 +301,9 @@ static bw_status finish(bwi_face_finder *f, bw_faces *faces) {
   faces->triangle_count = f->top->facets;
   faces->face = BW_NEW0(f->context, bw_face, f->face_count);
   faces->of_triangle = BW_NEW(f->context, int32_t, f->top->facets);
-  if (!area || !order || !place || !faces->face || !faces->of_triangle) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(area && order && place && faces->face && faces->of_triangle);
   used = BW_NEW0(f->context, uint8_t, f->face_count);
-  if (!used) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(used);
   for (int32_t r = 0; r < f->regions; r++)
     used[f->face_of[r]] = 1;
   for (size_t i = 0; i < f->face_count; i++)
@@ -373,10 +364,7 @@ bw_status bw_faces_find(bw_context *context, const bw_surface *surface, double a
   BW_TRY(bwi_link_regions(&f));
   BW_TRY(find_faces(&f));
   faces = BW_NEW0(context, bw_faces, 1);
-  if (!faces) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(faces);
   bw_object_init(faces, &faces_kind);
   BW_TRY(finish(&f, faces));
   *out = faces;

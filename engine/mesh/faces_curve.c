@@ -96,10 +96,7 @@ bw_status bw_mesh_curved(bw_context *context, const bw_mesh *mesh, const bw_surf
   at = BW_NEW0(context, bwi_faces_around, mesh->node_count);
   moved = BW_NEW0(context, uint8_t, mesh->node_count);
   node = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
-  if (!label || !at || !moved || !node) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(label && at && moved && node);
   BW_TRY(bwi_faces_label(context, surface, faces, boundary, label));
   memcpy(node, mesh->node, 3 * (size_t)mesh->node_count * sizeof *node);
   for (int32_t f = 0; f < mesh->facet_count; f++)

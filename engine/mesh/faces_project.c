@@ -224,10 +224,7 @@ bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const b
                   .moved = BW_NEW0(context, uint8_t, points)};
   *count = 0;
   *moved = 0;
-  if (!at || !max_move || !label || !p.from || !p.point || !p.moved) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(at && max_move && label && p.from && p.point && p.moved);
   if (surface->group)
     memcpy(label, surface->group, (size_t)surface->triangle_count * sizeof *label);
   else

@@ -166,10 +166,7 @@ static bw_status choose(bw_context *context, const bw_mesh *mesh, double sine_li
   uint8_t *asked = BW_NEW0(context, uint8_t, mesh->node_count);
   uint8_t *outside = BW_NEW0(context, uint8_t, mesh->node_count);
   *gone = 0;
-  if (!asked || !outside) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(asked && outside);
   for (int32_t i = 0; i < mesh->boundary_node_count; i++)
     outside[mesh->boundary_node[i]] = 1;
   for (int32_t i = 0; i < mesh->element_count; i++) {

@@ -39,10 +39,7 @@ static bw_status number_edges(bw_context *context, pass *p) {
   bwi_keyed *list = BW_NEW(context, bwi_keyed, sides);
   int64_t *start = BW_NEW0(context, int64_t, (size_t)s->point_count + 2);
   p->edge = BW_NEW(context, int32_t, sides);
-  if (!list || !start || !p->edge) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list && start && p->edge);
   for (int round = 0; round < 2; round++) {
     for (int32_t t = 0; t < s->triangle_count; t++)
       for (int k = 0; k < 3; k++) {
@@ -69,10 +66,7 @@ static bw_status number_edges(bw_context *context, pass *p) {
   p->square = BW_NEW(context, double, count);
   p->marked = BW_NEW0(context, uint8_t, count);
   p->middle = BW_NEW(context, int32_t, count);
-  if (!p->end || !p->square || !p->marked || !p->middle) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(p->end && p->square && p->marked && p->middle);
   for (int32_t i = 0; i < s->point_count; i++)
     for (int64_t j = start[i]; j < start[i + 1]; j++) {
       int32_t e = p->edge[3 * (size_t)list[j].item + (size_t)list[j].part];
@@ -162,10 +156,7 @@ static bw_status cut(bw_context *context, pass *p, int32_t cuts, bw_surface **ou
   double *point = BW_NEW(context, double, 3 * (points + (size_t)cuts));
   int32_t *triangle = BW_NEW(context, int32_t, 3 * triangles);
   int32_t *group = s->group ? BW_NEW(context, int32_t, triangles) : NULL;
-  if (!point || !triangle || (s->group && !group)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(point && triangle && (!s->group || group));
   memcpy(point, s->point, 3 * points * sizeof *point);
   for (int32_t e = 0; e < p->edge_count; e++) {
     p->middle[e] = -1;
@@ -232,13 +223,11 @@ bw_status bwi_refine_surface(bw_context *context, const bw_surface *surface,
     BW_TRY(mark(context, &p, field, slack, &cuts));
     if (cuts == 0)
       break;
-    if (now->triangle_count + 2 * (int64_t)cuts > limit) {
-      status = bw_fail(
+    if (now->triangle_count + 2 * (int64_t)cuts > limit)
+      BW_TRY(bw_fail(
           context, BW_LIMIT,
           "the requested sizes need more than %lld facets on the surface alone: give larger sizes",
-          (long long)limit);
-      goto done;
-    }
+          (long long)limit));
     bw_surface *next;
     BW_TRY(cut(context, &p, cuts, &next));
     pass_clear(&p);

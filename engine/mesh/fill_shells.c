@@ -50,10 +50,7 @@ static bw_status find_shells(bw_context *context, shells *all) {
   int32_t *parent = BW_NEW(context, int32_t, surface->point_count);
   int32_t *number = BW_NEW(context, int32_t, surface->point_count);
   all->order = BW_NEW(context, int32_t, surface->triangle_count);
-  if (!parent || !number || !all->order) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(parent && number && all->order);
   for (int32_t i = 0; i < surface->point_count; i++) {
     parent[i] = i;
     number[i] = -1;
@@ -67,10 +64,7 @@ static bw_status find_shells(bw_context *context, shells *all) {
       number[root] = all->count++;
   }
   all->shell = BW_NEW0(context, shell, all->count);
-  if (!all->shell) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(all->shell);
   for (int32_t i = 0; i < surface->triangle_count; i++)
     all->shell[number[bwi_set_root(parent, surface->triangle[3 * (size_t)i])]].count++;
   for (int32_t s = 1; s < all->count; s++)
@@ -222,10 +216,7 @@ bw_status bwi_find_cavities(bw_context *context, const bw_surface *surface, doub
     }
   }
   list = BW_NEW(context, double, 3 * (size_t)count);
-  if (!list) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list);
   int32_t at = 0;
   for (int32_t s = 0; s < all.count; s++)
     if (all.shell[s].depth % 2) {

@@ -102,11 +102,9 @@ static bw_status remesh(bwi_filler *f, bwi_fill_way how, const bw_surface *from,
   if (count < sizeof head || head.points < 0 || head.triangles < 0 || head.points > INT32_MAX ||
       head.triangles > INT32_MAX || (head.groups != 0 && head.groups != head.triangles) ||
       count != sizeof head + 24 * (size_t)head.points + 12 * (size_t)head.triangles +
-                   4 * (size_t)head.groups) {
-    status = bw_fail(f->context, BW_INTERNAL, "remeshing returned %zu bytes that are not a surface",
-                     count);
-    goto done;
-  }
+                   4 * (size_t)head.groups)
+    BW_TRY(bw_fail(f->context, BW_INTERNAL, "remeshing returned %zu bytes that are not a surface",
+                   count));
   const unsigned char *points = bytes + sizeof head; /* aligned: the head is whole doubles long */
   const int32_t *triangles = (const int32_t *)(const void *)(points + 24 * (size_t)head.points);
   BW_TRY(bw_surface_copy(f->context, head.points, (const double *)(const void *)points,

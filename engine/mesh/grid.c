@@ -81,10 +81,7 @@ bw_status bw_mesh_mapped_box(bw_context *context, const int cells[3], int order,
     straight = NULL;
     nodes = wide->node_count;
     node = BW_NEW(context, double, 3 * nodes);
-    if (!node) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(node);
   }
   const double *unit = order == 2 ? wide->node : node;
   for (int64_t i = 0; i < nodes; i++) {

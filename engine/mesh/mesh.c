@@ -285,10 +285,7 @@ static bw_status find_neighbours(bw_context *context, bw_mesh *mesh) {
   bwi_keyed *list = BW_NEW(context, bwi_keyed, faces);
   int64_t *start = BW_NEW0(context, int64_t, (size_t)mesh->node_count + 2);
   mesh->neighbour = BW_NEW(context, int32_t, faces);
-  if (!list || !start || !mesh->neighbour) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list && start && mesh->neighbour);
   for (size_t i = 0; i < faces; i++)
     mesh->neighbour[i] = -1;
   for (int32_t e = 0; e < mesh->element_count; e++)
@@ -433,10 +430,7 @@ bw_status bwi_mesh_adopt(bw_context *context, int order, int64_t nodes, double *
   mesh->region = region;
   BW_TRY(check_numbers(context, mesh->nodes_per_element, nodes, node, elements, element));
   mesh->volume = BW_NEW(context, double, elements);
-  if (!mesh->volume) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(mesh->volume);
   BW_TRY(find_volumes(context, mesh, flat));
   BW_TRY(drop_unused_nodes(context, mesh));
   BW_TRY(find_neighbours(context, mesh));
@@ -469,10 +463,7 @@ bw_status bw_mesh_copy(bw_context *context, int order, int64_t nodes, const doub
   double *own_node = BW_NEW(context, double, 3 * (size_t)nodes);
   int32_t *own_element = BW_NEW(context, int32_t, width * (size_t)elements);
   int32_t *own_region = region ? BW_NEW(context, int32_t, elements) : NULL;
-  if (!own_node || !own_element || (region && !own_region)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(own_node && own_element && (!region || own_region));
   if (nodes > 0)
     memcpy(own_node, node, 3 * (size_t)nodes * sizeof *node);
   memcpy(own_element, element, width * (size_t)elements * sizeof *element);

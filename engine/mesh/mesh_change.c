@@ -29,10 +29,7 @@ bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *
   ((bwi_mesh *)made)->topology = bw_retain(source->topology ? source->topology : mesh);
   made->node = BW_NEW(context, double, numbers);
   made->volume = BW_NEW(context, double, mesh->element_count);
-  if (!made->node || !made->volume) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made->node && made->volume);
   memcpy(made->node, node, numbers * sizeof *node);
 
   int32_t worst = -1, inverted = 0;
@@ -84,10 +81,7 @@ static bw_status number_mid_edge_nodes(bw_context *context, const bw_mesh *mesh,
   int64_t *start = BW_NEW0(context, int64_t, (size_t)mesh->node_count + 2);
   double *place = NULL;
   int64_t count = mesh->node_count;
-  if (!list || !start) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list && start);
   for (int pass = 0; pass < 2; pass++) { /* count the buckets, then fill them */
     for (int32_t i = 0; i < mesh->element_count; i++)
       for (int k = 0; k < 6; k++) {
@@ -113,16 +107,11 @@ static bw_status number_mid_edge_nodes(bw_context *context, const bw_mesh *mesh,
     for (int64_t j = start[i]; j < start[i + 1]; j++)
       count += j == start[i] || list[j].key != list[j - 1].key;
   }
-  if (count > INT32_MAX) {
-    status = bw_fail(context, BW_LIMIT, "%lld nodes at order 2: a mesh holds at most 2147483647",
-                     (long long)count);
-    goto done;
-  }
+  if (count > INT32_MAX)
+    BW_TRY(bw_fail(context, BW_LIMIT, "%lld nodes at order 2: a mesh holds at most 2147483647",
+                   (long long)count));
   place = BW_NEW(context, double, 3 * (size_t)count);
-  if (!place) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(place);
   memcpy(place, mesh->node, 3 * (size_t)mesh->node_count * sizeof *place);
   int32_t number = mesh->node_count - 1;
   for (int32_t i = 0; i < mesh->node_count; i++)
@@ -158,10 +147,7 @@ bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order
   int32_t *region = mesh->region ? BW_NEW(context, int32_t, elements) : NULL;
   double *node = NULL;
   int64_t nodes = mesh->node_count;
-  if (!element || (mesh->region && !region)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(element && (!mesh->region || region));
   if (region)
     memcpy(region, mesh->region, elements * sizeof *region);
   for (size_t i = 0; i < elements; i++)
@@ -171,10 +157,7 @@ bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order
     BW_TRY(number_mid_edge_nodes(context, mesh, element, &node, &nodes));
   } else { /* the mid-edge nodes, which no element uses any more, are dropped by the constructor */
     node = BW_NEW(context, double, 3 * (size_t)nodes);
-    if (!node) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(node);
     memcpy(node, mesh->node, 3 * (size_t)nodes * sizeof *node);
   }
   BW_TRY(bw_mesh_adopt(context, order, nodes, node, mesh->element_count, element, region, out));
@@ -203,10 +186,7 @@ bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t
   int32_t *element = BW_NEW(context, int32_t, width * kept);
   int32_t *region = mesh->region ? BW_NEW(context, int32_t, kept) : NULL;
   double *node = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
-  if (!element || !node || (mesh->region && !region)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(element && node && (!mesh->region || region));
   size_t at = 0;
   for (size_t i = 0; i < (size_t)mesh->element_count; i++)
     if (keep[i]) {
@@ -235,10 +215,7 @@ bw_status bw_mesh_boundary(bw_context *context, const bw_mesh *mesh, bw_surface 
   int32_t *triangle = BW_NEW(context, int32_t, 3 * facets);
   int32_t *node = BW_NEW(context, int32_t, mesh->boundary_node_count);
   double *point = BW_NEW(context, double, 3 * (size_t)mesh->boundary_node_count);
-  if (!number || !triangle || !node || !point) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(number && triangle && node && point);
   for (size_t i = 0; i < facets; i++)
     for (size_t k = 0; k < 3; k++)
       number[mesh->facet[width * i + k]] = 1;

@@ -232,24 +232,19 @@ static bw_status make_mesh(refining *r, int order, bw_mesh **out, int32_t **cell
   size_t cells = (size_t)r->cell_count;
   int32_t *element = BW_NEW(r->context, int32_t, 4 * cells);
   int32_t *region = r->from->region ? BW_NEW(r->context, int32_t, cells) : NULL;
-  if (!element || (r->from->region && !region)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(element && (!r->from->region || region));
   for (size_t i = 0; i < cells; i++) {
     const int32_t *n = r->cells[i].node;
     double error,
         volume =
             bwi_tet_determinant(r->node + 3 * (size_t)n[0], r->node + 3 * (size_t)n[1],
                                 r->node + 3 * (size_t)n[2], r->node + 3 * (size_t)n[3], &error);
-    if (!(volume > error)) {
-      status = bw_fail(r->context, BW_GEOMETRY,
-                       "a part of element %d, which has curved edges, has no volume near (%g, %g, "
-                       "%g): refine a mesh with better elements or straight edges",
-                       r->cells[i].parent + 1, r->node[3 * (size_t)n[0]],
-                       r->node[3 * (size_t)n[0] + 1], r->node[3 * (size_t)n[0] + 2]);
-      goto done;
-    }
+    if (!(volume > error))
+      BW_TRY(bw_fail(r->context, BW_GEOMETRY,
+                     "a part of element %d, which has curved edges, has no volume near (%g, %g, "
+                     "%g): refine a mesh with better elements or straight edges",
+                     r->cells[i].parent + 1, r->node[3 * (size_t)n[0]],
+                     r->node[3 * (size_t)n[0] + 1], r->node[3 * (size_t)n[0] + 2]));
     memcpy(element + 4 * i, r->cells[i].node, 4 * sizeof *element);
     if (region)
       region[i] = r->from->region[r->cells[i].parent];
@@ -369,10 +364,7 @@ bw_status bw_mesh_refine(bw_context *context, const bw_mesh *mesh, const uint8_t
   f.facet_parent = BW_NEW(context, int32_t, made->facet_count);
   f.node_parent = BW_NEW(context, int32_t, made->node_count);
   f.node_weight = BW_NEW(context, double, 4 * (size_t)made->node_count);
-  if (!f.element_parent || !f.facet_parent || !f.node_parent || !f.node_weight) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(f.element_parent && f.facet_parent && f.node_parent && f.node_weight);
   BW_TRY(place_nodes(&r, &f, cell_of, &made));
   f.mesh = made;
   made = NULL;

@@ -119,10 +119,7 @@ bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t *
   int32_t *of_node = NULL, *of_element = NULL, *element = NULL, *region = NULL;
   int32_t *now = BW_NEW(context, int32_t, nodes); /* the new number of an old node */
   bwi_keyed *list = BW_NEW(context, bwi_keyed, max);
-  if (!now || !list) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(now && list);
   key_nodes(mesh, &c, list);
   BW_TRY(sort_items(context, list, mesh->node_count, &of_node));
   key_elements(mesh, &c, list);
@@ -130,10 +127,7 @@ bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t *
   node = BW_NEW(context, double, 3 * nodes);
   element = BW_NEW(context, int32_t, width * elements);
   region = mesh->region ? BW_NEW(context, int32_t, elements) : NULL;
-  if (!node || !element || (mesh->region && !region)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(node && element && (!mesh->region || region));
   for (size_t i = 0; i < nodes; i++) {
     now[of_node[i]] = (int32_t)i;
     memcpy(node + 3 * i, mesh->node + 3 * (size_t)of_node[i], 3 * sizeof *node);

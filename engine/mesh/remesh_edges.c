@@ -135,10 +135,7 @@ bw_status bwi_remesh_collapse_short(bwi_remesher *r, bool coarse, bool learn) {
       double ratio = side_length(mesh, s) / wanted(mesh, s);
       if (ratio >= shortest)
         continue;
-      if (!bw_grow(r->context, (void **)&list, &capacity, count, 1, sizeof *list)) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(bw_grow(r->context, (void **)&list, &capacity, count, 1, sizeof *list));
       list[count++] = (short_side){ratio, s, bwi_from(mesh, s), bwi_to(mesh, s)};
     }
     if (count > 1)

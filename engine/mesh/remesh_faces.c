@@ -96,10 +96,7 @@ static bw_status mark_bends(bwi_remesher *r, double tolerance) {
   uint8_t *start = BW_NEW0(r->context, uint8_t, mesh->point_count);
   int32_t *chain = BW_NEW(r->context, int32_t, mesh->point_count + 2);
   int32_t *stack = BW_NEW(r->context, int32_t, 4 * mesh->point_count + 8);
-  if (!seen || !start || !chain || !stack) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(seen && start && chain && stack);
   for (size_t p = 0; p < mesh->point_count; p++)
     start[p] = mesh->fixed[p] == BWI_CORNER;
   for (int32_t s = 0; s < sides; s++)

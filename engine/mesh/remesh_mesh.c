@@ -116,10 +116,8 @@ bw_status bwi_changing_create(bw_context *context, const bw_surface *surface, do
   for (int64_t e = 0; e < topology->edges; e++) {
     int64_t first = topology->start[e];
     int32_t s = (int32_t)topology->side[first], t = (int32_t)topology->side[first + 1];
-    if (topology->start[e + 1] - first != 2 || mesh->corner[s] == mesh->corner[t]) {
-      status = bw_fail(context, BW_INTERNAL, "remeshing met an edge that is not manifold");
-      goto done;
-    }
+    if (topology->start[e + 1] - first != 2 || mesh->corner[s] == mesh->corner[t])
+      BW_TRY(bw_fail(context, BW_INTERNAL, "remeshing met an edge that is not manifold"));
     mesh->opposite[s] = t;
     mesh->opposite[t] = s;
     mesh->sharp[s] = mesh->sharp[t] = angle_between(mesh, s, t) > sharp_angle;
@@ -140,10 +138,7 @@ bw_status bwi_changing_surface(const bwi_changing *mesh, bool groups, bw_surface
   double *point = BW_NEW(mesh->context, double, 3 * mesh->point_count);
   int32_t *triangle = BW_NEW(mesh->context, int32_t, 3 * mesh->facet_count);
   int32_t *group = groups ? BW_NEW(mesh->context, int32_t, mesh->facet_count) : NULL;
-  if (!number || !point || !triangle || (groups && !group)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(number && point && triangle && (!groups || group));
   for (size_t p = 0; p < mesh->point_count; p++)
     if (mesh->side[p] >= 0) {
       memcpy(point + 3 * points, mesh->point + 3 * p, 3 * sizeof *point);

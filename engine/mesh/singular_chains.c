@@ -230,10 +230,7 @@ bw_status bwi_singular_chain(bw_context *context, bw_singular_places *places, bw
   c.used = BW_NEW0(context, uint8_t, count);
   c.point = BW_NEW(context, double, 3 * (count + 1));
   c.inward = BW_NEW(context, double, 3 * (count + 1));
-  if (!c.head || !c.next || !c.degree || !c.used || !c.point || !c.inward) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(c.head && c.next && c.degree && c.used && c.point && c.inward);
   memset(c.head, -1, (size_t)point_count * sizeof *c.head);
   for (size_t begin = 0, end; begin < count; begin = end) {
     for (end = begin + 1; end < count; end++)

@@ -136,12 +136,10 @@ bw_status bw_singular_edges(bw_context *context, const bw_surface *surface, cons
   f = (finder){.top = top, .faces = faces, .margin = margin > 0 ? margin : min_margin};
   BW_TRY(check_faces(context, &f));
   BW_TRY(find_edges(context, &f, &seams));
-  if (!(bw_surface_volume(surface) > 0)) {
-    status = bw_fail(context, BW_GEOMETRY,
-                     "singular edges: the normals of the surface point inwards, or it encloses no "
-                     "volume: surface:repair() or surface:orient() corrects the normals");
-    goto done;
-  }
+  if (!(bw_surface_volume(surface) > 0))
+    BW_TRY(bw_fail(context, BW_GEOMETRY,
+                   "singular edges: the normals of the surface point inwards, or it encloses no "
+                   "volume: surface:repair() or surface:orient() corrects the normals"));
   BW_TRY(bwi_singular_create(context, &places));
   BW_TRY(bwi_singular_chain(context, places, &seams, top->points, top->point, BW_SINGULAR_EDGE,
                             BW_CORNER_FREE, 0));

@@ -87,20 +87,14 @@ bw_status bw_surface_copy(bw_context *context, int64_t points, const double *poi
   double *own_point = BW_NEW(context, double, points * 3);
   int32_t *own_triangle = BW_NEW(context, int32_t, triangles * 3);
   int32_t *own_group = NULL;
-  if (!own_point || !own_triangle) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(own_point && own_triangle);
   if (points)
     memcpy(own_point, point, (size_t)points * 3 * sizeof *point);
   if (triangles)
     memcpy(own_triangle, triangle, (size_t)triangles * 3 * sizeof *triangle);
   if (group) {
     own_group = BW_NEW(context, int32_t, triangles);
-    if (!own_group) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(own_group);
     if (triangles)
       memcpy(own_group, group, (size_t)triangles * sizeof *group);
   }

@@ -22,17 +22,12 @@ bw_status bwi_cgal_surface(bw_context *context, const char *what, const bwi_chil
   if (count < sizeof head || head[0] < 0 || head[1] < 0 || head[0] > INT32_MAX ||
       head[1] > INT32_MAX ||
       count != sizeof head + (size_t)head[0] * 3 * sizeof *point +
-                   (size_t)head[1] * 3 * sizeof *triangle) {
-    status =
-        bw_fail(context, BW_INTERNAL, "%s returned %zu bytes that are not a surface", what, count);
-    goto done;
-  }
+                   (size_t)head[1] * 3 * sizeof *triangle)
+    BW_TRY(
+        bw_fail(context, BW_INTERNAL, "%s returned %zu bytes that are not a surface", what, count));
   point = BW_NEW(context, double, (size_t)head[0] * 3);
   triangle = BW_NEW(context, int32_t, (size_t)head[1] * 3);
-  if (!point || !triangle) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(point && triangle);
   const unsigned char *at = bytes + sizeof head;
   memcpy(point, at, (size_t)head[0] * 3 * sizeof *point);
   memcpy(triangle, at + (size_t)head[0] * 3 * sizeof *point,
@@ -55,10 +50,7 @@ bw_status bwi_take_groups(bw_context *context, const bw_surface *from, bw_surfac
     return BW_OK;
   BW_TRY(bwi_tree_create(context, from->point, from->triangle_count, from->triangle, NULL, &tree));
   group = BW_NEW(context, int32_t, to->triangle_count);
-  if (!group) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(group);
   for (int64_t t = 0; t < to->triangle_count; t++) {
     double middle[3] = {0}, place[3];
     for (int k = 0; k < 9; k++)

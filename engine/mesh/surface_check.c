@@ -70,10 +70,7 @@ static bw_status check_edges(checker *check) {
   double at[3];
   int32_t *parent = BW_NEW(check->context, int32_t, topology->points);
   uint8_t *open = BW_NEW0(check->context, uint8_t, topology->points);
-  if (!parent || !open) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(parent && open);
   for (int32_t i = 0; i < topology->points; i++)
     parent[i] = i;
   for (bw_defect_kind kind = BW_DEFECT_OPEN_EDGE; kind <= BW_DEFECT_MISORIENTED_EDGE; kind++) {
@@ -117,10 +114,7 @@ static bw_status check_points(checker *check) {
   int32_t *fan = BW_NEW(check->context, int32_t, topology->points); /* the first set of corners */
   uint8_t *bad = BW_NEW0(check->context, uint8_t, topology->points);
   int32_t *facet = BW_NEW(check->context, int32_t, topology->points);
-  if (!parent || !fan || !bad || !facet) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(parent && fan && bad && facet);
   for (int64_t s = 0; s < sides; s++)
     parent[s] = (int32_t)s;
   for (int32_t i = 0; i < topology->points; i++)
@@ -217,10 +211,7 @@ static bw_status check_shells(checker *check, const uint8_t *flat) {
   int32_t *depth = BW_NEW0(check->context, int32_t, shells);
   int32_t *first = BW_NEW(check->context, int32_t, shells);
   double *volume = BW_NEW0(check->context, double, shells);
-  if (!closed || !agrees || !depth || !first || !volume) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(closed && agrees && depth && first && volume);
   memset(closed, 1, (size_t)shells);
   memset(agrees, 1, (size_t)shells);
   for (int64_t e = 0; e < topology->edges; e++) {
@@ -266,10 +257,7 @@ bw_status bw_surface_check(bw_context *context, const bw_surface *surface, int64
   uint8_t *flat = NULL;
   BW_TRY(bwi_topology_create(context, surface, &topology));
   flat = BW_NEW(context, uint8_t, topology->facets);
-  if (!flat) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(flat);
   BW_TRY(bwi_flat_facets(context, topology, flat));
   checker check = {context, topology, &report, limit, 0};
   BW_TRY(check_edges(&check));

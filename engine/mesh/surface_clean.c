@@ -19,10 +19,7 @@ bw_status bwi_surface_select(bw_context *context, const bw_surface *surface, con
   int32_t *triangle = BW_NEW(context, int32_t, 3 * all);
   if (surface->group)
     group = BW_NEW(context, int32_t, all);
-  if (!triangle || (surface->group && !group)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(triangle && (!surface->group || group));
   for (int64_t t = 0; t < surface->triangle_count; t++)
     if (!keep || keep[t]) {
       memcpy(triangle + 3 * count, surface->triangle + 3 * t, 3 * sizeof *triangle);
@@ -115,10 +112,7 @@ bw_status bwi_drop_duplicates(bw_context *context, const bw_surface *surface, bw
   uint8_t *keep = BW_NEW(context, uint8_t, facets);
   uint8_t *doubled = BW_NEW0(context, uint8_t, facets);
   int64_t *edges = NULL, *first = NULL;
-  if (!same || !balance || !patch || !keep || !doubled) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(same && balance && patch && keep && doubled);
   BW_TRY(bwi_topology_create(context, surface, &topology));
   BW_TRY(bwi_same_facets(context, topology, same));
   for (int32_t t = 0; t < facets; t++) {
@@ -154,10 +148,7 @@ bw_status bwi_drop_duplicates(bw_context *context, const bw_surface *surface, bw
   /* The edges of each patch, listed together by sorting (patch, edge) with counting. */
   first = BW_NEW0(context, int64_t, (size_t)facets + 1);
   edges = BW_NEW(context, int64_t, (size_t)topology->edges + 1);
-  if (!first || !edges) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(first && edges);
   for (int pass = 0; pass < 2; pass++) {
     for (int64_t e = 0; e < topology->edges; e++)
       for (int64_t i = topology->start[e]; i < topology->start[e + 1]; i++) {
@@ -223,10 +214,7 @@ static bw_status split_flat_once(bw_context *context, const bw_surface *surface,
   keep = BW_NEW(context, uint8_t, topology->facets);
   triangle = BW_NEW(context, int32_t, 6 * (size_t)topology->facets);
   from = BW_NEW(context, int32_t, 2 * (size_t)topology->facets);
-  if (!flat || !keep || !triangle || !from) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(flat && keep && triangle && from);
   BW_TRY(bwi_flat_facets(context, topology, flat));
   memset(keep, 1, (size_t)topology->facets);
   for (int32_t t = 0; t < topology->facets; t++) {
@@ -313,10 +301,7 @@ bw_status bwi_drop_fins(bw_context *context, const bw_surface *surface, bw_surfa
   keep = BW_NEW(context, uint8_t, topology->facets);
   facets = BW_NEW(context, int32_t, topology->edges); /* left on each edge */
   queue = BW_NEW(context, int32_t, 4 * (size_t)topology->facets);
-  if (!keep || !facets || !queue) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(keep && facets && queue);
   memset(keep, 1, (size_t)topology->facets);
   for (int64_t e = 0; e < topology->edges; e++)
     facets[e] = (int32_t)(topology->start[e + 1] - topology->start[e]);

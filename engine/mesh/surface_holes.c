@@ -38,10 +38,7 @@ static bw_status find_loops(bw_context *context, const bwi_topology *topology, l
   int32_t *index = BW_NEW(context, int32_t, topology->points); /* on the path, or -1 */
   rim->start = BW_NEW(context, int64_t, edges + 1);
   rim->of = BW_NEW(context, int32_t, edges + 1);
-  if (!head || !next || !to || !path || !index || !rim->start || !rim->of) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(head && next && to && path && index && rim->start && rim->of);
   memset(head, 0xff, (size_t)topology->points * sizeof *head);
   memset(index, 0xff, (size_t)topology->points * sizeof *index);
   int32_t list = 0;
@@ -141,10 +138,7 @@ bw_status bwi_fill_holes(bw_context *context, const bw_surface *surface, double 
   BW_TRY(bwi_topology_create(context, welded, &topology));
   BW_TRY(find_loops(context, topology, &rim));
   triangle = BW_NEW(context, int32_t, 3 * (size_t)rim.count + 3);
-  if (!triangle) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(triangle);
   *left = rim.used < rim.edges; /* edges that are on no loop */
   int64_t end = 0, start = 0;
   for (int32_t i = 0; i < rim.count; i++) {
@@ -176,10 +170,7 @@ bw_status bwi_fill_holes(bw_context *context, const bw_surface *surface, double 
   triangles = count / (3 * sizeof(int32_t));
   int32_t *more =
       (int32_t *)bw_resize(context, triangle, 3 * (by_hand + triangles) + 3, sizeof *triangle);
-  if (!more) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(more);
   triangle = more;
   if (triangles)
     memcpy(triangle + 3 * by_hand, bytes, triangles * 3 * sizeof *triangle);

@@ -207,10 +207,7 @@ bw_status bw_surface_implicit(bw_context *context, const double min[3], const do
   for (int i = 0; i < 2; i++) {
     m.value[i] = BW_NEW(context, double, m.layer);
     m.on_edge[i] = BW_NEW(context, int32_t, 7 * m.layer);
-    if (!m.value[i] || !m.on_edge[i]) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(m.value[i] && m.on_edge[i]);
   }
   BW_TRY(evaluate_layer(&m, 0));
   for (int z = 0; z + 1 < m.nodes[2]; z++) {
@@ -222,12 +219,10 @@ bw_status bw_surface_implicit(bw_context *context, const double min[3], const do
         BW_TRY(march_cube(&m, node));
       }
   }
-  if (m.triangle_count == 0) {
-    status = bw_fail(context, BW_EMPTY,
-                     "the function is nowhere negative on a grid of %d x %d x %d nodes", m.nodes[0],
-                     m.nodes[1], m.nodes[2]);
-    goto done;
-  }
+  if (m.triangle_count == 0)
+    BW_TRY(bw_fail(context, BW_EMPTY,
+                   "the function is nowhere negative on a grid of %d x %d x %d nodes", m.nodes[0],
+                   m.nodes[1], m.nodes[2]));
   BW_TRY(bw_surface_adopt(context, (int64_t)m.point_count, m.point, (int64_t)m.triangle_count,
                           m.triangle, NULL, surface));
   m.point = NULL;

@@ -153,10 +153,7 @@ bw_status bwi_intersections(bw_context *context, const bwi_topology *topology, c
   for (size_t i = 0; i < chunks; i++)
     total += all.chunk[i].count;
   list = BW_NEW(context, bwi_pair, total);
-  if (!list) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list);
   total = 0;
   for (size_t i = 0; i < chunks; i++) {
     if (all.chunk[i].count)

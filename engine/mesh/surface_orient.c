@@ -120,10 +120,7 @@ bw_status bw_surface_orient(bw_context *context, const bw_surface *surface, bw_s
   int32_t *queue = BW_NEW(context, int32_t, surface->triangle_count);
   patch.of = BW_NEW(context, int32_t, surface->triangle_count);
   patch.reversed = BW_NEW0(context, uint8_t, surface->triangle_count);
-  if (!queue || !patch.of || !patch.reversed) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(queue && patch.of && patch.reversed);
   BW_TRY(bwi_topology_create(context, surface, &topology));
   memset(patch.of, 0xff, (size_t)topology->facets * sizeof *patch.of);
   for (int32_t t = 0; t < topology->facets; t++)
@@ -134,10 +131,7 @@ bw_status bw_surface_orient(bw_context *context, const bw_surface *surface, bw_s
   closed = BW_NEW(context, uint8_t, topology->shells);
   flat = BW_NEW(context, uint8_t, topology->facets);
   depth = BW_NEW0(context, int32_t, topology->shells);
-  if (!sum || !closed || !flat || !depth) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(sum && closed && flat && depth);
   sum_up(topology, &patch, sum);
   find_closed(topology, closed);
   BW_TRY(bwi_flat_facets(context, topology, flat));

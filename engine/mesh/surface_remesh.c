@@ -167,15 +167,13 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
   BW_TRY(bw_surface_weld(context, surface, 0, &welded));
   BW_TRY(bw_surface_check(context, welded, 1, &report));
   if (!report.closed || report.count[BW_DEFECT_MISORIENTED_EDGE] ||
-      report.count[BW_DEFECT_NONMANIFOLD_POINT] || report.count[BW_DEFECT_DUPLICATE_FACET]) {
-    status = bw_fail(context, BW_GEOMETRY,
-                     "remeshing needs a closed manifold surface; this one has %lld open, %lld "
-                     "non-manifold and %lld misoriented edges: repair it first",
-                     (long long)report.count[BW_DEFECT_OPEN_EDGE],
-                     (long long)report.count[BW_DEFECT_NONMANIFOLD_EDGE],
-                     (long long)report.count[BW_DEFECT_MISORIENTED_EDGE]);
-    goto done;
-  }
+      report.count[BW_DEFECT_NONMANIFOLD_POINT] || report.count[BW_DEFECT_DUPLICATE_FACET])
+    BW_TRY(bw_fail(context, BW_GEOMETRY,
+                   "remeshing needs a closed manifold surface; this one has %lld open, %lld "
+                   "non-manifold and %lld misoriented edges: repair it first",
+                   (long long)report.count[BW_DEFECT_OPEN_EDGE],
+                   (long long)report.count[BW_DEFECT_NONMANIFOLD_EDGE],
+                   (long long)report.count[BW_DEFECT_MISORIENTED_EDGE]));
   int64_t wanted_count = options.triangles > 0 ? options.triangles : welded->triangle_count;
   r.length = options.edge_length > 0 ? options.edge_length
                                      : sqrt(4 / sqrt(3.0) * report.area / (double)wanted_count);
@@ -187,13 +185,11 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
     goto done;
   }
   r.max_facets = 8.0 * welded->triangle_count + 400 * report.area / (r.length * r.length) + 1e4;
-  if (borders && borders->faces->triangle_count != welded->triangle_count) {
-    status = bw_fail(context, BW_GEOMETRY,
-                     "%d facets have a face, but the welded surface has %d facets: find the faces "
-                     "of the welded surface",
-                     borders->faces->triangle_count, welded->triangle_count);
-    goto done;
-  }
+  if (borders && borders->faces->triangle_count != welded->triangle_count)
+    BW_TRY(bw_fail(context, BW_GEOMETRY,
+                   "%d facets have a face, but the welded surface has %d facets: find the faces "
+                   "of the welded surface",
+                   borders->faces->triangle_count, welded->triangle_count));
   r.borders = borders;
   r.faces = borders ? borders->faces : NULL;
   r.finest = r.faces && borders->tolerance < 1e-3 * r.length ? 0.02 : 1.0 / 12;
@@ -204,10 +200,7 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
   BW_TRY(bwi_tree_create(context, welded->point, welded->triangle_count, welded->triangle, NULL,
                          &r.tree));
   r.clearance = BW_NEW(context, double, welded->triangle_count);
-  if (!r.clearance) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(r.clearance);
   BW_TRY(bw_parallel(context, welded->triangle_count, 512, bwi_remesh_find_clearance, &r));
   for (; attempt < 5; attempt++) {
     bw_release(made);
@@ -225,13 +218,11 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
     if (moved > allowed) /* changes are checked at few points of each facet: be stricter */
       r.tolerance *= 0.9 * fmax(allowed / moved, 0.5);
   }
-  if (attempt == 5) {
-    status = bw_fail(context, BW_GEOMETRY,
-                     "remeshing with edges of %g m failed: %lld self-intersections, moved by %g m; "
-                     "ask for shorter edges",
-                     r.length, (long long)report.count[BW_DEFECT_SELF_INTERSECTION], moved);
-    goto done;
-  }
+  if (attempt == 5)
+    BW_TRY(bw_fail(context, BW_GEOMETRY,
+                   "remeshing with edges of %g m failed: %lld self-intersections, moved by %g m; "
+                   "ask for shorter edges",
+                   r.length, (long long)report.count[BW_DEFECT_SELF_INTERSECTION], moved));
   bw_shape_log_add(log, "remesh", made->triangle_count, moved,
                    "%d facets where there were %d, edges of about %.3g m%s", made->triangle_count,
                    surface->triangle_count, r.length,

@@ -264,10 +264,7 @@ static bw_status resolve(repairer *r) {
   flat = BW_NEW0(r->context, uint8_t, topology->facets);
   cavity = BW_NEW(r->context, uint8_t, topology->shells);
   volume = BW_NEW0(r->context, double, topology->shells);
-  if (!flat || !cavity || !volume) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(flat && cavity && volume);
   BW_TRY(bwi_intersections(r->context, topology, flat, &pairs, &count));
   for (int64_t i = 0; i < count; i++)
     within += topology->shell[pairs[i].first] == topology->shell[pairs[i].second];
@@ -405,18 +402,15 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
   r.diagonal = bwi_surface_diagonal(surface);
   r.weld = r.options.weld >= 0 ? r.options.weld : 1e-6 * r.diagonal;
   r.now = (bw_surface *)bw_retain(surface);
-  if (surface->triangle_count < 4 || !(r.diagonal > 0)) {
-    status = bw_fail(context, BW_GEOMETRY,
-                     "a surface of %d facets in a box of diagonal %g m encloses nothing",
-                     surface->triangle_count, r.diagonal);
-    goto done;
-  }
+  if (surface->triangle_count < 4 || !(r.diagonal > 0))
+    BW_TRY(bw_fail(context, BW_GEOMETRY,
+                   "a surface of %d facets in a box of diagonal %g m encloses nothing",
+                   surface->triangle_count, r.diagonal));
   if (!(r.diagonal > 1e-90 && r.diagonal < 1e90)) { /* volumes and their squares must be numbers */
-    status = bw_fail(context, BW_GEOMETRY,
-                     "the bounding box of the surface has a diagonal of %g m, outside the range "
-                     "1e-90 to 1e90: check the coordinates and the unit",
-                     r.diagonal);
-    goto done;
+    BW_TRY(bw_fail(context, BW_GEOMETRY,
+                   "the bounding box of the surface has a diagonal of %g m, outside the range "
+                   "1e-90 to 1e90: check the coordinates and the unit",
+                   r.diagonal));
   }
   BW_TRY(inspect(&r));
   if (!r.report.sound) {

@@ -39,10 +39,7 @@ bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], d
   size_t count = 20, all = (size_t)20 << (2 * subdivisions);
   double *corner = BW_NEW(context, double, 9 * all), *next = BW_NEW(context, double, 9 * all);
   int32_t *triangle = BW_NEW(context, int32_t, 3 * all);
-  if (!corner || !next || !triangle) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(corner && next && triangle);
   double g = 0.5 * (1 + sqrt(5.0)), s = 1 / sqrt(1 + g * g), l = g * s;
   const double vertex[12][3] = {{-s, l, 0}, {s, l, 0}, {-s, -l, 0}, {s, -l, 0},
                                 {0, -s, l}, {0, s, l}, {0, -s, -l}, {0, s, -l},
@@ -100,10 +97,7 @@ bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3], c
   bw_status status = BW_OK;
   double *point = BW_NEW(context, double, 6 * (size_t)segments + 6);
   int32_t *triangle = BW_NEW(context, int32_t, 12 * (size_t)segments);
-  if (!point || !triangle) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(point && triangle);
   /* u, v: across the axis, u x v along it */
   double along[3], u[3], v[3];
   for (int k = 0; k < 3; k++)

@@ -103,10 +103,7 @@ bw_status bwi_shell_depths(bw_context *context, const bwi_topology *topology, co
   int32_t *inside = BW_NEW0(context, int32_t, shells); /* samples inside each shell */
   int32_t *seen = BW_NEW0(context, int32_t, shells);
   uint8_t *no_wall = BW_NEW(context, uint8_t, topology->facets);
-  if (!facets || !sample || !inside || !seen || !no_wall) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(facets && sample && inside && seen && no_wall);
   for (int32_t t = 0; t < topology->facets; t++) {
     int32_t s = topology->shell[t];
     no_wall[t] = skip[t] || s < 0 || !closed[s];
@@ -156,10 +153,7 @@ bw_status bwi_shell_depths(bw_context *context, const bwi_topology *topology, co
         seen[shell] = 0;
         if (inside[shell]++ > 0)
           continue;
-        if (!bw_grow(context, (void **)&list, &list_capacity, listed, 1, sizeof *list)) {
-          status = BW_MEMORY;
-          goto done;
-        }
+        BW_TRY_MEMORY(bw_grow(context, (void **)&list, &list_capacity, listed, 1, sizeof *list));
         list[listed++] = shell;
       }
     }
@@ -201,10 +195,7 @@ bw_status bwi_moved_outside(bw_context *context, const bw_surface *before, const
   BW_TRY(bwi_one_sided_distance(context, after, before, &worst));
   BW_TRY(bwi_topology_create(context, after, &topology));
   flat = BW_NEW(context, uint8_t, topology->facets);
-  if (!flat) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(flat);
   BW_TRY(bwi_flat_facets(context, topology, flat));
   BW_TRY(
       bwi_tree_create(context, topology->point, topology->facets, topology->corner, flat, &tree));

@@ -28,10 +28,7 @@ static bw_status merge_open(bw_context *context, const bw_surface *surface, doub
   uint8_t *open = BW_NEW0(context, uint8_t, surface->point_count);
   int32_t *to = BW_NEW(context, int32_t, surface->point_count), count = 0;
   int32_t *stands_for = BW_NEW(context, int32_t, surface->point_count);
-  if (!open || !to || !stands_for) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(open && to && stands_for);
   BW_TRY(bwi_topology_create(context, surface, &topology));
   mark_open(topology, open);
   BW_TRY(bwi_weld_map(context, surface->point_count, surface->point, open, tolerance, to, &count));
@@ -110,10 +107,7 @@ static bw_status split_open(bw_context *context, const bw_surface *surface, doub
   uint8_t *open = BW_NEW0(context, uint8_t, surface->point_count);
   uint8_t *keep = BW_NEW(context, uint8_t, surface->triangle_count);
   int32_t *spot = BW_NEW(context, int32_t, 3 * (size_t)surface->point_count);
-  if (!open || !keep || !spot) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(open && keep && spot);
   BW_TRY(bwi_topology_create(context, surface, &topology));
   mark_open(topology, open);
   for (int32_t i = 0; i < surface->point_count; i++)
@@ -144,11 +138,9 @@ static bw_status split_open(bw_context *context, const bw_surface *surface, doub
         continue;
       keep[t] = 0;
       size_t pieces = (size_t)search.count + 1;
-      if (!bw_grow(context, (void **)&triangle, &capacity, extra, pieces, 3 * sizeof *triangle) ||
-          !bw_grow(context, (void **)&from, &from_capacity, extra, pieces, sizeof *from)) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(
+          bw_grow(context, (void **)&triangle, &capacity, extra, pieces, 3 * sizeof *triangle) &&
+          bw_grow(context, (void **)&from, &from_capacity, extra, pieces, sizeof *from));
       int32_t last = search.a;
       for (size_t i = 0; i < pieces; i++) {
         int32_t next = i + 1 < pieces ? search.found[i].point : search.b;
@@ -221,11 +213,9 @@ bw_status bwi_separate(bw_context *context, const bw_surface *surface, double ga
   BW_TRY(bw_surface_weld(context, surface, 0, &welded));
   BW_TRY(bwi_topology_create(context, welded, &topology));
   int64_t sides = 3 * (int64_t)welded->triangle_count;
-  if (sides > INT32_MAX / 2) {
-    status = bw_fail(context, BW_LIMIT, "a surface of %d facets is too large to be repaired",
-                     welded->triangle_count);
-    goto done;
-  }
+  if (sides > INT32_MAX / 2)
+    BW_TRY(bw_fail(context, BW_LIMIT, "a surface of %d facets is too large to be repaired",
+                   welded->triangle_count));
   parent = BW_NEW(context, int32_t, sides);
   copy = BW_NEW(context, int32_t, sides);
   first = BW_NEW(context, int32_t, welded->point_count);
@@ -233,10 +223,7 @@ bw_status bwi_separate(bw_context *context, const bw_surface *surface, double ga
   normal = BW_NEW0(context, double, 3 * (size_t)sides);
   point = BW_NEW(context, double, 3 * ((size_t)welded->point_count + (size_t)sides));
   triangle = BW_NEW(context, int32_t, sides);
-  if (!parent || !copy || !first || !apart || !normal || !point || !triangle) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(parent && copy && first && apart && normal && point && triangle);
   /* fans: corners joined across edges of two facets */
   for (int64_t s = 0; s < sides; s++)
     parent[s] = (int32_t)s;

@@ -27,19 +27,13 @@ static bw_status weld_exactly(bw_context *context, const bw_surface *surface,
   int64_t corners = 3 * (int64_t)surface->triangle_count;
   uint8_t *used = BW_NEW0(context, uint8_t, surface->point_count);
   int32_t *to = BW_NEW(context, int32_t, surface->point_count);
-  if (!used || !to) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(used && to);
   for (int64_t i = 0; i < corners; i++)
     used[surface->triangle[i]] = 1;
   BW_TRY(
       bwi_weld_map(context, surface->point_count, surface->point, used, 0, to, &topology->points));
   topology->point = BW_NEW(context, double, (size_t)topology->points * 3);
-  if (!topology->point) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(topology->point);
   for (int64_t i = surface->point_count - 1; i >= 0; i--)
     if (to[i] >= 0)
       memcpy(topology->point + 3 * (int64_t)to[i], surface->point + 3 * i, 3 * sizeof(double));
@@ -85,10 +79,7 @@ static bw_status connect(bw_context *context, bwi_topology *topology) {
   topology->side = BW_NEW(context, int64_t, sides);
   topology->edge_of = BW_NEW(context, int64_t, sides);
   topology->start = BW_NEW(context, int64_t, sides + 1);
-  if (!other || !slot || !topology->side || !topology->edge_of || !topology->start) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(other && slot && topology->side && topology->edge_of && topology->start);
   for (int64_t s = 0; s < sides; s++) {
     topology->edge_of[s] = -1;
     if (!topology->degenerate[s / 3])
@@ -140,10 +131,7 @@ bw_status bwi_topology_create(bw_context *context, const bw_surface *surface, bw
   topology->facets = surface->triangle_count;
   topology->corner = BW_NEW(context, int32_t, (size_t)surface->triangle_count * 3);
   topology->degenerate = BW_NEW(context, uint8_t, surface->triangle_count);
-  if (!topology->corner || !topology->degenerate) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(topology->corner && topology->degenerate);
   BW_TRY(weld_exactly(context, surface, topology));
   BW_TRY(bw_check_cancel(context));
   BW_TRY(connect(context, topology));

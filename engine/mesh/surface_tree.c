@@ -133,10 +133,7 @@ bw_status bwi_tree_create(bw_context *context, const double *point, int64_t tria
   tree->facet = BW_NEW(context, int32_t, triangles);
   tree->node = BW_NEW(context, node, 2 * (size_t)(triangles > 0 ? triangles : 1));
   build.middle = BW_NEW(context, double, (size_t)triangles * 3);
-  if (!tree->facet || !tree->node || !build.middle) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(tree->facet && tree->node && build.middle);
   build.tree = tree;
   for (int64_t t = 0; t < triangles; t++) {
     if (skip && skip[t])

@@ -63,10 +63,7 @@ static bw_status drop_one(bw_context *context, const bw_surface *surface, bw_sur
   int32_t *patch = BW_NEW(context, int32_t, surface->triangle_count), gone = -1;
   uint8_t *skip = BW_NEW(context, uint8_t, surface->triangle_count);
   info = BW_NEW0(context, patch_info, surface->triangle_count);
-  if (!patch || !skip || !info) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(patch && skip && info);
   BW_TRY(bwi_topology_create(context, surface, &topology));
   for (int32_t t = 0; t < topology->facets; t++)
     patch[t] = t;

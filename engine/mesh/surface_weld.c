@@ -61,10 +61,7 @@ bw_status bwi_weld_map(bw_context *context, int64_t points, const double *point,
   table.head = BW_NEW(context, int32_t, table.mask + 1);
   table.next = BW_NEW(context, int32_t, points);
   table.at = BW_NEW(context, double, points * 3);
-  if (!table.head || !table.next || !table.at) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(table.head && table.next && table.at);
   memset(table.head, 0xff, (table.mask + 1) * sizeof *table.head);
 
   int32_t clusters = 0;
@@ -116,10 +113,7 @@ bw_status bw_surface_weld(bw_context *context, const bw_surface *surface, double
   int32_t *triangle = NULL, *group = NULL, count = 0;
   uint8_t *used = BW_NEW0(context, uint8_t, points);
   int32_t *to = BW_NEW(context, int32_t, points);
-  if (!used || !to) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(used && to);
   for (int64_t i = 0; i < corners; i++)
     used[surface->triangle[i]] = 1;
   BW_TRY(bwi_weld_map(context, points, surface->point, used, tolerance, to, &count));
@@ -128,10 +122,7 @@ bw_status bw_surface_weld(bw_context *context, const bw_surface *surface, double
   triangle = BW_NEW(context, int32_t, corners);
   if (surface->group)
     group = BW_NEW(context, int32_t, surface->triangle_count);
-  if (!point || !triangle || (surface->group && !group)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(point && triangle && (!surface->group || group));
   for (int64_t i = points - 1; i >= 0; i--) /* downwards: the first point of a cluster stays */
     if (to[i] >= 0)
       memcpy(point + 3 * (int64_t)to[i], surface->point + 3 * i, 3 * sizeof *point);

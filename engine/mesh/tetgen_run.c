@@ -20,16 +20,11 @@ bw_status bwi_tetgen_run(bw_context *context, const bwi_tetgen_job *job,
     memcpy(counts, bytes, sizeof counts);
   if (count < sizeof counts || counts[0] < 4 || counts[1] < 1 || counts[0] > INT32_MAX ||
       counts[1] > INT32_MAX ||
-      count != sizeof counts + (size_t)counts[0] * 24 + (size_t)counts[1] * 16) {
-    status = bw_fail(context, BW_INTERNAL, "%zu bytes from TetGen's process are not a mesh", count);
-    goto done;
-  }
+      count != sizeof counts + (size_t)counts[0] * 24 + (size_t)counts[1] * 16)
+    BW_TRY(bw_fail(context, BW_INTERNAL, "%zu bytes from TetGen's process are not a mesh", count));
   node = BW_NEW(context, double, 3 * counts[0]);
   element = BW_NEW(context, int32_t, 4 * counts[1]);
-  if (!node || !element) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(node && element);
   memcpy(node, bytes + sizeof counts, (size_t)counts[0] * 24);
   memcpy(element, bytes + sizeof counts + (size_t)counts[0] * 24, (size_t)counts[1] * 16);
   *result = (bwi_tetgen_result){counts[0], counts[1], node, element};

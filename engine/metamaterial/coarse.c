@@ -72,10 +72,7 @@ static bw_status finish(bw_context *context, bw_coarse *it, const bwi_rows *list
   int32_t *material = BW_NEW(context, int32_t, shape->element_count);
   size_t w = (size_t)list->width;
   it->inner->key = BW_NEW(context, int32_t, w * (size_t)list->count);
-  if (!row || !used || !material || !it->inner->key) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(row && used && material && it->inner->key);
   for (int32_t e = 0; e < shape->element_count; e++) {
     if (!row[id[e]]) {
       size_t from = (size_t)(id[e] - 1);
@@ -227,10 +224,7 @@ bw_status bw_coarsen(bw_context *context, bw_coarse_method method, const bw_libr
   BW_TRY(begin(context, method, library, material_table, fine, levels, &it));
   BW_TRY(make_lattice(context, it));
   id = BW_NEW0(context, int32_t, it->coarsening[levels - 1]->coarse->element_count);
-  if (!id) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(id);
   BW_TRY(assign(context, it, NULL, id));
   *out = it;
   it = NULL;
@@ -305,10 +299,7 @@ bw_status bw_coarse_follow(bw_context *context, const bw_coarse *before, const b
   else
     BW_TRY(make_lattice(context, it));
   id = BW_NEW(context, int32_t, it->coarsening[it->levels - 1]->coarse->element_count);
-  if (!id) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(id);
   keep(it, before, id);
   BW_TRY(assign(context, it, before, id));
   *out = it;

@@ -164,10 +164,7 @@ bw_status bwi_keys_create(bw_context *context, int32_t base, bool voids, bool or
   keys->orbit = BW_NEW(context, int32_t, codes);
   keys->symmetry = BW_NEW0(context, uint8_t, codes);
   keys->first = BW_NEW(context, int32_t, codes);
-  if (!keys->orbit || !keys->symmetry || !keys->first) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(keys->orbit && keys->symmetry && keys->first);
   memset(keys->orbit, -1, (size_t)codes * sizeof *keys->orbit);
   for (int32_t code = 1; code < keys->code_count; code++) {
     if (code % 65536 == 0)
@@ -177,10 +174,7 @@ bw_status bwi_keys_create(bw_context *context, int32_t base, bool voids, bool or
   }
   int32_t *less =
       (int32_t *)bw_resize(context, keys->first, (size_t)keys->orbit_count, sizeof *less);
-  if (!less) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(less);
   keys->first = less;
   *out = keys;
   keys = NULL;

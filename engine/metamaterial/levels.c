@@ -328,10 +328,7 @@ static bw_status choose_cells(chooser *it) {
   BW_TRY(begin_stage(it, 0, count));
   BW_TRY(choose_all(it));
   levels->nearest = BW_NEW0(it->context, uint16_t, count);
-  if (!levels->nearest) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(levels->nearest);
   BW_TRY(assign(it, levels->nearest));
   BW_TRY(bwi_levels_expand_cells(it->context, levels, it->keys));
 done:
@@ -349,10 +346,7 @@ static bw_status choose_pairs(chooser *it, int stage) {
   BW_TRY(begin_stage(it, stage, count));
   BW_TRY(choose_all(it));
   representative = BW_NEW0(it->context, uint16_t, count);
-  if (!representative) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(representative);
   BW_TRY(assign(it, representative));
   BW_TRY(bwi_levels_expand_pairs(it->context, levels, stage));
   BW_TRY(bwi_levels_fill_table(it->context, levels, stage - 1, count, item, representative));

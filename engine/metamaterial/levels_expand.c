@@ -35,10 +35,8 @@ bw_status bwi_levels_expand_cells(bw_context *context, bwi_levels *it, const bwi
   add(it, 0, 0, -1, 0);
   for (int32_t k = 0; k < it->chosen_count[0]; k++) {
     int32_t fit = it->chosen[0][k];
-    if (fit < 0 || fit >= keys->orbit_count || representative[keys->first[fit]]) {
-      status = fail(context, 0, "a fit that there is not, or twice");
-      goto done;
-    }
+    if (fit < 0 || fit >= keys->orbit_count || representative[keys->first[fit]])
+      BW_TRY(fail(context, 0, "a fit that there is not, or twice"));
     bwi_key_of(keys->base, keys->first[fit], key);
     for (int s = 0; s < BWI_SYMMETRIES; s++) {
       bwi_symmetry_key(s, 8, key, image);
@@ -49,16 +47,11 @@ bw_status bwi_levels_expand_cells(bw_context *context, bwi_levels *it, const bwi
       add(it, 0, code, k, s);
     }
   }
-  if (it->count[0] > BWI_MAX_REPRESENTATIVES + 1) {
-    status = fail(context, 0, "too many");
-    goto done;
-  }
+  if (it->count[0] > BWI_MAX_REPRESENTATIVES + 1)
+    BW_TRY(fail(context, 0, "too many"));
   it->turned = BW_NEW0(context, uint16_t, (int64_t)it->count[0] * BWI_SYMMETRIES);
   it->flipped[0] = BW_NEW0(context, uint16_t, (int64_t)it->count[0] * BWI_FLIPS);
-  if (!it->turned || !it->flipped[0]) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(it->turned && it->flipped[0]);
   for (int32_t r = 0; r < it->count[0]; r++) {
     bwi_key_of(keys->base, it->code[0][r], key);
     for (int s = 0; s < BWI_SYMMETRIES; s++) {
@@ -105,10 +98,8 @@ bw_status bwi_levels_expand_pairs(bw_context *context, bwi_levels *it, int s) {
   add(it, s, 0, -1, 0);
   for (int32_t k = 0; k < it->chosen_count[s]; k++) {
     int32_t pair = it->chosen[s][k];
-    if (pair <= 0 || pair >= pairs || representative[pair]) {
-      status = fail(context, s, "a pair that there is not, or twice");
-      goto done;
-    }
+    if (pair <= 0 || pair >= pairs || representative[pair])
+      BW_TRY(fail(context, s, "a pair that there is not, or twice"));
     for (int f = 0; f < BWI_FLIPS; f++) {
       int32_t code = bwi_pair_flipped(it, s - 1, pair, f);
       if (representative[code])
@@ -117,15 +108,10 @@ bw_status bwi_levels_expand_pairs(bw_context *context, bwi_levels *it, int s) {
       add(it, s, code, k, f);
     }
   }
-  if (it->count[s] > (s == 3 ? BWI_FLIPS : 1) * BWI_MAX_REPRESENTATIVES + 1) {
-    status = fail(context, s, "too many");
-    goto done;
-  }
+  if (it->count[s] > (s == 3 ? BWI_FLIPS : 1) * BWI_MAX_REPRESENTATIVES + 1)
+    BW_TRY(fail(context, s, "too many"));
   it->flipped[s] = BW_NEW0(context, uint16_t, (int64_t)it->count[s] * BWI_FLIPS);
-  if (!it->flipped[s]) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(it->flipped[s]);
   for (int32_t r = 1; r < it->count[s]; r++)
     for (int f = 0; f < BWI_FLIPS; f++)
       it->flipped[s][r * BWI_FLIPS + f] =

@@ -109,10 +109,7 @@ bw_status bwi_library_begin(bw_context *context, const bw_material_table *materi
   it->options = *options;
   it->levels = options->levels;
   it->inner = BW_NEW0(context, bwi_library, 1);
-  if (!it->inner) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(it->inner);
   BW_TRY(bwi_keys_create(context, material_table->count, options->voids, it->levels > 0,
                          &it->inner->keys));
   BW_TRY(bwi_library_reserve(context, it, 1, it->levels > 0 ? it->inner->keys->orbit_count : 0));

@@ -191,22 +191,16 @@ bw_status bwi_checkpoint_open(bw_context *context, const char *path,
   pthread_mutex_init(&it->lock, NULL);
   it->file = -1;
   it->path = BW_NEW(context, char, strlen(path) + 1);
-  if (!it->path) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(it->path);
   strcpy(it->path, path);
   BW_TRY(bw_may_use(context, path, BW_TO_WRITE));
   it->file = bw_open(path, O_RDWR | O_CREAT | O_APPEND, 0666);
   if (it->file < 0)
     BW_TRY(fail_system(context, path, "cannot open the checkpoint"));
-  if (flock(it->file, LOCK_EX | LOCK_NB) != 0) {
-    if (errno == EWOULDBLOCK)
-      status = bw_fail(context, BW_IO, "%s: another process uses this checkpoint", path);
-    else
-      status = fail_system(context, path, "cannot lock the checkpoint");
-    goto done;
-  }
+  if (flock(it->file, LOCK_EX | LOCK_NB) != 0)
+    BW_TRY(errno == EWOULDBLOCK
+               ? bw_fail(context, BW_IO, "%s: another process uses this checkpoint", path)
+               : fail_system(context, path, "cannot lock the checkpoint"));
   bwi_pack_head(&head, material_table, options);
   BW_TRY(head.status);
   BW_TRY(read_all(context, it->file, path, &bytes, &count));

@@ -106,10 +106,7 @@ static bw_status describe_level(bwi_pack *text, const bw_library *it, int level,
   double *value = BW_NEW(text->context, double, count);
   class_of *of = BW_NEW(text->context, class_of, count);
   int32_t *member = BW_NEW(text->context, int32_t, count);
-  if (!value || !of || !member) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(value && of && member);
   for (int32_t f = 0; f < count; f++) {
     if (grown)
       key_of_grown(&it->inner->grown[level - 1], f, key);

@@ -218,10 +218,7 @@ static bw_status unpack_pairs(bwi_unpack *from, bwi_levels *it, int s, int32_t m
   BW_TRY(bwi_levels_items(from->context, it, s - 1, &item, &count));
   BW_TRY(check_size(from, count, 2, "pairs"));
   representative = BW_NEW(from->context, uint16_t, count);
-  if (!representative) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(representative);
   BW_TRY(unpack_choices(from, count, it->count[s], representative));
   BW_TRY(bwi_levels_fill_table(from->context, it, s - 1, count, item, representative));
 done:
@@ -245,10 +242,7 @@ static bw_status unpack_tables(bw_context *context, const char *name,
   BW_TRY(check_size(&from, orbits, 2, "entries"));
   BW_TRY(bwi_levels_expand_cells(context, it, keys));
   it->nearest = BW_NEW(context, uint16_t, orbits);
-  if (!it->nearest) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(it->nearest);
   BW_TRY(unpack_choices(&from, orbits, it->count[0], it->nearest));
   for (int s = 1; s < BWI_STAGES; s++)
     BW_TRY(unpack_pairs(&from, it, s, max));
@@ -335,10 +329,8 @@ bw_status bwi_library_of_sections(bw_context *context, const char *name,
     BW_TRY(unpack_tables(context, name, &section[3], it));
     BW_TRY(bwi_library_reserve(context, it, 2, it->inner->levels->chosen_count[3]));
     BW_TRY(unpack_fits(context, name, &section[2], it, 2));
-  } else if (section[2].count || section[3].count) {
-    status = bwi_unpack_fail(&from, "one level, but data of a second");
-    goto done;
-  }
+  } else if (section[2].count || section[3].count)
+    BW_TRY(bwi_unpack_fail(&from, "one level, but data of a second"));
   BW_TRY(unpack_grown(context, name, &section[4], it));
   *out = it;
   it = NULL;
@@ -423,20 +415,13 @@ bw_status bw_library_parse(bw_context *context, const char *name, const unsigned
     uLongf size = (uLongf)packed[s].raw;
     uLong used = (uLong)packed[s].packed;
     raw[s] = BW_NEW(context, unsigned char, packed[s].raw);
-    if (!raw[s]) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(raw[s]);
     int code = uncompress2(raw[s], &size, packed[s].bytes, &used);
-    if (code == Z_MEM_ERROR) {
-      status = bw_fail(context, BW_MEMORY, "%s: no memory to unpack it", name);
-      goto done;
-    }
+    if (code == Z_MEM_ERROR)
+      BW_TRY(bw_fail(context, BW_MEMORY, "%s: no memory to unpack it", name));
     if (code != Z_OK || size != packed[s].raw || used != packed[s].packed ||
-        packed[s].sum != sum_of(0, raw[s], size)) {
-      status = fail(context, name, (int64_t)(packed[s].bytes - bytes), "a section is damaged");
-      goto done;
-    }
+        packed[s].sum != sum_of(0, raw[s], size))
+      BW_TRY(fail(context, name, (int64_t)(packed[s].bytes - bytes), "a section is damaged"));
     section[s] = (bwi_file_section){raw[s], size};
   }
   status = bwi_library_of_sections(context, name, section, library);

@@ -181,11 +181,9 @@ bw_status bwi_unpack_head(bwi_unpack *from, bw_material_table **material_table,
   bw_solid_material *material[7] = {NULL};
   bw_rule *rule = NULL;
   uint32_t count = bwi_unpack_u32(from);
-  if (count < 2 || count > 8) {
-    status =
-        bwi_unpack_fail(from, "a material table of %lld materials; 1 to 7", (long long)count - 1);
-    goto done;
-  }
+  if (count < 2 || count > 8)
+    BW_TRY(
+        bwi_unpack_fail(from, "a material table of %lld materials; 1 to 7", (long long)count - 1));
   BW_TRY(bw_rule_create(from->context, 0, &rule));
   for (uint32_t i = 0; i + 1 < count; i++)
     BW_TRY(unpack_material(from, (int32_t)i + 1, rule, &material[i]));
@@ -204,8 +202,7 @@ bw_status bwi_unpack_head(bwi_unpack *from, bw_material_table **material_table,
   if (bwi_check_options(from->context, o) != BW_OK) {
     char why[256];
     snprintf(why, sizeof why, "%s", bw_message(from->context));
-    status = bwi_unpack_fail(from, "options that cannot be: %s", why);
-    goto done;
+    BW_TRY(bwi_unpack_fail(from, "options that cannot be: %s", why));
   }
   BW_TRY(bw_material_table_create(from->context, (int32_t)count,
                                   (const bw_solid_material *const *)material, material_table));

@@ -101,10 +101,7 @@ bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
     return BW_OK;
   BW_TRY(check_boundary(context, model, dof_map));
   force = BW_NEW(context, double, 3 * (size_t)model->mesh->node_count);
-  if (!force) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(force);
   for (int i = 0; i < model->load_count; i++) {
     const bw_load *load = &model->load[i];
     if (!load->on && load->kind != BW_LOAD_NODAL)

@@ -135,10 +135,7 @@ bw_status bwi_node_constraints(bw_context *context, const bw_model *model, int32
   for (int32_t i = 0; i < mesh->node_count; i++)
     constrained += place[i];
   list = BW_NEW0(context, bwi_constraint, constrained);
-  if (!list) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list);
   constrained = 0;
   for (int32_t i = 0; i < mesh->node_count; i++)
     if (place[i]) {

@@ -145,10 +145,7 @@ static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t c
   double(*row)[6] = NULL;
   int64_t *start = BW_NEW0(context, int64_t, bodies + 1);
   int32_t *order = BW_NEW(context, int32_t, constraint_count);
-  if (!start || !order) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(start && order);
   /* constraints by body */
   for (int32_t h = 0; h < constraint_count; h++)
     start[mesh->component[constraint[h].node] + 1]++;
@@ -164,10 +161,7 @@ static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t c
     start[body] = start[body + 1];
   start[bodies] = constraint_count;
   row = (double(*)[6])bw_alloc(context, 3 * (size_t)max, sizeof *row);
-  if (!row) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(row);
   for (int32_t body = 0; body < mesh->component_count; body++) {
     const double *centre = dof_map->body_centre + 3 * (size_t)body;
     const double *j = inertia + 9 * (size_t)body;
@@ -185,11 +179,8 @@ static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t c
       }
     }
     BW_TRY(bw_check_cancel(context));
-    if (!bw_grow(context, (void **)&dof_map->rigid_mode, &capacity,
-                 (size_t)dof_map->rigid_mode_count, 6, sizeof *dof_map->rigid_mode)) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(bw_grow(context, (void **)&dof_map->rigid_mode, &capacity,
+                          (size_t)dof_map->rigid_mode_count, 6, sizeof *dof_map->rigid_mode));
     bw_rigid_mode *motion = dof_map->rigid_mode + dof_map->rigid_mode_count;
     int count = bwi_rigid_modes(dof_map, body, j, length, rows, (const double(*)[6])row, motion);
     BW_TRY(bwi_add_isostatic(context, dof_map, body, count, motion, length, previous));
@@ -282,12 +273,9 @@ bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t constrain
   dof_map->body_centre = BW_NEW(context, double, 3 * bodies);
   dof_map->weight = BW_NEW(context, double, 4 * nodes);
   inertia = BW_NEW(context, double, 9 * bodies);
-  if (!dof_map->unknown || !dof_map->state || !dof_map->frame_of || !dof_map->value ||
-      !dof_map->rigid_mode_start || !dof_map->body_start || !dof_map->body_node ||
-      !dof_map->body_volume || !dof_map->body_centre || !dof_map->weight || !inertia) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(dof_map->unknown && dof_map->state && dof_map->frame_of && dof_map->value &&
+                dof_map->rigid_mode_start && dof_map->body_start && dof_map->body_node &&
+                dof_map->body_volume && dof_map->body_centre && dof_map->weight && inertia);
   for (size_t i = 0; i < nodes; i++) {
     dof_map->frame_of[i] = -1;
     dof_map->body_start[mesh->component[i] + 1]++;

@@ -139,11 +139,8 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   c.equation_node = BW_NEW(context, int32_t, max);
   c.equation_normal = BW_NEW(context, double, 3 * max);
   force = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
-  if (!c.fixed_node || !c.fixed_direction || !c.fixed_value || !c.equation_node ||
-      !c.equation_normal || !force) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(c.fixed_node && c.fixed_direction && c.fixed_value && c.equation_node &&
+                c.equation_normal && force);
   /* Modes of a free body are free; a static step needs the isostatic constraints, which carry no
    * load. */
   for (size_t i = 0; modes > 0 && i < 3 * (size_t)mesh->node_count; i++)

@@ -212,10 +212,8 @@ bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selectio
   if (normal) {
     BW_TRY(check_finite(context, "sliding support's normal", normal));
     double max = fmax(fabs(normal[0]), fmax(fabs(normal[1]), fabs(normal[2])));
-    if (max == 0) {
-      status = bw_fail(context, BW_INVALID, "the sliding support's normal is (0, 0, 0)");
-      goto done;
-    }
+    if (max == 0)
+      BW_TRY(bw_fail(context, BW_INVALID, "the sliding support's normal is (0, 0, 0)"));
     for (int k = 0; k < 3; k++)
       support.normal[k] = normal[k] / max;
     double size = bw_norm(support.normal);
@@ -232,12 +230,10 @@ bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_sele
   bw_support support = {.on = on, .fixed = {fixed[0], fixed[1], fixed[2]}};
   bw_status status;
   BW_TRY(check_selection(context, model, on, true, "a prescribed displacement"));
-  if (!fixed[0] && !fixed[1] && !fixed[2]) {
-    status =
+  if (!fixed[0] && !fixed[1] && !fixed[2])
+    BW_TRY(
         bw_fail(context, BW_INVALID,
-                "a prescribed displacement constrains no direction: give a number for x, y or z");
-    goto done;
-  }
+                "a prescribed displacement constrains no direction: give a number for x, y or z"));
   for (int k = 0; k < 3; k++)
     support.value[k] = fixed[k] && value ? value[k] : 0;
   BW_TRY(check_finite(context, "prescribed displacement", support.value));
@@ -251,12 +247,10 @@ bw_status bw_model_prescribe_field(bw_context *context, bw_model *model, const b
   bw_support support = {.on = on, .fixed = {fixed[0], fixed[1], fixed[2]}, .field = field};
   bw_status status;
   BW_TRY(check_selection(context, model, on, true, "a prescribed displacement"));
-  if (!fixed[0] && !fixed[1] && !fixed[2]) {
-    status =
+  if (!fixed[0] && !fixed[1] && !fixed[2])
+    BW_TRY(
         bw_fail(context, BW_INVALID,
-                "a prescribed displacement constrains no direction: give a number for x, y or z");
-    goto done;
-  }
+                "a prescribed displacement constrains no direction: give a number for x, y or z"));
   BW_TRY(check_nodal(context, model, field, 3, "prescribed displacement"));
   BW_TRY(bwi_model_add_support(context, model, &support));
 done:
@@ -305,12 +299,10 @@ bw_status bw_model_gravity(bw_context *context, bw_model *model, const double ac
   bw_load load = {.kind = BW_LOAD_GRAVITY};
   bw_status status;
   BW_TRY(check_finite(context, "acceleration of gravity", acceleration));
-  if (!(model->material->density > 0)) {
-    status = bw_fail(context, BW_INVALID,
-                     "gravity needs the density of the material \"%s\", which is not given",
-                     model->material->name);
-    goto done;
-  }
+  if (!(model->material->density > 0))
+    BW_TRY(bw_fail(context, BW_INVALID,
+                   "gravity needs the density of the material \"%s\", which is not given",
+                   model->material->name));
   memcpy(load.vector, acceleration, sizeof load.vector);
   BW_TRY(bwi_model_add_load(context, model, &load));
 done:

@@ -67,10 +67,7 @@ bw_status bwi_moments(bw_context *context, bw_dof_map *dof_map, double *inertia)
   /* From the mean of the body's nodes first: no cancellation far from the origin. */
   int32_t *count = BW_NEW0(context, int32_t, bodies);
   double *reference = BW_NEW0(context, double, 3 * (size_t)bodies);
-  if (!count || !reference) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(count && reference);
   for (int32_t i = 0; i < mesh->node_count; i++) {
     int32_t body = mesh->component[i];
     count[body]++;
@@ -105,11 +102,9 @@ bw_status bwi_moments(bw_context *context, bw_dof_map *dof_map, double *inertia)
       centre[3 * (size_t)body + k] += weight[4 * (size_t)i + 1 + k];
   }
   for (int32_t body = 0; body < bodies; body++) {
-    if (!(volume[body] > 0)) {
-      status = bw_fail(context, BW_GEOMETRY, "body %d has the volume %g m3: it must be positive",
-                       body + 1, volume[body]);
-      goto done;
-    }
+    if (!(volume[body] > 0))
+      BW_TRY(bw_fail(context, BW_GEOMETRY, "body %d has the volume %g m3: it must be positive",
+                     body + 1, volume[body]));
     for (int k = 0; k < 3; k++)
       centre[3 * (size_t)body + k] =
           centre[3 * (size_t)body + k] / volume[body] + reference[3 * (size_t)body + k];

@@ -75,13 +75,11 @@ static bw_status transfer_selection(transfer *t, const bw_selection *on, const b
       return BW_MEMORY;
     for (int32_t i = 0; i < on->node_count; i++) {
       node[i] = t->node_to[on->node[i]];
-      if (node[i] < 0) {
-        status = bw_fail(t->context, BW_INVALID,
-                         "node %d, which a support or load acts on, is not in the new mesh: give "
-                         "the support or load on the new mesh",
-                         on->node[i] + 1);
-        goto done;
-      }
+      if (node[i] < 0)
+        BW_TRY(bw_fail(t->context, BW_INVALID,
+                       "node %d, which a support or load acts on, is not in the new mesh: give "
+                       "the support or load on the new mesh",
+                       on->node[i] + 1));
     }
     qsort(node, (size_t)on->node_count, sizeof *node, compare_numbers);
   }
@@ -199,10 +197,7 @@ static bw_status transfer_model(bw_context *context, const bw_model *model, cons
   BW_TRY(bw_model_create(context, mesh, model->material, &t.to));
   t.before = BW_NEW(context, const bw_selection *, max);
   t.after = BW_NEW(context, bw_selection *, max);
-  if (!t.before || !t.after) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(t.before && t.after);
   if (node_from)
     BW_TRY(invert(&t));
   for (int i = 0; i < model->support_count; i++)
@@ -211,10 +206,8 @@ static bw_status transfer_model(bw_context *context, const bw_model *model, cons
     BW_TRY(transfer_load(&t, i));
   for (int i = 0; i < also_count; i++) {
     const bw_selection *made;
-    if (also[i]->mesh != model->mesh) {
-      status = bw_fail(context, BW_INVALID, "selection %d is not of the model's mesh", i + 1);
-      goto done;
-    }
+    if (also[i]->mesh != model->mesh)
+      BW_TRY(bw_fail(context, BW_INVALID, "selection %d is not of the model's mesh", i + 1));
     BW_TRY(transfer_selection(&t, also[i], &made));
     also_transferred[i] = (bw_selection *)made;
   }

@@ -37,10 +37,7 @@ bw_status bwi_refined_selection(bw_context *context, const bw_refinement *r, con
   uint8_t *chosen = BW_NEW0(context, uint8_t, mesh->node_count);
   int32_t *facet = BW_NEW(context, int32_t, mesh->facet_count);
   int32_t *node = BW_NEW(context, int32_t, mesh->node_count);
-  if (!old_facet || !old_node || !chosen || !facet || !node) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(old_facet && old_node && chosen && facet && node);
   for (int32_t i = 0; i < on->facet_count; i++)
     old_facet[on->facet[i]] = 1;
   for (int32_t i = 0; i < on->node_count; i++)

@@ -81,10 +81,7 @@ bw_status bwi_selection_make(bw_context *context, const bw_mesh *mesh, const uin
   if (!marked)
     return BW_MEMORY;
   made = BW_NEW0(context, bw_selection, 1);
-  if (!made) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made);
   bw_object_init(made, &selection_kind);
   made->mesh = (const bw_mesh *)bw_retain(mesh);
   for (int32_t i = 0; node && i < mesh->boundary_node_count; i++)
@@ -98,16 +95,11 @@ bw_status bwi_selection_make(bw_context *context, const bw_mesh *mesh, const uin
     }
   for (int32_t i = 0; i < mesh->node_count; i++)
     made->node_count += marked[i];
-  if (made->node_count == 0) {
-    status = fail_empty(context, mesh, what, nearest, distance);
-    goto done;
-  }
+  if (made->node_count == 0)
+    BW_TRY(fail_empty(context, mesh, what, nearest, distance));
   made->facet = BW_NEW(context, int32_t, made->facet_count);
   made->node = BW_NEW(context, int32_t, made->node_count);
-  if (!made->facet || !made->node) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made->facet && made->node);
   int32_t at = 0;
   for (int32_t f = 0; facet && f < mesh->facet_count; f++)
     if (facet[f])

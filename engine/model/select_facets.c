@@ -43,23 +43,18 @@ bw_status bw_select_normal_cone(bw_context *context, const bw_mesh *mesh, const 
   bw_status status;
   BW_TRY(check_angle(context, "normal", angle));
   double max = fmax(fabs(direction[0]), fmax(fabs(direction[1]), fabs(direction[2])));
-  if (!(max > 0) || !isfinite(direction[0] + direction[1] + direction[2])) {
-    status = bw_fail(
+  if (!(max > 0) || !isfinite(direction[0] + direction[1] + direction[2]))
+    BW_TRY(bw_fail(
         context, BW_INVALID,
         "normal selection: (%g, %g, %g) has no direction: a finite vector that is not 0 expected",
-        direction[0], direction[1], direction[2]);
-    goto done;
-  }
+        direction[0], direction[1], direction[2]));
   for (int k = 0; k < 3; k++)
     axis[k] = direction[k] / max;
   double size = bw_norm(axis);
   for (int k = 0; k < 3; k++)
     axis[k] /= size;
   facet = BW_NEW0(context, uint8_t, mesh->facet_count);
-  if (!facet) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(facet);
   for (int32_t f = 0; f < mesh->facet_count; f++) {
     double normal[3];
     if (!corner_normal(mesh, f, normal))
@@ -134,17 +129,12 @@ bw_status bw_select_patch(bw_context *context, const bw_mesh *mesh, const double
   double min = HUGE_VAL;
   bw_status status;
   BW_TRY(check_angle(context, "patch", angle));
-  if (!isfinite(point[0] + point[1] + point[2])) {
-    status = bw_fail(context, BW_INVALID, "patch selection: the point is not finite");
-    goto done;
-  }
+  if (!isfinite(point[0] + point[1] + point[2]))
+    BW_TRY(bw_fail(context, BW_INVALID, "patch selection: the point is not finite"));
   BW_TRY(bwi_facet_incidence_of(context, mesh, &at));
   facet = BW_NEW0(context, uint8_t, mesh->facet_count);
   stack = BW_NEW(context, int32_t, mesh->facet_count);
-  if (!facet || !stack) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(facet && stack);
   for (int32_t f = 0; f < mesh->facet_count; f++) {
     const int32_t *node = mesh->facet + (size_t)f * (size_t)mesh->nodes_per_facet;
     const double *const x[3] = {mesh->node + 3 * (size_t)node[0], mesh->node + 3 * (size_t)node[1],

@@ -130,16 +130,12 @@ static bw_status select_plane(bw_context *context, const bw_mesh *mesh, const do
   BW_TRY(check_numbers(context, name, 3, point));
   BW_TRY(check_numbers(context, name, 3, normal));
   BW_TRY(check_numbers(context, name, 1, &tolerance));
-  if (both && tolerance < 0) {
-    status =
-        bw_fail(context, BW_INVALID, "plane selection: the tolerance %g is negative", tolerance);
-    goto done;
-  }
+  if (both && tolerance < 0)
+    BW_TRY(
+        bw_fail(context, BW_INVALID, "plane selection: the tolerance %g is negative", tolerance));
   double max = fmax(fabs(normal[0]), fmax(fabs(normal[1]), fabs(normal[2])));
-  if (max == 0) {
-    status = bw_fail(context, BW_INVALID, "%s selection: the normal is (0, 0, 0)", name);
-    goto done;
-  }
+  if (max == 0)
+    BW_TRY(bw_fail(context, BW_INVALID, "%s selection: the normal is (0, 0, 0)", name));
   for (int k = 0; k < 3; k++) {
     p.point[k] = point[k];
     p.normal[k] = normal[k] / max;
@@ -185,11 +181,8 @@ bw_status bw_select_sphere(bw_context *context, const bw_mesh *mesh, const doubl
   sphere s = {.centre = {centre[0], centre[1], centre[2]}, .radius = radius};
   bw_status status;
   BW_TRY(check_numbers(context, "sphere", 3, centre));
-  if (!(radius >= 0)) {
-    status =
-        bw_fail(context, BW_INVALID, "sphere selection: the radius %g is not positive", radius);
-    goto done;
-  }
+  if (!(radius >= 0))
+    BW_TRY(bw_fail(context, BW_INVALID, "sphere selection: the radius %g is not positive", radius));
   char at[96], size[40], what[200];
   bwi_vector_string(at, sizeof at, centre, 6, 0);
   bwi_number_string(size, sizeof size, radius, 6, 0);
@@ -219,12 +212,10 @@ bw_status bw_select_nearest(bw_context *context, const bw_mesh *mesh, const doub
   uint8_t *mask = NULL;
   bw_status status;
   BW_TRY(check_numbers(context, "nearest", 3, point));
-  if (count < 1 || count > mesh->boundary_node_count) {
-    status =
-        bw_fail(context, BW_INVALID, "nearest selection: %d nodes asked for, but there are 1 to %d",
-                count, mesh->boundary_node_count);
-    goto done;
-  }
+  if (count < 1 || count > mesh->boundary_node_count)
+    BW_TRY(bw_fail(context, BW_INVALID,
+                   "nearest selection: %d nodes asked for, but there are 1 to %d", count,
+                   mesh->boundary_node_count));
   status = BW_MEMORY;
   list = BW_NEW(context, near_node, mesh->boundary_node_count);
   mask = BW_NEW0(context, uint8_t, mesh->node_count);

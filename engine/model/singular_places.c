@@ -223,10 +223,7 @@ static bw_status points_and_lines(finder *f) {
   bw_status status = BW_OK;
   uint8_t *mark = BW_NEW0(f->context, uint8_t, mesh->node_count);
   double *mean = BW_NEW0(f->context, double, 3 * (size_t)mesh->node_count);
-  if (!mark || !mean) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(mark && mean);
   for (int32_t t = 0; t < mesh->facet_count; t++)
     for (int a = 0; a < mesh->nodes_per_facet; a++)
       for (int k = 0; k < 3; k++)
@@ -261,10 +258,7 @@ bw_status bw_singular_places_find(bw_context *context, const bw_model *model,
   BW_TRY(bw_singular_edges(context, surface ? surface : boundary, NULL, margin, &f.places));
   f.normal = BW_NEW(context, double, 3 * facets);
   f.corner = BW_NEW0(context, uint8_t, facets);
-  if (!f.normal || !f.corner) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(f.normal && f.corner);
   for (size_t t = 0; t < facets; t++) {
     double *n = f.normal + 3 * t;
     bwi_facet_normal(boundary->point, boundary->triangle + 3 * t, n);

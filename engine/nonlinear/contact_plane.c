@@ -98,10 +98,7 @@ bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
   }
   c = BW_NEW0(context, bwi_contact, 1);
   outer = BW_NEW0(context, uint8_t, grid->node_count);
-  if (!c || !outer) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(c && outer);
   c->load_case = load_case;
   c->plane = BW_NEW(context, int32_t, max);
   c->rest = BW_NEW(context, double, max);
@@ -115,11 +112,8 @@ bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
   c->pushes = BW_NEW0(context, uint8_t, max);
   c->offset = BW_NEW0(context, double, load_case->contact_plane_count);
   c->shift = BW_NEW0(context, double, load_case->contact_plane_count);
-  if (!c->plane || !c->rest || !c->start || !c->node || !c->weight || !c->stiffness || !c->force ||
-      !c->gap || !c->multiplier || !c->pushes || !c->offset || !c->shift) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(c->plane && c->rest && c->start && c->node && c->weight && c->stiffness &&
+                c->force && c->gap && c->multiplier && c->pushes && c->offset && c->shift);
   BW_TRY(mark_boundary(context, grid, outer));
   for (int f = 0; f < load_case->contact_plane_count; f++) {
     const bw_embedding *e = load_case->contact_plane[f].embedding;

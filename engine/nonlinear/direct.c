@@ -57,10 +57,7 @@ static bw_status order_nodes(bw_context *context, const bw_block_pattern *patter
     return bwi_order_create(context, pattern, take, order);
   BW_TRY(bwi_adjacency_create(context, pattern, take, &near));
   permutation = BW_NEW(context, idx_t, near.size);
-  if (!permutation) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(permutation);
   BW_TRY(bwi_minimum_degree(context, near.size, near.start, near.neighbour, permutation));
   BW_TRY(bwi_order_analyse(context, &near, permutation, order));
 done:
@@ -96,19 +93,14 @@ bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct,
   take = BW_NEW0(context, uint8_t, nodes);
   unknown = BW_NEW(context, int32_t, size);
   direct->constrained = BW_NEW(context, uint8_t, size);
-  if (!take || !unknown || !direct->constrained) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(take && unknown && direct->constrained);
   memcpy(direct->constrained, constrained, size);
   for (size_t i = 0; i < size; i++) {
     unknown[i] = constrained[i] ? -1 : count++;
     take[i / 3] = (uint8_t)(take[i / 3] | !constrained[i]);
   }
-  if (count == 0) {
-    status = bw_fail(context, BW_INTERNAL, "a matrix without unknowns cannot be factorised");
-    goto done;
-  }
+  if (count == 0)
+    BW_TRY(bw_fail(context, BW_INTERNAL, "a matrix without unknowns cannot be factorised"));
   BW_TRY(order_nodes(context, pattern, take, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, unknown, &direct->symbolic));
   direct->pattern = bw_retain(pattern);

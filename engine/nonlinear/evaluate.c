@@ -195,19 +195,13 @@ bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const do
             .stiffness = stiffness,
             .ring = 1};
   d.state = BW_NEW(context, bwi_hexahedron_state, solid->grid->element_count);
-  if (!d.state) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(d.state);
   if (d.want > BWI_ENERGY) {
     BW_TRY(plan(context, solid, &it));
     d.ring = it.ring;
     d.force = BW_NEW(context, double, BWI_ELEMENT_FORCES *it.ring);
     d.matrix = stiffness ? BW_NEW(context, double, BWI_ELEMENT_NUMBERS *it.ring) : NULL;
-    if (!d.force || (stiffness && !d.matrix)) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(d.force && (!stiffness || d.matrix));
   }
   BW_TRY(run(context, &d, &it));
   double sum = sum_up(solid, d.state, shape);

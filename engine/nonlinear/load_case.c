@@ -159,10 +159,7 @@ bw_status bw_load_case_pressure(bw_context *context, bw_load_case *it,
       (bw_pressure_patch *)bw_resize(context, it->patch, (size_t)it->patch_count + 1, sizeof *list);
   if (list)
     it->patch = list;
-  if (!list || !patch.triangle || !patch.pressure) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list && patch.triangle && patch.pressure);
   memcpy(patch.triangle, triangle, 3 * (size_t)triangles * sizeof *triangle);
   memcpy(patch.pressure, pressure, (size_t)triangles * sizeof *pressure);
   patch.embedding = bw_retain(embedding);

@@ -35,10 +35,7 @@ bw_status bw_load_case_force(bw_context *context, bw_load_case *it, int64_t coun
   BW_TRY(bwi_load_case_check_finite(context, "the force", total));
   weight = BW_NEW0(context, double, grid->node_count);
   given = mark(context, grid, count, node);
-  if (!weight || !given) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(weight && given);
   for (int32_t e = 0; e < grid->element_count; e++)
     for (int side = 0; side < 6; side++) {
       if (!given_face(grid, given, e, side, corner))
@@ -121,10 +118,7 @@ bw_status bw_load_case_surface_pressure(bw_context *context, bw_load_case *it, i
   int64_t at = 0;
   BW_TRY(bwi_load_case_check_nodes(context, grid, count, node, "a pressure"));
   given = mark(context, grid, count, node);
-  if (!given) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(given);
   BW_TRY(reserve(context, grid, given, &f));
   for (int32_t e = 0; e < grid->element_count; e++)
     for (int side = 0; side < 6; side++) {
@@ -136,12 +130,10 @@ bw_status bw_load_case_surface_pressure(bw_context *context, bw_load_case *it, i
         middle[d] = 0.5 * (f.at[3 * (int64_t)f.number[corner[0]] + d] +
                            f.at[3 * (int64_t)f.number[corner[2]] + d]);
       double value = factor * (pressure ? pressure(data, middle) : 1);
-      if (!isfinite(value)) {
-        status =
-            bw_fail(context, BW_INVALID, "the pressure at (%g, %g, %g) m is %g; it must be finite",
-                    middle[0], middle[1], middle[2], value);
-        goto done;
-      }
+      if (!isfinite(value))
+        BW_TRY(bw_fail(context, BW_INVALID,
+                       "the pressure at (%g, %g, %g) m is %g; it must be finite", middle[0],
+                       middle[1], middle[2], value));
       for (int k = 0; k < 12; k++)
         f.triangle[12 * at + k] = f.number[corner[both[k]]];
       for (int k = 0; k < 4; k++)

@@ -64,10 +64,7 @@ static bw_status find_negative(bwi_newton_state *state, const double *plain, boo
          *q = BW_NEW(context, double, n), *p = state->direction;
   double before = 0;
   *found = *none = false;
-  if (!r || !z || !q) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(r && z && q);
   BW_TRY(random_forces(state, r));
   for (int k = 0; k < state->plan.max_iterations && bwi_newton_left(state, NULL) > 0; k++) {
     BW_TRY(bw_check_cancel(context));

@@ -329,10 +329,7 @@ static bw_status with_followers(bwi_newton_state *state, double tolerance, doubl
   int used = 0;
   double size = sqrt(bwi_newton_state_dot(state, d, d));
   basis[0] = BW_NEW(state->context, double, n);
-  if (!work || !basis[0]) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(work && basis[0]);
   if (!(size > 0) || !isfinite(size))
     goto done;
   for (int64_t i = 0; i < n; i++)
@@ -341,10 +338,7 @@ static bw_status with_followers(bwi_newton_state *state, double tolerance, doubl
   while (used < BASIS && fabs(right[used]) > FOLLOWER_TOLERANCE * size) {
     int j = used;
     double *next = basis[j + 1] = BW_NEW(state->context, double, n);
-    if (!next) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(next);
     BW_TRY(exact(state, basis[j], tolerance, work, next, iterations));
     for (int i = 0; i <= j; i++) {
       h[i][j] = bwi_newton_state_dot(state, basis[i], next);

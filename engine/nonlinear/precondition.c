@@ -140,10 +140,7 @@ bw_status bwi_precondition_create(bw_context *context, const bw_solid *solid,
     return BW_MEMORY;
   m->count = options ? 1 + options->coarse_count : 1;
   m->level = BW_NEW0(context, level, m->count);
-  if (!m->level) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(m->level);
   for (int k = 0; k < m->count; k++) {
     level *l = &m->level[k];
     BW_TRY(level_create(context, k == 0 ? solid : options->coarse[k - 1], l));
@@ -163,10 +160,7 @@ bw_status bwi_precondition_create(bw_context *context, const bw_solid *solid,
     if (k > 0 && k + 1 == m->count) {
       BW_TRY(bwi_direct_create(context, &l->direct));
       l->stiffness = BW_NEW(context, double, 9 * l->solid->pattern->block_count);
-      if (!l->stiffness) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(l->stiffness);
     } else if (k > 0)
       BW_TRY(bw_solid_linear_create(context, l->solid, &l->own_linear));
   }

@@ -111,10 +111,7 @@ bw_status bw_rule_create_selective(bw_context *context, bw_rule **out) {
   bw_status status = BW_OK;
   BW_TRY(bw_rule_create(context, 0, &gauss));
   rule = reserve(context, 0, 2 * gauss->count, spread);
-  if (!rule) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(rule);
   memcpy(rule->at, gauss->at, 3 * (size_t)gauss->count * sizeof *rule->at);
   for (int32_t k = 3 * gauss->count; k < 3 * rule->count; k++)
     rule->at[k] = 0.5;

@@ -62,10 +62,7 @@ bw_status bw_solid_create(bw_context *context, const bw_grid *grid,
                                     &solid->contributions));
   }
   solid->mass = BW_NEW0(context, double, grid->node_count);
-  if (!solid->mass) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(solid->mass);
   for (int32_t e = 0; e < grid->element_count; e++) {
     double density = material_table->material[grid->material[e]]->density;
     solid->weightless = solid->weightless || !(density > 0);

@@ -110,10 +110,7 @@ bw_status bw_solid_material_points(bw_context *context, const char *name, const 
   m->lambda = BW_NEW(context, double, n);
   m->fibre_stiffness = BW_NEW(context, double, n *f);
   m->fibre = BW_NEW(context, double, 3 * n * f);
-  if (!m->law || !m->mu || !m->lambda || !m->fibre_stiffness || !m->fibre) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(m->law && m->mu && m->lambda && m->fibre_stiffness && m->fibre);
   memcpy(m->law, law, n);
   memcpy(m->mu, mu, n * sizeof *mu);
   memcpy(m->lambda, lambda, n * sizeof *lambda);

@@ -347,10 +347,7 @@ bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
   result->load_case = bw_retain(load_case);
   result->displacement = BW_NEW0(context, double, 3 * (int64_t)solid->grid->node_count);
   result->reaction = BW_NEW0(context, double, 3 * (int64_t)solid->grid->node_count);
-  if (!result->displacement || !result->reaction) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(result->displacement && result->reaction);
   if (!newton) {
     BW_TRY(bw_newton_create(context, &own));
     newton = own;
@@ -362,10 +359,7 @@ bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
   memcpy(result->displacement, state.now.u, (size_t)state.size * sizeof(double));
   if (state.contact) {
     multiplier = BW_NEW0(context, double, state.contact->count);
-    if (!multiplier) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(multiplier);
   }
   BW_TRY(follow_path(&state, result->displacement, multiplier, &reached, &failed));
   BW_TRY(finish(&state, reached, result));

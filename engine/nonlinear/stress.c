@@ -51,10 +51,7 @@ bw_status bw_solid_stress(bw_context *context, const bw_solid *solid, const doub
   if (!of_nodes)
     goto done;
   weight = BW_NEW0(context, double, grid->node_count);
-  if (!weight) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(weight);
   memset(of_nodes, 0, 6 * (size_t)grid->node_count * sizeof *of_nodes);
   for (int32_t e = 0; e < grid->element_count; e++)
     for (int c = 0; c < 8; c++) {

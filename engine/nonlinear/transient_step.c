@@ -29,10 +29,7 @@ static bw_status prepare_contact_planes(bw_context *context, bw_solid_transient 
     return BW_OK;
   blocks = BW_NEW(context, double, 9 * nodes);
   matrix = BW_NEW(context, double, 9 * pattern->block_count);
-  if (!blocks || !matrix) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(blocks && matrix);
   memset(inner->workspace[0], 0, 3 * (size_t)nodes * sizeof(double));
   BW_TRY(bw_solid_evaluate(context, solid, inner->workspace[0], true, NULL, NULL, matrix, &shape));
   for (int64_t i = 0; i < nodes; i++) {
@@ -42,10 +39,7 @@ static bw_status prepare_contact_planes(bw_context *context, bw_solid_transient 
   }
   BW_TRY(bwi_contact_create(context, motion->load_case, blocks, &contact));
   double *before = BW_NEW0(context, double, contact->count);
-  if (!before) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(before);
   bwi_contact_destroy(inner->contact);
   bw_free(inner->multiplier);
   inner->contact = contact;
@@ -220,10 +214,8 @@ bw_status bw_solid_transient_step(bw_context *context, bw_solid_transient *motio
   BW_TRY(bwi_tangent_blocks(&state)); /* the rounding bound is computed from them */
   BW_TRY(bwi_newton_equilibrium(&state, 1, &found));
   bool went = report.history_count > 0 && report.history[report.history_count - 1].step > 0;
-  if (!found && !(o->iterations == 1 && state.obstacle == BWI_ITERATIONS && went)) {
-    status = fail_step(context, motion, &state);
-    goto done;
-  }
+  if (!found && !(o->iterations == 1 && state.obstacle == BWI_ITERATIONS && went))
+    BW_TRY(fail_step(context, motion, &state));
   if (state.follows) { /* by the trapezoidal rule */
     const double *u[2] = {motion->displacement, state.now.u};
     memset(inner->workspace[1], 0, (size_t)state.size * sizeof(double));

@@ -354,10 +354,7 @@ bw_status bwi_outline_check_crossings(bw_context *context, const double *point, 
     capacity += (size_t)loop[l].count * (size_t)cuts(&loop[l]);
   piece *pieces = BW_NEW(context, piece, capacity);
   start *order = BW_NEW(context, start, capacity);
-  if (!pieces || !order) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(pieces && order);
   for (int32_t l = 0; l < loops; l++)
     count = cut_loop(point, &loop[l], l, segment, pieces, count);
   for (int32_t i = 0; i < count; i++) {

@@ -302,10 +302,7 @@ bw_status bw_outline_create(bw_context *context, int32_t points, const double *p
   o->region_count = regions;
   o->segment = BW_NEW(context, bw_segment, segments);
   o->loop = BW_NEW(context, bw_loop, loops);
-  if (!o->segment || !o->loop) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(o->segment && o->loop);
   memcpy(o->segment, segment, (size_t)segments * sizeof *segment);
   memcpy(o->loop, loop, (size_t)loops * sizeof *loop);
   BW_TRY(copy_tags(context, tags, tag, o));

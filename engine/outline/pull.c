@@ -224,10 +224,7 @@ static bw_status pull_chain(bw_context *context, const chain *c, const double to
   bw_status status = BW_OK;
   complex2 *work = BW_NEW(context, complex2, 3 * n);
   double *matrix = BW_NEW(context, double, 2 * n);
-  if (!work || !matrix) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(work && matrix);
   double *vertex = point + 2 * (int64_t)c->point[c->pulled];
   const double *first = point + 2 * (int64_t)c->point[0];
   const double *last = point + 2 * (int64_t)c->point[c->count - 1];
@@ -264,10 +261,7 @@ bw_status bw_outline_pulled(bw_context *context, const bw_outline *outline, int3
         "pulling to (%g, %g) m with reach %g m: finite numbers expected, the reach at least 0",
         to[0], to[1], reach));
   point = BW_NEW(context, double, 2 * (size_t)outline->point_count);
-  if (!point) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(point);
   memcpy(point, outline->point, 2 * (size_t)outline->point_count * sizeof *point);
   int32_t l = bw_segment_loop(outline, segment);
   const bw_loop *loop = &outline->loop[l];

@@ -38,10 +38,7 @@ bw_status bw_outline_smoothed(bw_context *context, const bw_outline *outline, in
   ring = BW_NEW(context, double, 4 * capacity);
   number = BW_NEW(context, int32_t, capacity);
   kept = BW_NEW(context, bool, capacity);
-  if (!point || !ring || !number || !kept) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(point && ring && number && kept);
   for (int32_t s = l->first; s < l->first + l->count; s++)
     for (int i = 0; i < 3; i++)
       if (outline->segment[s].point[i] >= 0) {

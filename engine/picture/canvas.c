@@ -236,10 +236,7 @@ bw_status bw_canvas_text_width(bw_context *context, const bw_canvas *canvas, dou
   BW_TRY(check_length(context, "a font", size));
   BW_TRY(bwi_ruler_open(context, &ruler));
   clean = bwi_clean_text(context, text);
-  if (!clean) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(clean);
   cairo_text_extents_t extents;
   bwi_choose_font(ruler, size, bold);
   cairo_text_extents(ruler, clean, &extents);

@@ -145,11 +145,9 @@ static bw_status draw_panel(bwi_panel_sheet *s, int which, cairo_t *cairo) {
   BW_TRY(bwi_render(s->context, 2, solid, &image));
   BW_TRY(bwi_occlude(s->context, &image, 0.035 * fmin(o->width, o->height)));
   part = cairo_image_surface_create(CAIRO_FORMAT_RGB24, o->width, o->height);
-  if (cairo_surface_status(part) != CAIRO_STATUS_SUCCESS) {
-    status = bw_fail(s->context, BW_MEMORY, "no memory for a panel of %d x %d pixels", o->width,
-                     o->height);
-    goto done;
-  }
+  if (cairo_surface_status(part) != CAIRO_STATUS_SUCCESS)
+    BW_TRY(bw_fail(s->context, BW_MEMORY, "no memory for a panel of %d x %d pixels", o->width,
+                   o->height));
   bwi_compose(&image, part);
   cairo_set_source_surface(cairo, part, x, y);
   cairo_rectangle(cairo, x, y, o->width, o->height);
@@ -262,9 +260,8 @@ static bw_status make(bwi_panel_sheet *s, const char *path) {
     BW_TRY(draw(s, cairo));
   if (cairo_status(cairo) != CAIRO_STATUS_SUCCESS) {
     bool memory = cairo_status(cairo) == CAIRO_STATUS_NO_MEMORY;
-    status = bw_fail(s->context, memory ? BW_MEMORY : BW_INTERNAL, "drawing %s: %s", path,
-                     cairo_status_to_string(cairo_status(cairo)));
-    goto done;
+    BW_TRY(bw_fail(s->context, memory ? BW_MEMORY : BW_INTERNAL, "drawing %s: %s", path,
+                   cairo_status_to_string(cairo_status(cairo))));
   }
   BW_TRY(bwi_write_png(s->context, canvas, path));
 done:

@@ -83,10 +83,7 @@ static bw_status add_surface(bwi_panel_sheet *s, int which) {
     BW_TRY(fill_surface(s, which, 0, ghost));
   s->category[which] = BW_NEW(s->context, int32_t, surface->triangle_count);
   s->value[which] = panel->value ? BW_NEW(s->context, double, surface->point_count) : NULL;
-  if (!s->category[which] || (panel->value && !s->value[which])) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s->category[which] && (!panel->value || s->value[which]));
   for (int64_t f = 0; f < surface->triangle_count; f++) {
     int32_t m = panel->grid->material[embedding->element[surface->triangle[3 * f]]];
     s->category[which][f] = m - 1;
@@ -113,11 +110,9 @@ bw_status bwi_panel_solids(bwi_panel_sheet *s, int which) {
   bw_grid_face *face = NULL;
   int64_t faces;
   BW_TRY(bw_grid_boundary(s->context, panel->grid, &face, &faces));
-  if (faces > INT32_MAX / 4) {
-    status =
-        bw_fail(s->context, BW_LIMIT, "%lld faces are too many for one picture", (long long)faces);
-    goto done;
-  }
+  if (faces > INT32_MAX / 4)
+    BW_TRY(
+        bw_fail(s->context, BW_LIMIT, "%lld faces are too many for one picture", (long long)faces));
   body->finish = BWI_BODY;
   ghost->finish = BWI_GHOST;
   body->edges = o->edges;
@@ -126,10 +121,7 @@ bw_status bwi_panel_solids(bwi_panel_sheet *s, int which) {
     BW_TRY(fill_solid(s, which, face, faces, 0, ghost));
   s->category[which] = BW_NEW(s->context, int32_t, 2 * faces);
   s->value[which] = panel->on_elements ? BW_NEW(s->context, double, 2 * faces) : NULL;
-  if (!s->category[which] || (panel->on_elements && !s->value[which])) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s->category[which] && (!panel->on_elements || s->value[which]));
   for (int64_t f = 0; f < 2 * faces; f++) {
     int32_t e = face[f / 2].element, material = panel->grid->material[e];
     s->category[which][f] = material - 1;

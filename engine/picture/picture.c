@@ -263,10 +263,7 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
     BW_TRY(copy_surface(context, surface, ghost));
   if (options->arrow_count > 0 && s->diagonal > 0) {
     s->arrow_end = BW_NEW(context, double, 3 * (size_t)options->arrow_count);
-    if (!s->arrow_end) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(s->arrow_end);
     BW_TRY(bwi_arrows_solid(context, options->arrow_count, options->arrow, ARROW_SIZE * s->diagonal,
                             body, surface->point, arrows, s->arrow_end));
   }
@@ -499,9 +496,8 @@ bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, con
   }
   if (cairo_status(cairo) != CAIRO_STATUS_SUCCESS) {
     bool memory = cairo_status(cairo) == CAIRO_STATUS_NO_MEMORY;
-    status = bw_fail(context, memory ? BW_MEMORY : BW_INTERNAL, "drawing %s: %s", path,
-                     cairo_status_to_string(cairo_status(cairo)));
-    goto done;
+    BW_TRY(bw_fail(context, memory ? BW_MEMORY : BW_INTERNAL, "drawing %s: %s", path,
+                   cairo_status_to_string(cairo_status(cairo))));
   }
   BW_TRY(bwi_write_png(context, canvas, path));
 done:

@@ -439,11 +439,9 @@ bw_status bwi_render(bw_context *context, int solid_count, const bwi_solid *soli
   s->samples = pixels <= 1500000 ? 3 : 2;
   for (int i = 0; i < solid_count; i++)
     s->first[i + 1] = s->first[i] + solid[i].triangle_count;
-  if (s->first[solid_count] > INT32_MAX) {
-    status = bw_fail(context, BW_LIMIT, "%lld facets are too many for one picture",
-                     (long long)s->first[solid_count]);
-    goto done;
-  }
+  if (s->first[solid_count] > INT32_MAX)
+    BW_TRY(bw_fail(context, BW_LIMIT, "%lld facets are too many for one picture",
+                   (long long)s->first[solid_count]));
   s->band_size = (size_t)image->width * (size_t)s->samples * BAND * (size_t)s->samples;
   image->colour = BW_NEW(context, unsigned char, 4 * pixels);
   image->depth = BW_NEW(context, float, pixels);

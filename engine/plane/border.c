@@ -22,10 +22,7 @@ static bw_status find_border(bw_context *context, int order, int32_t nodes, int3
   int32_t *end = BW_NEW(context, int32_t, halves); /* of directed edges, by their beginning */
   border->next = BW_NEW(context, int32_t, nodes);
   border->middle = BW_NEW(context, int32_t, nodes);
-  if (!start || !end || !border->next || !border->middle) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(start && end && border->next && border->middle);
   memset(border->next, -1, (size_t)nodes * sizeof *border->next);
   memset(border->middle, -1, (size_t)nodes * sizeof *border->middle);
   for (int64_t h = 0; h < halves; h++)
@@ -86,10 +83,7 @@ static bw_status border_outline(bw_context *context, int32_t nodes, const double
   bw_segment *list = BW_NEW0(context, bw_segment, edges);
   bw_loop *loop = BW_NEW0(context, bw_loop, edges);
   bw_name tag = {"boundary"};
-  if (!place || !list || !loop) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(place && list && loop);
   for (int32_t first = 0; first < nodes; first++) {
     if (border->next[first] < 0 || segment[first] >= 0)
       continue;
@@ -140,10 +134,8 @@ static bw_status border_outline(bw_context *context, int32_t nodes, const double
   }
   BW_TRY(bw_outline_create(context, points, place, segments, list, loops, loop, 1, &tag, outline));
   for (int32_t s = 0; s < segments; s++) /* the order is that of the loops given */
-    if (memcmp((*outline)->segment[s].point, list[s].point, sizeof list[s].point)) {
-      status = bw_fail(context, BW_INTERNAL, "segment %d of a mesh's boundary was reversed", s + 1);
-      goto done;
-    }
+    if (memcmp((*outline)->segment[s].point, list[s].point, sizeof list[s].point))
+      BW_TRY(bw_fail(context, BW_INTERNAL, "segment %d of a mesh's boundary was reversed", s + 1));
 done:
   bw_free(place);
   bw_free(list);
@@ -162,10 +154,7 @@ bw_status bw_plane_mesh_copy(bw_context *context, int order, int32_t nodes, cons
   BW_TRY(bwi_plane_check_arrays(context, order, nodes, point, elements, element));
   segment = BW_NEW(context, int32_t, nodes);
   parameter = BW_NEW0(context, double, nodes);
-  if (!segment || !parameter) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(segment && parameter);
   memset(segment, -1, (size_t)nodes * sizeof *segment);
   int width = order == 2 ? 6 : 3;
   for (int32_t e = 0; e < elements; e++) {
@@ -183,10 +172,8 @@ bw_status bw_plane_mesh_copy(bw_context *context, int order, int32_t nodes, cons
     goto done;
   }
   BW_TRY(find_border(context, order, nodes, elements, element, &border));
-  if (border.edges == 0) {
-    status = bw_fail(context, BW_GEOMETRY, "the mesh has no boundary: elements overlap");
-    goto done;
-  }
+  if (border.edges == 0)
+    BW_TRY(bw_fail(context, BW_GEOMETRY, "the mesh has no boundary: elements overlap"));
   BW_TRY(border_outline(context, nodes, point, &border, segment, parameter, &outline));
   BW_TRY(bw_plane_mesh_on(context, outline, order, nodes, point, segment, parameter, elements,
                           element, region, mesh));

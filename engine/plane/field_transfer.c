@@ -52,10 +52,7 @@ static bw_status transfer_flips(bw_context *context, const bw_plane_mesh *from,
   bw_plane_locator *locator = NULL;
   int32_t *before = ends_of_mid_edge_nodes(context, from->topology);
   int32_t *after = ends_of_mid_edge_nodes(context, to->topology);
-  if (!before || !after) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(before && after);
   for (int32_t m = nodes->corner_count; m < nodes->node_count; m++) {
     const int32_t *p = before + 2 * (size_t)(m - nodes->corner_count);
     const int32_t *q = after + 2 * (size_t)(m - nodes->corner_count);

@@ -132,13 +132,11 @@ static bw_status fill_once(bw_context *context, const bw_outline *outline,
     BW_TRY(bwi_fill_cgal(context, outline, boundary, field, *angle, limit, time, filling));
     BW_TRY(bwi_size_check(context, field));
     if (filling->crossed) {
-      if (denser++ == DENSER) {
-        status = bw_fail(context, BW_GEOMETRY,
-                         "two parts of the outline come so close to each other that edges along "
-                         "them cross even with %d nodes on it",
-                         boundary->count);
-        goto done;
-      }
+      if (denser++ == DENSER)
+        BW_TRY(bw_fail(context, BW_GEOMETRY,
+                       "two parts of the outline come so close to each other that edges along "
+                       "them cross even with %d nodes on it",
+                       boundary->count));
       *turn /= 2;
     } else if (filling->full || filling->stuck) {
       if (filling->full && (limit == max || *angle == BWI_WHOLE_EDGES)) {
@@ -216,10 +214,8 @@ bw_status bwi_plane_fill(bw_context *context, const bw_outline *outline,
   }
   for (int denser = 0;; denser++) {
     bool fits;
-    if (filling.element_count < 1) {
-      status = bw_fail(context, BW_GEOMETRY, "the outline encloses no area that elements fit into");
-      goto done;
-    }
+    if (filling.element_count < 1)
+      BW_TRY(bw_fail(context, BW_GEOMETRY, "the outline encloses no area that elements fit into"));
     bw_release(made);
     made = NULL;
     BW_TRY(bwi_fill_mesh(context, outline, &boundary, &filling, options.order, &fits, &made));

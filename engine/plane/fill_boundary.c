@@ -163,10 +163,7 @@ bw_status bwi_fill_boundary_create(bw_context *context, const bw_outline *outlin
   double max = fmin((double)limit + 2.0 * outline->loop_count, INT32_MAX / 8);
   memset(boundary, 0, sizeof *boundary);
   boundary->loop_start = BW_NEW0(context, int32_t, (size_t)outline->loop_count + 1);
-  if (!start || !boundary->loop_start) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(start && boundary->loop_start);
   for (int32_t l = 0; l < outline->loop_count; l++) {
     const bw_loop *loop = &outline->loop[l];
     int64_t count = 0;
@@ -174,11 +171,8 @@ bw_status bwi_fill_boundary_create(bw_context *context, const bw_outline *outlin
       int32_t s = loop->first + k;
       int samples = samples_of(outline, s, field->size);
       for (;;) {
-        if (!bw_grow(context, (void **)&list, &list_capacity, (size_t)count, (size_t)samples,
-                     sizeof *list)) {
-          status = BW_MEMORY;
-          goto done;
-        }
+        BW_TRY_MEMORY(bw_grow(context, (void **)&list, &list_capacity, (size_t)count,
+                              (size_t)samples, sizeof *list));
         sample_segment(outline, s, field, turn, samples, list + count);
         double nodes = 0;
         for (int i = 0; i < samples; i++)

@@ -55,10 +55,7 @@ static bw_status open_flipping(bw_context *context, const bw_outline *outline,
   parameters = BW_NEW(context, double, nodes);
   point = BW_NEW(context, double, 2 * (size_t)nodes);
   middle = BW_NEW(context, double, 2 * (size_t)elements);
-  if (!order || !number || !element || !region || !segments || !parameters || !point || !middle) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(order && number && element && region && segments && parameters && point && middle);
   BW_TRY(bwi_order_places(context, nodes, filling->point, order));
   for (int32_t i = 0; i < nodes; i++) {
     int32_t from = order[i];
@@ -131,10 +128,7 @@ static bw_status add_mid_edge_nodes(bw_context *context, const bw_outline *outli
   *parameter = BW_NEW0(context, double, total);
   *point = BW_NEW(context, double, 2 * (size_t)total);
   *element = BW_NEW(context, int32_t, 6 * (size_t)elements);
-  if (!middle || !*segment || !*parameter || !*point || !*element) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(middle && *segment && *parameter && *point && *element);
   memcpy(*segment, corners->segment, (size_t)count * sizeof **segment);
   memcpy(*parameter, corners->parameter, (size_t)count * sizeof **parameter);
   memcpy(*point, flipping->point, 2 * (size_t)count * sizeof **point);
@@ -177,10 +171,8 @@ static bw_status add_mid_edge_nodes(bw_context *context, const bw_outline *outli
           break;
       }
     }
-    if (k < 0) {
-      status = bw_fail(context, BW_INTERNAL, "filling: side %d was lost", s + 1);
-      goto done;
-    }
+    if (k < 0)
+      BW_TRY(bw_fail(context, BW_INTERNAL, "filling: side %d was lost", s + 1));
     int32_t m = middle[3 * (size_t)e + (size_t)k], on = topology->side_segment[s];
     double end = (*segment)[b] == on && (*parameter)[b] > (*parameter)[a] ? (*parameter)[b] : 1;
     (*segment)[m] = on;
@@ -223,10 +215,7 @@ bw_status bwi_fill_mesh(bw_context *context, const bw_outline *outline,
   } else {
     segment = BW_NEW(context, int32_t, nodes);
     parameter = BW_NEW(context, double, nodes);
-    if (!segment || !parameter) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(segment && parameter);
     memcpy(segment, corners->nodes->segment, (size_t)nodes * sizeof *segment);
     memcpy(parameter, corners->nodes->parameter, (size_t)nodes * sizeof *parameter);
     point = flipping.point;
@@ -235,10 +224,7 @@ bw_status bwi_fill_mesh(bw_context *context, const bw_outline *outline,
     flipping.element = NULL;
   }
   region = BW_NEW(context, int32_t, filling->element_count);
-  if (!region) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(region);
   memcpy(region, corners->region, (size_t)filling->element_count * sizeof *region);
   status = bwi_plane_nodes_adopt(context, order, nodes, corners->nodes->corner_count, segment,
                                  parameter, &made);

@@ -147,10 +147,7 @@ static bw_status factored(bw_context *context, const weighted *list, int64_t cou
    * reconnections */
   common.method[0].ordering = CHOLMOD_AMD;
   common.postorder = 1;
-  if (!diagonal) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(diagonal);
   a = inner_block(list, count, number, inner, diagonal, &common);
   if (a)
     l = cholmod_analyze(a, &common);
@@ -158,25 +155,18 @@ static bw_status factored(bw_context *context, const weighted *list, int64_t cou
     cholmod_factorize(a, l, &common);
   if (l && common.status == CHOLMOD_OK)
     cholmod_change_factor(CHOLMOD_REAL, 1, 0, 1, 1, l, &common);
-  if (!a || !l || common.status < CHOLMOD_OK) {
-    status = bw_fail(context, BW_MEMORY, "memory ran out for the factor of %d inner nodes", inner);
-    goto done;
-  }
-  if (common.status != CHOLMOD_OK || l->minor < l->n || l->is_super || !l->is_ll) {
-    status = bw_fail(context, BW_SINGULAR,
-                     "the equations of relocation are singular at inner node %zu of %d", l->minor,
-                     inner);
-    goto done;
-  }
+  if (!a || !l || common.status < CHOLMOD_OK)
+    BW_TRY(bw_fail(context, BW_MEMORY, "memory ran out for the factor of %d inner nodes", inner));
+  if (common.status != CHOLMOD_OK || l->minor < l->n || l->is_super || !l->is_ll)
+    BW_TRY(bw_fail(context, BW_SINGULAR,
+                   "the equations of relocation are singular at inner node %zu of %d", l->minor,
+                   inner));
   size_t entries = (size_t)((int *)l->p)[inner];
   made->start = BW_NEW(context, int32_t, (size_t)inner + 1);
   made->row = BW_NEW(context, int32_t, entries);
   made->value = BW_NEW(context, double, entries);
   made->work = BW_NEW(context, double, 2 * (size_t)inner);
-  if (!made->start || !made->row || !made->value || !made->work) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made->start && made->row && made->value && made->work);
   for (int32_t i = 0; i < inner; i++)
     position[((int *)l->Perm)[i]] = i;
   memcpy(made->start, l->p, ((size_t)inner + 1) * sizeof *made->start);
@@ -199,10 +189,7 @@ bw_status bwi_harmonic_create(bw_context *context, const bw_plane_topology *topo
   bool *inside = BW_NEW(context, bool, corners);
   int32_t *number = BW_NEW(context, int32_t, corners), *position = NULL;
   weighted *list = BW_NEW(context, weighted, 3 * (size_t)topology->element_count);
-  if (!made || !inside || !number || !list) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made && inside && number && list);
   made->corner_count = corners;
   for (int32_t i = 0; i < corners; i++) {
     inside[i] = nodes->segment[i] < 0;
@@ -216,10 +203,7 @@ bw_status bwi_harmonic_create(bw_context *context, const bw_plane_topology *topo
   made->link = BW_NEW(context, int32_t, 2 * (size_t)made->link_count);
   made->link_weight = BW_NEW(context, double, made->link_count);
   position = BW_NEW(context, int32_t, made->inner_count);
-  if (!made->place || !made->link || !made->link_weight || !position) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made->place && made->link && made->link_weight && position);
   if (made->inner_count > 0)
     BW_TRY(factored(context, list, edges, number, position, made));
   for (int32_t i = 0; i < corners; i++)

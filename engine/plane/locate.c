@@ -38,10 +38,7 @@ bw_status bw_plane_locator_create(bw_context *context, const bw_plane_mesh *mesh
   int32_t count = mesh->topology->element_count, *element = BW_NEW(context, int32_t, count);
   double *middle = BW_NEW(context, double, 2 * (size_t)count);
   bw_plane_locator *made = BW_NEW0(context, bw_plane_locator, 1);
-  if (!middle || !element || !made) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(middle && element && made);
   for (int32_t i = 0; i < count; i++) {
     const double *x[3];
     corners_of(mesh, i, x);

@@ -250,24 +250,19 @@ bw_status bw_plane_mesh_on(bw_context *context, const bw_outline *outline, int o
   BW_TRY(count_corners(context, order, nodes, elements, element, &corners));
   for (int32_t i = 0; i < nodes; i++)
     if (segment[i] < -1 || segment[i] >= outline->segment_count ||
-        (segment[i] >= 0 && !(parameter[i] >= 0 && parameter[i] < 1))) {
-      status =
+        (segment[i] >= 0 && !(parameter[i] >= 0 && parameter[i] < 1)))
+      BW_TRY(
           bw_fail(context, BW_INVALID,
                   "node %d is on segment %d at parameter %g: the segments are 1 to %d (0: none), "
                   "parameters at least 0 and below 1",
-                  i + 1, segment[i] + 1, parameter[i], outline->segment_count);
-      goto done;
-    }
+                  i + 1, segment[i] + 1, parameter[i], outline->segment_count));
   size_t width = order == 2 ? 6 : 3;
   segments = BW_NEW(context, int32_t, nodes);
   parameters = BW_NEW(context, double, nodes);
   points = BW_NEW(context, double, 2 * (size_t)nodes);
   corner = BW_NEW(context, int32_t, width * (size_t)elements);
   regions = BW_NEW0(context, int32_t, elements);
-  if (!segments || !parameters || !points || !corner || !regions) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(segments && parameters && points && corner && regions);
   memcpy(segments, segment, (size_t)nodes * sizeof *segments);
   for (int32_t i = 0; i < nodes; i++)
     parameters[i] = segment[i] < 0 ? 0 : parameter[i];

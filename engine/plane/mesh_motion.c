@@ -239,10 +239,7 @@ static bw_status follow(bw_context *context, const bw_mesh_motion *motion,
   if (report->worst < distorted || options->force == BW_LEVEL_RECONNECTING) {
     size_t count = 2 * (size_t)topology->nodes->node_count;
     double *copy = BW_NEW(context, double, count);
-    if (!copy) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(copy);
     memcpy(copy, point, count * sizeof *copy);
     bw_retain(topology); /* the frame's own may go */
     status = reconnect(context, topology, outline, copy, frame, &changed);

@@ -72,10 +72,7 @@ bw_status bw_plane_rectangle(bw_context *context, int order, const double min[2]
   parameter = BW_NEW0(context, double, nodes);
   segment = BW_NEW(context, int32_t, nodes);
   element = BW_NEW(context, int32_t, 2 * (size_t)nx * (size_t)ny * (size_t)width);
-  if (!point || !parameter || !segment || !element) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(point && parameter && segment && element);
   for (int32_t j = 0; j <= 2 * ny; j += step)
     for (int32_t i = 0; i <= 2 * nx; i += step) {
       int32_t n = place_number(&g, i, j);

@@ -55,10 +55,7 @@ bw_status bwi_relocator_create(bw_context *context, const bw_plane_mesh *base,
   made->extent = extent_of(base);
   made->u = BW_NEW(context, double, 2 * (size_t)nodes->corner_count);
   made->shape = BW_NEW(context, double, nodes->corner_count);
-  if (!made->u || !made->shape) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made->u && made->shape);
   *out = made;
   made = NULL;
 done:

@@ -134,20 +134,14 @@ static bw_status find_sides(bw_context *context, bw_plane_topology *t, const bw_
   int32_t *first = BW_NEW(context, int32_t, (size_t)outline->segment_count + 1);
   int32_t *next = BW_NEW(context, int32_t, outline->segment_count);
   placed *list = NULL;
-  if (!first || !next) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(first && next);
   for (int32_t i = 0; i < nodes->corner_count; i++)
     count += nodes->segment[i] >= 0;
   list = BW_NEW(context, placed, count);
   t->side = BW_NEW(context, int32_t, per * (size_t)count);
   t->side_element = BW_NEW(context, int32_t, 2 * (size_t)count);
   t->side_segment = BW_NEW(context, int32_t, count);
-  if (!list || !t->side || !t->side_element || !t->side_segment) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list && t->side && t->side_element && t->side_segment);
   t->side_count = count;
   count = 0;
   for (int32_t i = 0; i < nodes->corner_count; i++)

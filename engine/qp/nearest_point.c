@@ -50,11 +50,9 @@ static bw_status slsqp(const bwi_polyhedron *p, double *z, const char **word) {
   double *tolerance = BW_NEW0(p->context, double, p->rows);
   memset(z, 0, (size_t)p->n * sizeof *z);
   *word = "SUCCESS";
-  if (!opt || !tolerance) {
-    status =
-        bw_fail(p->context, BW_MEMORY, "no memory for a quadratic program of %d unknowns", p->n);
-    goto done;
-  }
+  if (!opt || !tolerance)
+    BW_TRY(
+        bw_fail(p->context, BW_MEMORY, "no memory for a quadratic program of %d unknowns", p->n));
   for (int i = 0; i < p->rows; i++)
     tolerance[i] = row_tolerance;
   nlopt_result result = nlopt_set_min_objective(opt, half_square, NULL);
@@ -189,10 +187,7 @@ bw_status bwi_nearest_point(const bwi_polyhedron *p, double *z, double *mu, bool
                         .mu = BW_NEW(p->context, double, n)};
   double *exact = BW_NEW(p->context, double, n);
   bool *left_out = BW_NEW(p->context, bool, p->rows);
-  if (!active.row || !active.gram || !active.mu || !exact || !left_out) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(active.row && active.gram && active.mu && exact && left_out);
   BW_TRY(slsqp(p, z, word));
   least_squares(p, z, &active, mu, left_out, exact);
   double allowed = row_tolerance * (1 + sqrt(bwi_dot(p->n, z, z)));

@@ -80,16 +80,11 @@ static bw_status transform(program *q, const double *H, const double *g) {
   q->p.beta = BW_NEW(q->context, double, rows);
   q->of = BW_NEW(q->context, int, rows);
   q->norm = BW_NEW(q->context, double, rows);
-  if (!row || !q->l || !q->centre || !q->p.a || !q->p.beta || !q->of || !q->norm) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(row && q->l && q->centre && q->p.a && q->p.beta && q->of && q->norm);
   memcpy(q->l, H, (size_t)n * (size_t)n * sizeof *H);
-  if (!bwi_cholesky(n, q->l, 1e-14)) {
-    status = bw_fail(q->context, BW_INVALID,
-                     "the matrix of a quadratic program is not positive definite");
-    goto done;
-  }
+  if (!bwi_cholesky(n, q->l, 1e-14))
+    BW_TRY(bw_fail(q->context, BW_INVALID,
+                   "the matrix of a quadratic program is not positive definite"));
   for (int i = 0; i < n; i++)
     q->centre[i] = -g[i];
   bwi_lower_solve(n, q->l, q->centre);
@@ -144,10 +139,7 @@ static bw_status min_violation(const program *q, double unit, double *t) {
   double *centre = BW_NEW0(q->context, double, n);
   p.a = BW_NEW0(q->context, double, (size_t)rows *(size_t)n);
   p.beta = BW_NEW(q->context, double, rows);
-  if (!whole || !z || !mu || !centre || !p.a || !p.beta) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(whole && z && mu && centre && p.a && p.beta);
   for (int i = 0; i < q->p.rows; i++) {
     double *a = p.a + p.rows * n, slack = q->of[i] < q->m ? unit / (q->norm[i] * q->size) : 0;
     double norm = sqrt(1 + slack * slack);
@@ -241,10 +233,7 @@ bw_status bw_quadratic_program(bw_context *context, int n, const double *H, cons
   BW_TRY(transform(&q, H, g));
   z = BW_NEW0(context, double, n);
   mu = BW_NEW0(context, double, q.p.rows);
-  if (!z || !mu) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(z && mu);
   double reach = 0; /* |y| at c, below whose rounding no row is violated */
   for (int i = 0; i < n; i++)
     reach += q.centre[i] * (bwi_dot(n, H + i * n, q.centre));
@@ -266,12 +255,10 @@ bw_status bw_quadratic_program(bw_context *context, int n, const double *H, cons
     if (!found || empty_row)
       BW_TRY(elastic(&q, z, mu, &found, &word));
   }
-  if (!found) {
-    status = bw_fail(context, BW_CONVERGENCE,
-                     "a quadratic program of %d unknowns and %d rows was not solved (NLopt: %s)", n,
-                     m, word);
-    goto done;
-  }
+  if (!found)
+    BW_TRY(bw_fail(context, BW_CONVERGENCE,
+                   "a quadratic program of %d unknowns and %d rows was not solved (NLopt: %s)", n,
+                   m, word));
   to_unknowns(&q, z, x);
   *violation = 0;
   for (int i = 0; i < m; i++)

@@ -200,11 +200,9 @@ static bw_status equilibrium(newton *n, double load, bool follow) {
   double relative = INFINITY, inside, total, best = INFINITY;
   bool keep = false; /* the tangent */
   BW_TRY(evaluate(n, n->u, n->inside, &inside, &total, load));
-  if (!isfinite(total)) {
-    status = bw_fail(n->context, BW_CONVERGENCE, "element %d is inverted before the load acts",
-                     n->bend.inverted + 1);
-    goto done;
-  }
+  if (!isfinite(total))
+    BW_TRY(bw_fail(n->context, BW_CONVERGENCE, "element %d is inverted before the load acts",
+                   n->bend.inverted + 1));
   if (follow)
     BW_TRY(go_on(n, load, &inside, &total));
   for (int i = 0; i < n->options->iterations; i++) {
@@ -345,10 +343,7 @@ bw_status bw_sheet_large_deflection(bw_context *context, bw_sheet *sheet,
   n.reuse->solution = n.next->solved;
   n.size = 2 * (size_t)inner->pattern->node_count;
   workspace = BW_NEW(context, double, 6 * n.size);
-  if (!workspace) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(workspace);
   n.u = workspace;
   n.trial = workspace + n.size;
   n.step = workspace + 2 * n.size;

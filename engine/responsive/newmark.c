@@ -223,10 +223,7 @@ static bw_status begin(bw_context *context, bw_sheet *sheet, const bw_newmark *n
     next->velocity = BW_NEW(context, double, size);
   if (!next->acceleration)
     next->acceleration = BW_NEW(context, double, size);
-  if (!next->velocity || !next->acceleration) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(next->velocity && next->acceleration);
   memcpy(next->velocity, velocity, size * sizeof(double));
   memcpy(next->acceleration, acceleration, size * sizeof(double));
   memcpy(next->displacement, displacement, size * sizeof(double));
@@ -257,10 +254,7 @@ bw_status bw_sheet_transient(bw_context *context, bw_sheet *sheet, const bw_newm
   BW_TRY(bwi_sheet_stiffness(context, sheet));
   BW_TRY(bwi_sheet_mass(context, sheet));
   workspace = BW_NEW(context, double, 4 * size);
-  if (!workspace) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(workspace);
   if (!next->moving)
     BW_TRY(begin(context, sheet, newmark, workspace, next));
 

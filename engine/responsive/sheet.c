@@ -89,17 +89,11 @@ bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
     return BW_MEMORY;
   bw_object_init(sheet, &kind);
   sheet->inner = BW_NEW0(context, struct bwi_sheet, 1);
-  if (!sheet->inner) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(sheet->inner);
   BW_TRY(copy_description(context, sheet->inner, description));
   BW_TRY(bwi_sheet_next(context, sheet, mesh, false, &first));
   first->displacement = BW_NEW0(context, double, 2 * (size_t)topology->nodes->node_count);
-  if (!first->displacement) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(first->displacement);
   bwi_sheet_adopt(sheet, first);
   BW_TRY(
       bwi_conditions_check(context, mesh, 2, description->condition_count, description->condition));

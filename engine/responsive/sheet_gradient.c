@@ -137,10 +137,7 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
     }
   }
   adjoint = BW_NEW0(context, double, size);
-  if (!adjoint) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(adjoint);
   for (size_t i = 0; i < size; i++)
     if (inner->is_prescribed[i])
       inner->rhs[i] = 0;

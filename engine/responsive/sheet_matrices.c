@@ -230,10 +230,7 @@ bw_status bwi_sheet_check_constraints(bw_context *context, const bw_sheet *sheet
   int32_t nodes = topology->nodes->node_count, n = topology->nodes->order == 1 ? 3 : 6;
   int32_t *parent = BW_NEW(context, int32_t, nodes);
   double *sum = BW_NEW0(context, double, 10 * (size_t)nodes); /* 6 of the matrix, centre, count */
-  if (!parent || !sum) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(parent && sum);
   for (int32_t i = 0; i < nodes; i++)
     parent[i] = i;
   for (int32_t e = 0; e < topology->element_count; e++) {

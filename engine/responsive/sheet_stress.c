@@ -105,10 +105,7 @@ bw_status bw_sheet_stress(bw_context *context, const bw_sheet *sheet, double *st
   double *weight = BW_NEW(context, double, nodes);
   double *mean = stress ? stress : BW_NEW(context, double, PARTS *(size_t)nodes);
   bwi_triangle_rule rule;
-  if (!weight || !mean) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(weight && mean);
   points_rule(sheet, &rule);
   recover(sheet, &rule, -1, weight, mean);
   for (int64_t i = 0; i < nodes && von_mises; i++)
@@ -128,10 +125,7 @@ bw_status bw_sheet_error(bw_context *context, const bw_sheet *sheet, double *rel
   double *weight = BW_NEW(context, double, nodes);
   double *mean = BW_NEW(context, double, PARTS *(size_t)nodes);
   double error = 0, energy = 0;
-  if (!weight || !mean) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(weight && mean);
   points_rule(sheet, &points);
   bwi_rule_create(topology->nodes->order, 2 * topology->nodes->order, &rule);
   for (int32_t e = 0; e < topology->element_count; e++)

@@ -468,10 +468,8 @@ bw_status bwi_subdomains_blend(bw_context *context, bw_subdomains *subdomains,
       BW_TRY(blend_subdomain(&b, i));
       BW_TRY(bw_check_cancel(context));
     } else {
-      if (!bw_grow(context, (void **)&b.bone, &b.bone_capacity, b.bone_count, 1, sizeof *b.bone)) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(
+          bw_grow(context, (void **)&b.bone, &b.bone_capacity, b.bone_count, 1, sizeof *b.bone));
       b.bone[b.bone_count++] = subdomains->bone_of[i];
     }
     subdomains->bone_start[i + 1] = (int32_t)b.bone_count;

@@ -113,18 +113,12 @@ static bw_status draw(bw_context *context, const bwi_curve *curve, const samples
   bw_status status = BW_OK;
   int32_t *of_key = BW_NEW(context, int32_t, curve->key_count), joints = 0;
   int32_t **of_sample = BW_NEW0(context, int32_t *, curve->branch_count);
-  if (!of_key || !of_sample) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(of_key && of_sample);
   size_t max = count + 1;
   sketch->joint = BW_NEW(context, double, 4 * max);
   sketch->tip = BW_NEW0(context, uint8_t, max);
   sketch->bone = BW_NEW(context, int32_t, 2 * count);
-  if (!sketch->joint || !sketch->tip || !sketch->bone) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(sketch->joint && sketch->tip && sketch->bone);
   for (int32_t k = 0; k < curve->key_count; k++) {
     of_key[k] = -1;
     if (curve->key[k].degree == 0)
@@ -139,10 +133,7 @@ static bw_status draw(bw_context *context, const bwi_curve *curve, const samples
     int32_t *of = of_sample[p->branch];
     if (!of) {
       of = of_sample[p->branch] = BW_NEW(context, int32_t, s->count);
-      if (!of) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(of);
       for (int32_t k = 1; k < s->count - 1; k++)
         of[k] = -1;
       of[0] = of_key[curve->branch[p->branch].end[0]];
@@ -182,10 +173,7 @@ bw_status bwi_curve_bones(bw_context *context, const bwi_curve *curve, double be
     if (!curve->branch[b].at)
       continue;
     BW_TRY(resample(context, &curve->branch[b], step, &along[b]));
-    if (!bw_grow(context, (void **)&list, &capacity, count, 1, sizeof *list)) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(bw_grow(context, (void **)&list, &capacity, count, 1, sizeof *list));
     list[count] = (piece){b, 0, along[b].count - 1, -1, 0, 0};
     check(along, &list[count++]);
   }

@@ -258,10 +258,7 @@ bw_status bwi_curve_create(bw_context *context, const bwi_curve_graph *graph, bw
   BW_TRY(net_create(context, graph, &n));
   cut = BW_NEW0(context, uint8_t, points);
   key_of = BW_NEW(context, int32_t, points);
-  if (!cut || !key_of) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(cut && key_of);
   fill_radii(&n);
   int32_t one = shortest_ways(&n, largest_component(&n), n.length);
   int32_t far = shortest_ways(&n, one, n.length);

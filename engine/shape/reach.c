@@ -182,10 +182,7 @@ bw_status bw_pose_reach(bw_context *context, const bw_skeleton *skeleton,
   r.size = size_of(skeleton);
   r.tolerance = tolerance > 0 ? tolerance : 1e-6 * r.size;
   bw_bone_pose *best = BW_NEW(context, bw_bone_pose, skeleton->bone_count);
-  if (!best) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(best);
   BW_TRY(allocate(&r));
   memcpy(r.pose, pose, bytes);
   BW_TRY(bw_pose_maps(context, skeleton, r.pose, r.map, r.rotation));

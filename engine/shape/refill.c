@@ -116,10 +116,7 @@ static bw_status measure_edges(bwi_refiller *r, const bwi_component *p, double *
   double *at = BW_NEW(r->context, double, 3 * (size_t)corners);
   double *sum = BW_NEW0(r->context, double, corners);
   edges = BW_NEW0(r->context, int32_t, corners);
-  if (!at || !sum || !edges) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(at && sum && edges);
   for (int32_t i = p->first; i < p->first + p->element_count; i++) {
     const int32_t *c = bwi_nodes_of(r->mesh, r->ordered[i]);
     for (int k = 0; k < 6; k++) {
@@ -175,10 +172,7 @@ static bw_status component_boundary(bwi_refiller *r, bwi_component *p, bw_surfac
   triangle = BW_NEW(r->context, int32_t, 3 * (size_t)p->facet_count);
   point = BW_NEW(r->context, double, 3 * (size_t)p->corners);
   p->corner = BW_NEW(r->context, int32_t, p->corners);
-  if (!triangle || !point || !p->corner) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(triangle && point && p->corner);
   for (int32_t i = 0; i < r->mesh->node_count; i++)
     if (r->number[i] >= 0) {
       p->corner[r->number[i]] = i;
@@ -279,11 +273,9 @@ bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double 
                        r.region, &made));
   r.new_node = NULL;
   r.element = r.region = NULL;
-  if (made->node_count != r.node_count) {
-    status = bw_fail(context, BW_INTERNAL, "%lld nodes became %d when a part was remeshed",
-                     (long long)r.node_count, made->node_count);
-    goto done;
-  }
+  if (made->node_count != r.node_count)
+    BW_TRY(bw_fail(context, BW_INTERNAL, "%lld nodes became %d when a part was remeshed",
+                   (long long)r.node_count, made->node_count));
   BW_TRY(bwi_refill_order_facets(&r, made));
   *refilled = made;
   made = NULL;

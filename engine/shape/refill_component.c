@@ -172,10 +172,7 @@ static bw_status find_inside(bw_context *context, const bw_surface *surface, con
   uint8_t *met = BW_NEW0(context, uint8_t, surface->triangle_count);
   bw_status status = BW_OK;
   queue = BW_NEW(context, int32_t, mesh->element_count);
-  if (!wall || !met || !queue) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(wall && met && queue);
   BW_TRY(finder_create(context, surface, &f));
   *sound = true;
   memset(side, 0, (size_t)mesh->element_count);
@@ -279,10 +276,7 @@ static bw_status take_result(bw_context *context, const bw_surface *surface,
       memcmp(mesh->node, surface->point, 24 * (size_t)surface->point_count) != 0)
     goto done;
   side = BW_NEW(context, int8_t, mesh->element_count);
-  if (!side) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(side);
   BW_TRY(find_inside(context, surface, mesh, side, &sound));
   filled->element_count = 0;
   for (int32_t e = 0; e < mesh->element_count; e++)

@@ -53,10 +53,7 @@ static bw_status old_edges(bwi_refiller *r, bwi_keyed **list, size_t *count) {
       if (!touched[a] || !touched[b] || middle < 0)
         continue;
       uint64_t low = (uint64_t)r->number[a < b ? a : b], high = (uint64_t)r->number[a < b ? b : a];
-      if (!bw_grow(r->context, (void **)&edges, &capacity, found, 1, sizeof *edges)) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(bw_grow(r->context, (void **)&edges, &capacity, found, 1, sizeof *edges));
       edges[found++] = (bwi_keyed){low << 32 | high, middle, 0};
     }
   }
@@ -91,10 +88,7 @@ static bw_status place_new_mid_edge_nodes(bwi_refiller *r) {
   int64_t count = r->node_count;
   BW_TRY(old_edges(r, &old, &olds));
   edge = BW_NEW(r->context, bwi_keyed, edges);
-  if (!edge) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(edge);
   for (int64_t e = r->kept; e < r->element_count; e++)
     for (int k = 0; k < 6; k++) {
       const int32_t *n = r->element + 10 * (size_t)e;
@@ -123,11 +117,9 @@ static bw_status place_new_mid_edge_nodes(bwi_refiller *r) {
       i = end;
     }
     count = next;
-    if (count > INT32_MAX) {
-      status = bw_fail(r->context, BW_LIMIT, "%lld nodes: a mesh holds at most 2147483647",
-                       (long long)count);
-      goto done;
-    }
+    if (count > INT32_MAX)
+      BW_TRY(bw_fail(r->context, BW_LIMIT, "%lld nodes: a mesh holds at most 2147483647",
+                     (long long)count));
     if (pass == 0) {
       double *node = bw_resize(r->context, r->new_node, 3 * (size_t)count, sizeof *node);
       if (node)
@@ -135,10 +127,7 @@ static bw_status place_new_mid_edge_nodes(bwi_refiller *r) {
       int32_t *from = bw_resize(r->context, r->node_from, (size_t)count, sizeof *from);
       if (from)
         r->node_from = from;
-      if (!node || !from) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(node && from);
     }
   }
   r->node_count = count;
@@ -221,10 +210,7 @@ bw_status bwi_refill_order_facets(bwi_refiller *r, bw_mesh *made) {
   bw_status status = BW_OK;
   int32_t *element = BW_NEW(r->context, int32_t, made->facet_count);
   bwi_keyed *list = BW_NEW(r->context, bwi_keyed, made->facet_count);
-  if (!element || !list) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(element && list);
   if (made->facet_count != mesh->facet_count)
     goto different;
   for (int32_t i = 0; i < made->facet_count; i++) {

@@ -287,10 +287,7 @@ bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t 
   }
   r.node = BW_NEW(context, double, numbers);
   place = BW_NEW(context, int32_t, mesh->node_count);
-  if (!r.node || !place) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(r.node && place);
   memcpy(r.node, node, numbers * sizeof *node);
   BW_TRY(prepare(&r, may_move));
   left = r.report.inverted;

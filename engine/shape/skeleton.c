@@ -336,10 +336,7 @@ bw_status bw_skeleton_create(bw_context *context, int64_t joints, const double *
   b = BW_NEW(context, double, joints);
   if (made)
     bw_object_init(made, &skeleton_kind);
-  if (!made || !through || !queue || !place || !a || !b) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made && through && queue && place && a && b);
   BW_TRY(check_tree(context, (int32_t)joints, joint_name, (int32_t)bones, bone, bone_name, queue));
   made->joint_count = (int32_t)joints;
   made->bone_count = (int32_t)bones;
@@ -348,10 +345,7 @@ bw_status bw_skeleton_create(bw_context *context, int64_t joints, const double *
   made->bone = BW_NEW(context, int32_t, 2 * bones);
   made->bone_name = BW_NEW0(context, bw_name, bones);
   made->parent = BW_NEW(context, int32_t, bones);
-  if (!made->joint || !made->joint_name || !made->bone || !made->bone_name || !made->parent) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(made->joint && made->joint_name && made->bone && made->bone_name && made->parent);
   memcpy(made->joint, joint, 3 * (size_t)joints * sizeof *joint);
   if (joint_name)
     memcpy(made->joint_name, joint_name, (size_t)joints * sizeof *joint_name);

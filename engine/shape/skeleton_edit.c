@@ -118,18 +118,14 @@ bw_status bw_skeleton_insert_joint(bw_context *context, const bw_skeleton *skele
   bw_status status = BW_OK;
   draft d = {0};
   BW_TRY(check_bone(context, skeleton, bone));
-  if (!(fraction > 1e-6 && fraction < 1 - 1e-6)) {
-    status = bw_fail(context, BW_INVALID,
-                     "a joint at the fraction %g of bone '%s': it must lie between its ends, 0 < "
-                     "fraction < 1",
-                     fraction, skeleton->bone_name[bone].text);
-    goto done;
-  }
-  if (name && strlen(name) >= BW_NAME) {
-    status = bw_fail(context, BW_INVALID, "the name '%.60s...' is too long: at most %d bytes", name,
-                     BW_NAME - 1);
-    goto done;
-  }
+  if (!(fraction > 1e-6 && fraction < 1 - 1e-6))
+    BW_TRY(bw_fail(context, BW_INVALID,
+                   "a joint at the fraction %g of bone '%s': it must lie between its ends, 0 < "
+                   "fraction < 1",
+                   fraction, skeleton->bone_name[bone].text));
+  if (name && strlen(name) >= BW_NAME)
+    BW_TRY(bw_fail(context, BW_INVALID, "the name '%.60s...' is too long: at most %d bytes", name,
+                   BW_NAME - 1));
   BW_TRY(draft_create(context, skeleton, &d));
   int32_t *ends = d.bone + 2 * (size_t)bone, middle = d.joints;
   const double *head = d.joint + 3 * (size_t)ends[0], *tail = d.joint + 3 * (size_t)ends[1];

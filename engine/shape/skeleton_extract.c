@@ -136,19 +136,14 @@ static bw_status contract(bw_context *context, bw_surface *surface, double minut
     memcpy(head, bytes, sizeof head);
   if (head[0] < 0 || head[1] < 0 || head[0] > INT32_MAX / 8 || head[1] > INT32_MAX / 8 ||
       count != sizeof head + (size_t)head[0] * 4 * sizeof(double) +
-                   (size_t)head[1] * 2 * sizeof(int32_t)) {
-    status = bw_fail(context, BW_INTERNAL,
-                     "the contraction returned %zu bytes that are not a graph", count);
-    goto done;
-  }
+                   (size_t)head[1] * 2 * sizeof(int32_t))
+    BW_TRY(bw_fail(context, BW_INTERNAL, "the contraction returned %zu bytes that are not a graph",
+                   count));
   graph->point_count = (int32_t)head[0];
   graph->edge_count = (int32_t)head[1];
   graph->point = BW_NEW(context, double, 4 * head[0]);
   graph->edge = BW_NEW(context, int32_t, 2 * head[1]);
-  if (!graph->point || !graph->edge) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(graph->point && graph->edge);
   size_t points = 4 * (size_t)head[0] * sizeof(double);
   memcpy(graph->point, bytes + sizeof head, points);
   memcpy(graph->edge, bytes + sizeof head + points, 2 * (size_t)head[1] * sizeof(int32_t));
@@ -166,10 +161,7 @@ static bw_status renumber(bw_context *context, const bw_skeleton *s, bw_skeleton
   double *below = BW_NEW0(context, double, bones), *joint = BW_NEW(context, double, 3 * joints);
   int32_t *order = BW_NEW(context, int32_t, bones), *to = BW_NEW(context, int32_t, joints);
   int32_t *bone = BW_NEW(context, int32_t, 2 * bones);
-  if (!below || !joint || !order || !to || !bone) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(below && joint && order && to && bone);
   for (size_t b = bones; b-- > 0;) {
     below[b] +=
         bwi_gap(s->joint + 3 * (size_t)s->bone[2 * b], s->joint + 3 * (size_t)s->bone[2 * b + 1]);

@@ -360,11 +360,8 @@ bw_status bw_subdomains_create(bw_context *context, const bw_mesh *mesh,
   g.highest = BW_NEW0(context, double, bones);
   g.stack = BW_NEW(context, int32_t, mesh->element_count);
   g.component = BW_NEW(context, int32_t, mesh->element_count);
-  if (!threshold || !first || !size || !g.bone || !g.mean || !g.highest || !g.stack ||
-      !g.component) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(threshold && first && size && g.bone && g.mean && g.highest && g.stack &&
+                g.component);
   for (int32_t b = 0; b < bones; b++) {
     bool own = options && options->bone_threshold && options->bone_threshold[b] != 0;
     threshold[b] = own ? options->bone_threshold[b] : usual;

@@ -31,20 +31,16 @@ static bw_status check_numbers(const labels *l, bool may_be_empty) {
     return BW_MEMORY;
   for (int32_t i = 0; i < l->count; i++) {
     int32_t b = l->bone_of[i];
-    if (b < -1 || b >= l->skeleton->bone_count) {
-      status = bw_fail(l->context, BW_INVALID,
-                       "subdomain %d names bone %d of %d: 1 to %d expected, or none for type F",
-                       i + 1, b + 1, l->skeleton->bone_count, l->skeleton->bone_count);
-      goto done;
-    }
-    if (b >= 0 && b <= before) {
-      status =
+    if (b < -1 || b >= l->skeleton->bone_count)
+      BW_TRY(bw_fail(l->context, BW_INVALID,
+                     "subdomain %d names bone %d of %d: 1 to %d expected, or none for type F",
+                     i + 1, b + 1, l->skeleton->bone_count, l->skeleton->bone_count));
+    if (b >= 0 && b <= before)
+      BW_TRY(
           bw_fail(l->context, BW_INVALID,
                   "subdomain %d (bone \"%s\") is out of order: subdomains of type R come first, by "
                   "bone, one for each",
-                  i + 1, bone_name(l, i));
-      goto done;
-    }
+                  i + 1, bone_name(l, i)));
     before = b < 0 ? INT32_MAX : b;
   }
   for (int32_t e = 0; e < l->mesh->element_count; e++) {
@@ -52,17 +48,13 @@ static bw_status check_numbers(const labels *l, bool may_be_empty) {
     if (i < 0 || i >= l->count) {
       bw_fail(l->context, BW_INVALID, "element %d is in subdomain %d: there are %d subdomains",
               e + 1, i + 1, l->count);
-      status = fail_at(l->context, e, -1);
-      goto done;
+      BW_TRY(fail_at(l->context, e, -1));
     }
     elements[i]++;
   }
   for (int32_t i = 0; i < l->count && !may_be_empty; i++)
-    if (elements[i] == 0) {
-      status =
-          bw_fail(l->context, BW_INVALID, "subdomain %d of %d has no element", i + 1, l->count);
-      goto done;
-    }
+    if (elements[i] == 0)
+      BW_TRY(bw_fail(l->context, BW_INVALID, "subdomain %d of %d has no element", i + 1, l->count));
   status = BW_OK;
 done:
   bw_free(elements);
@@ -76,10 +68,7 @@ static bw_status check_meetings(const labels *l) {
   int32_t *rigid =
       BW_NEW(l->context, int32_t, mesh->node_count); /* an element of that type, or -1 */
   int32_t *flexible = BW_NEW(l->context, int32_t, mesh->node_count);
-  if (!rigid || !flexible) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(rigid && flexible);
   for (int32_t i = 0; i < mesh->node_count; i++)
     rigid[i] = flexible[i] = -1;
   for (int32_t e = 0; e < mesh->element_count; e++)
@@ -97,8 +86,7 @@ static bw_status check_meetings(const labels *l) {
           "element %d of bone \"%s\" and element %d of bone \"%s\" share node %d: elements that "
           "follow no bone alone (type F) must lie between",
           rigid[i] + 1, bone_name(l, there), e + 1, bone_name(l, here), i + 1);
-      status = fail_at(l->context, rigid[i], e);
-      goto done;
+      BW_TRY(fail_at(l->context, rigid[i], e));
     }
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++) {
@@ -113,8 +101,7 @@ static bw_status check_meetings(const labels *l) {
               "elements %d and %d, of the subdomains %d and %d of type F, share node %d, which no "
               "subdomain of type R has: they must be one subdomain",
               flexible[i] + 1, e + 1, l->element_subdomain[flexible[i]] + 1, here + 1, i + 1);
-      status = fail_at(l->context, flexible[i], e);
-      goto done;
+      BW_TRY(fail_at(l->context, flexible[i], e));
     }
 done:
   bw_free(rigid);
@@ -129,10 +116,7 @@ static bw_status check_connected(const labels *l) {
   int32_t *group = BW_NEW(l->context, int32_t, mesh->element_count);
   int32_t *size = BW_NEW0(l->context, int32_t, mesh->element_count);
   int32_t *largest = BW_NEW(l->context, int32_t, l->count);
-  if (!group || !size || !largest) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(group && size && largest);
   for (int32_t e = 0; e < mesh->element_count; e++)
     group[e] = e;
   for (int32_t e = 0; e < mesh->element_count; e++)
@@ -159,8 +143,7 @@ static bw_status check_connected(const labels *l) {
         "the subdomain of bone \"%s\" is not connected: no path through faces leads from element "
         "%d, in a part of %d elements, to the part of %d",
         bone_name(l, i), e + 1, size[part], size[largest[i]]);
-    status = fail_at(l->context, e, largest[i]);
-    goto done;
+    BW_TRY(fail_at(l->context, e, largest[i]));
   }
 done:
   bw_free(group);

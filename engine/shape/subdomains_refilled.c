@@ -35,12 +35,10 @@ static bw_status find_components(bw_context *context, const bw_subdomains *old,
     stack[depth++] = first;
     while (depth > 0) {
       int32_t e = stack[--depth];
-      if (old->element_subdomain[e] != subdomain || old->bone_of[subdomain] >= 0) {
-        status =
-            bw_fail(context, BW_INVALID,
-                    "element %d: only blended subdomains can be refilled, each by itself", e + 1);
-        goto done;
-      }
+      if (old->element_subdomain[e] != subdomain || old->bone_of[subdomain] >= 0)
+        BW_TRY(bw_fail(context, BW_INVALID,
+                       "element %d: only blended subdomains can be refilled, each by itself",
+                       e + 1));
       for (int k = 0; k < 4; k++) {
         int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
         if (other >= 0 && replace[other] && !seen[other]) {
@@ -67,11 +65,9 @@ static bw_status make_labels(bw_context *context, const bw_subdomains *old, cons
   for (int32_t e = 0; e < mesh->element_count; e++) {
     int32_t from = element_from[e];
     bool fits = from < 0 ? -1 - from < components : from < old->mesh->element_count;
-    if (!fits) {
-      status = bw_fail(context, BW_INVALID, "element %d comes from %d, which does not exist", e + 1,
-                       from + 1);
-      goto done;
-    }
+    if (!fits)
+      BW_TRY(bw_fail(context, BW_INVALID, "element %d comes from %d, which does not exist", e + 1,
+                     from + 1));
     label[e] = from < 0 ? component_subdomain[-1 - from] : old->element_subdomain[from];
   }
 done:

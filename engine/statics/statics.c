@@ -105,10 +105,7 @@ bw_status bwi_static_begin(bw_context *context, const bw_model *model,
   result->model = bw_retain(model);
   result->displacement = BW_NEW(context, double, size);
   result->force = BW_NEW(context, double, size);
-  if (!result->displacement || !result->force) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(result->displacement && result->force);
   BW_TRY(bw_model_check_absorbed(context, model, dof_map));
   BW_TRY(bw_model_force_vector(context, model, result->force));
   if (dof_map->rigid_mode_count > 0 && !opts.inertia_relief)
@@ -174,10 +171,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
   double *work = BW_NEW(context, double, size);
   double *step = BW_NEW(context, double, size);
   double *product = NULL; /* K step; K u is then in the reactions' place */
-  if (!load || !work || !step) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(load && work && step);
   if (balanced) {
     memcpy(load, result->force, (size_t)size * sizeof(double));
     bw_rigid_modes_balance(dof_map, load);
@@ -207,10 +201,8 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
       work[i] = load[i] - product[i];
     bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
     double residual = norm(work, size) / scale;
-    if (!isfinite(residual)) {
-      status = bw_fail(context, BW_SINGULAR, "the solution is not finite");
-      goto done;
-    }
+    if (!isfinite(residual))
+      BW_TRY(bw_fail(context, BW_SINGULAR, "the solution is not finite"));
     if (residual >= result->residual && pass > 0)
       break;
     bool enough = residual > 0.25 * result->residual || residual * scale <= noise;

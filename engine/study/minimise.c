@@ -338,10 +338,7 @@ bw_status bw_minimise(bw_context *context, int n, double *x, const double *min, 
   r.best = BW_NEW(context, double, n);
   r.here = BW_NEW(context, double, n);
   r.seen = BW_NEW(context, uint8_t, constraints + 1);
-  if (!callbacks || !at || !r.best || !r.here || !r.seen) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(callbacks && at && r.best && r.here && r.seen);
   memcpy(at, x, (size_t)n * sizeof *at);
   for (int i = 0; i <= constraints; i++)
     callbacks[i] = (callback){&r, i};

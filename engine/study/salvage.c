@@ -493,13 +493,10 @@ bw_status bw_database_salvage(bw_context *context, const char *damaged, const ch
   BW_TRY(copy_schema(&s, ROWS));
   BW_TRY(copy_schema(&s, THE_REST));
   BW_TRY(bw_database_execute(context, s.to, "COMMIT"));
-  if (s.report.relisted && s.report.rows == 0) {
-    status =
-        bwi_database_fail(context, BW_FORMAT, "damaged", damaged,
-                          "the list of its tables is damaged, and no row is where one would be: "
-                          "nothing can be saved");
-    goto done;
-  }
+  if (s.report.relisted && s.report.rows == 0)
+    BW_TRY(bwi_database_fail(context, BW_FORMAT, "damaged", damaged,
+                             "the list of its tables is damaged, and no row is where one would be: "
+                             "nothing can be saved"));
   *report = s.report;
 done:
   sqlite3_close_v2(s.from);

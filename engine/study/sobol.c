@@ -76,10 +76,8 @@ bw_status bw_sobol(bw_context *context, int64_t count, int dimensions,
   if (!g)
     return BW_MEMORY;
   for (int j = 0; j < dimensions; j++) {
-    if (j > 0 && !bwi_next_primitive(&polynomial)) {
-      status = bw_fail(context, BW_INTERNAL, "no polynomial for dimension %d", j);
-      goto done;
-    }
+    if (j > 0 && !bwi_next_primitive(&polynomial))
+      BW_TRY(bw_fail(context, BW_INTERNAL, "no polynomial for dimension %d", j));
     set_up(&g[j], j, &polynomial, options);
   }
   for (int64_t i = 0; i < count; i++) {

@@ -75,19 +75,14 @@ bw_status bw_database_prepare(bw_context *context, bw_database *d, const char *s
   bw_status status;
   BW_TRY(bwi_database_enter(context, d));
   bw_statement *place = look_up(d, sql, &found);
-  if (!place) {
-    status = bw_fail(context, BW_LIMIT,
-                     "%s: %d statements are in use at the same time: finish some of them first",
-                     d->path, BWI_STATEMENTS_KEPT);
-    goto done;
-  }
+  if (!place)
+    BW_TRY(bw_fail(context, BW_LIMIT,
+                   "%s: %d statements are in use at the same time: finish some of them first",
+                   d->path, BWI_STATEMENTS_KEPT));
   if (!found) {
     size_t size = strlen(sql) + 1;
     text = BW_NEW(context, char, size);
-    if (!text) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(text);
     memcpy(text, sql, size);
     BW_TRY(compile(context, d, text, &handle));
     sqlite3_finalize(place->handle);

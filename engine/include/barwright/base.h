@@ -332,4 +332,8 @@ BW_API double bw_random_normal(bw_random *random);
 #ifdef __cplusplus
 }
 #endif
+
+/* BW_TRY with BW_MEMORY, unless all that `allocated` names is there. */
+#define BW_TRY_MEMORY(allocated) BW_TRY((allocated) ? BW_OK : BW_MEMORY)
+
 #endif
