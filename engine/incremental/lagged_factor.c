@@ -20,9 +20,6 @@
 #include "linear/pcg_space.h"
 #include "linear/vectors.h"
 
-/* Per node: analysis under a given order, and finding an order. */
-#define ANALYSIS_SECONDS 2e-7
-#define ORDER_SECONDS 3e-7
 /* Iterations expected of the first solve with an old factor, and of the first after edges were
  * flipped: before any are counted, few, so that the former is made, and many, since flips
  * change entries altogether; and less by this fraction each time that the expectation ruled it out,
@@ -237,7 +234,7 @@ static double factor_seconds(const bw_lagged_factor *lagged, const bw_plane_patt
       : !lagged->pivoting ? lagged->work.flops / BWI_COST_BLOCKS_FLOPS_PER_SECOND
                           : lagged->work.flops / BWI_COST_UMFPACK_FLOPS_PER_SECOND +
                                 4 * lagged->work.bytes / BWI_COST_PLANE_FACTOR_BYTES_PER_SECOND;
-  return seconds + (analysis ? ANALYSIS_SECONDS * pattern->node_count : 0);
+  return seconds + (analysis ? BWI_COST_PLANE_ANALYSIS_NODE * pattern->node_count : 0);
 }
 
 /* Iterations that the next solve with the factor as it is should take. Meshes move on, the error
@@ -282,7 +279,7 @@ static bw_status factor(bw_context *context, bw_lagged_factor *lagged,
   lagged->topology = bw_retain(pattern->topology);
   lagged->work = work;
   lagged->spent = factor_seconds(lagged, pattern, work.analysed) +
-                  (work.reordered ? ORDER_SECONDS * pattern->node_count : 0);
+                  (work.reordered ? BWI_COST_PLANE_ORDER_NODE * pattern->node_count : 0);
   return BW_OK;
 }
 

@@ -19,6 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/cost.h"
 #include "linear/order.h"
 
 /* More subdomains than this are ordered as if there were none: what is counted here grows with
@@ -184,21 +185,17 @@ static int32_t work_of_edits(const bwi_elimination_reach *reach, const bw_edits 
 
 /* Predicted seconds of an edit and a solve: the work of the median edit, a quarter of the mean
  * (large subdomains are edited too), a fiftieth of the whole factor (made once per session), and L
- * read twice. Rates are those of a machine with two cores; only their ratio matters. */
+ * read twice. */
 static bw_status predict(bw_context *context, bwi_order *order, const bw_mesh *mesh,
                          int32_t subdomain_count, const int32_t *element_subdomain,
                          const bw_edits *edits, double *cost) {
-  const double operations = 40e9, bytes = 15e9;
   bw_status status = BW_OK;
   bwi_symbolic *symbolic = NULL;
   bwi_elimination_reach *reach = NULL;
   int32_t *unknown = BW_NEW(context, int32_t, 3 * (size_t)order->node_count);
   uint8_t *touched = BW_NEW(context, uint8_t, subdomain_count);
   double *flops = BW_NEW(context, double, edits ? edits->count : subdomain_count), mean = 0;
-  if (!unknown || !touched || !flops) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(unknown && touched && flops);
   for (int64_t i = 0; i < order->node_count; i++)
     for (int c = 0; c < 3; c++)
       unknown[3 * i + c] = order->position[i] >= 0 ? 0 : -1;
@@ -209,8 +206,9 @@ static bw_status predict(bw_context *context, bwi_order *order, const bw_mesh *m
   for (int32_t e = 0; e < count; e++)
     mean += flops[e] / count;
   qsort(flops, (size_t)count, sizeof *flops, ascending);
-  *cost = ((count ? flops[count / 2] : 0) + mean / 4 + symbolic->flops / 50) / operations +
-          16 * (double)symbolic->panel[order->super_count] / bytes;
+  *cost = ((count ? flops[count / 2] : 0) + mean / 4 + symbolic->flops / 50) /
+              BWI_COST_EDIT_FLOPS_PER_SECOND +
+          16 * (double)symbolic->panel[order->super_count] / BWI_COST_BYTES_PER_SECOND;
 done:
   bw_free(unknown);
   bw_free(touched);
@@ -262,10 +260,7 @@ static bw_status consider_groups(search *s, const bwi_membership *of_subdomains,
   grouping g = {.subdomains = subdomains, .groups = subdomains};
   g.group_of = BW_NEW(context, int32_t, subdomains);
   g.shared = BW_NEW(context, int32_t, (size_t)subdomains * (size_t)subdomains);
-  if (!g.group_of || !g.shared) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(g.group_of && g.shared);
   bwi_count_shared(of_subdomains, s->near->size, subdomains, g.shared);
   for (int32_t d = 0; d < subdomains; d++)
     g.group_of[d] = d;
@@ -307,10 +302,7 @@ static bw_status search_groups(search *s) {
   double cost[FRACTIONS], ignored;
   bwi_membership of_subdomains = {0};
   int32_t *element = BW_NEW(context, int32_t, s->mesh->element_count);
-  if (!element) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(element);
   BW_TRY(sort_elements(context, s->mesh, s->subdomain_count, s->element_subdomain, element));
   BW_TRY(membership_of_subdomains(context, s->near, s->mesh, element, s->element_subdomain,
                                   &of_subdomains));
@@ -358,10 +350,7 @@ bw_status bwi_order_create_subdomains(bw_context *context, const bw_block_patter
     return bwi_order_create(context, pattern, take, order);
   BW_TRY(bwi_adjacency_create(context, pattern, take, &near));
   s.permutation = BW_NEW(context, idx_t, near.size);
-  if (!s.permutation) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s.permutation);
   BW_TRY(search_whole(&s));
   BW_TRY(search_groups(&s));
   *order = s.best;

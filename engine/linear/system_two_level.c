@@ -26,8 +26,6 @@
 #define AMG_ITERATION 1000.0
 #define AMG_SETUP 15000.0
 #define AMG_RATE 1.0
-/* Seconds of the reference machine to order a block of nodes. */
-#define ORDER_BLOCK 5e-7
 
 static void two_level_solver_destroy(void *object) {
   bwi_two_level_solver *l = object;
@@ -59,7 +57,7 @@ static bwi_cost_prediction predict(const bw_system *system, const bwi_coarse *co
   cost.factor_flops = MORE_FLOPS * wider * wider * wider * bwi_coarse_flops(coarse);
   cost.factor_bytes = MORE_ENTRIES * wider * wider * bwi_coarse_entries(coarse) * sizeof(double);
   cost.factor = cost.factor_flops / bwi_cost_flops_per_second(64) +
-                4 * cost.factor_bytes / BWI_COST_BYTES_PER_SECOND + ORDER_BLOCK * blocks;
+                4 * cost.factor_bytes / BWI_COST_BYTES_PER_SECOND + BWI_COST_ORDER_BLOCK * blocks;
   double bytes = bwi_smoother_bytes((int64_t)blocks) + bwi_coarse_pass_bytes(coarse);
   cost.one_iteration = BWI_TWO_LEVEL_PASS * bytes / BWI_COST_BYTES_PER_SECOND;
   cost.pcg =

@@ -22,8 +22,6 @@
 
 #include "base/cost.h"
 
-#define SECONDS_PER_POINT 2.6e-7 /* of a projected tangent */
-
 /* Bytes for each entry of a factor that is made and solved with; of a product for each element; of
  * all vectors of an iteration for each node. */
 #define ENTRY_BYTES 60.0
@@ -33,8 +31,7 @@ enum { PRODUCTS = 5, PRODUCTS_BELOW = 4, PRODUCTS_TO_SET = 3 };
 /* Factors of the coarsest solid, by its nodes (measured: 17 to 116, 170 to 970). */
 #define COARSE_FLOPS 60.0
 #define COARSE_ENTRIES 600.0
-/* Seconds to analyse, for each node; it is done when this part of what iterations took. */
-#define ANALYSIS 1e-5
+/* The analysis is done when it takes this part of what iterations took. */
 #define ANALYSIS_FRACTION 0.25
 
 /* Iterations of a solution before anything is known, which counts as so many solutions. */
@@ -138,7 +135,7 @@ void bwi_choice_begin(bwi_newton_state *state) {
     const bw_material_table *material_table = o->coarse[k]->material_table;
     double nodes = below->node_count;
     for (int64_t e = 0; e < below->element_count; e++)
-      c->set += SECONDS_PER_POINT * material_table->material[below->material[e]]->rule->count;
+      c->set += BWI_COST_TANGENT_POINT * material_table->material[below->material[e]]->rule->count;
     if (k + 1 < o->coarse_count)
       bytes += PRODUCTS_BELOW * ELEMENT_BYTES * (double)below->element_count;
     else {
@@ -153,7 +150,7 @@ void bwi_choice_begin(bwi_newton_state *state) {
 /* What iterations with these elements took so far, over what an analysis takes. */
 static double spent(const bwi_newton_state *state) {
   return state->choice.iteration * state->newton->cg_statistics.taken /
-         (ANALYSIS * state->solid->grid->node_count);
+         (BWI_COST_GRID_ANALYSIS_NODE * state->solid->grid->node_count);
 }
 
 /* Analyses once that pays. */
@@ -189,7 +186,8 @@ int32_t bwi_choice_limit(const bwi_newton_state *state) {
   if (c->factor > 0)
     max = fmin(max, fmax(MIN_ITERATIONS, LIMIT * c->factor / c->iteration));
   else if (c->open)
-    max = fmin(max, fmax(MIN_ITERATIONS, (1 / ANALYSIS_FRACTION - spent(state)) * ANALYSIS *
+    max = fmin(max, fmax(MIN_ITERATIONS, (1 / ANALYSIS_FRACTION - spent(state)) *
+                                             BWI_COST_GRID_ANALYSIS_NODE *
                                              state->solid->grid->node_count / c->iteration));
   return (int32_t)max;
 }
