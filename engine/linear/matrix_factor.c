@@ -57,10 +57,7 @@ bw_status bwi_matrix_pair_open(bw_context *context, const bw_sparse_matrix *k,
   column = BW_NEW(context, int32_t, start[rows]);
   pair->k = BW_NEW(context, double, start[rows]);
   pair->m = BW_NEW(context, double, start[rows]);
-  if (!column || !pair->k || !pair->m) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(column && pair->k && pair->m);
   for (int32_t i = 0; i < rows; i++)
     merge_row(k, m, i, column + start[i], pair->k + start[i], pair->m + start[i]);
   BW_TRY(bwi_block_pattern_of_rows(context, rows, start, column, &pair->pattern));
@@ -117,5 +114,21 @@ done:
   bw_free(unknown);
   bw_release(order);
   bw_release(symbolic);
+  return status;
+}
+
+bw_status bwi_matrix_solve(bw_context *context, const bw_sparse_matrix *matrix, const char *name,
+                           int64_t count, double *x) {
+  bw_status status = BW_OK;
+  bwi_matrix_pair pair = {0};
+  bwi_factor *factor = NULL;
+  if (matrix->rows == 0)
+    return BW_OK;
+  BW_TRY(bwi_matrix_pair_open(context, matrix, NULL, &pair));
+  BW_TRY(bwi_matrix_pair_factor(context, &pair, 0, NULL, name, &factor));
+  BW_TRY(bwi_solve_fields(context, factor, NULL, count, x, x));
+done:
+  bw_release(factor);
+  bwi_matrix_pair_clear(&pair);
   return status;
 }

@@ -15,7 +15,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "linear/sparse.h"
+#include "linear/matrix_factor.h"
 #include "shape/weights.h"
 
 static void skinning_clear(bwi_skinning *s) {
@@ -126,16 +126,49 @@ static bool cotangents(const double *a, const double *b, const double *c, double
   return true;
 }
 
+/* A symmetric matrix while its entries are listed; several at one place are added. */
+typedef struct entries {
+  int32_t *row, *column;
+  double *value;
+  int64_t count;
+} entries;
+
+static bool entries_open(bw_context *context, size_t capacity, entries *list) {
+  *list = (entries){.row = BW_NEW(context, int32_t, capacity),
+                    .column = BW_NEW(context, int32_t, capacity),
+                    .value = BW_NEW(context, double, capacity)};
+  return list->row && list->column && list->value;
+}
+
+static void entries_clear(entries *list) {
+  bw_free(list->row);
+  bw_free(list->column);
+  bw_free(list->value);
+}
+
+static void add(entries *list, int32_t i, int32_t j, double value) {
+  list->row[list->count] = i > j ? i : j;
+  list->column[list->count] = i > j ? j : i;
+  list->value[list->count++] = value;
+}
+
+static bw_status solve(bw_context *context, const entries *list, int32_t size, size_t count,
+                       double *x) {
+  bw_sparse_matrix *matrix = NULL;
+  bw_status status = bw_sparse_matrix_create(context, size, size, list->count, list->row,
+                                             list->column, list->value, &matrix);
+  if (status == BW_OK)
+    status = bwi_matrix_solve(context, matrix, "skinning weights", (int64_t)count, x);
+  bw_release(matrix);
+  return status;
+}
+
 static bw_status solve_surface(bwi_skinning *s, double *weight) {
   bw_status status = BW_OK;
   size_t bones = (size_t)s->skeleton->bone_count, points = (size_t)s->points;
-  int64_t count = 0;
-  bwi_entry *entry = BW_NEW(s->context, bwi_entry, 9 * (size_t)s->mesh->facet_count + points);
+  entries list;
   double *x = BW_NEW(s->context, double, points *bones);
-  if (!entry || !x) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(entries_open(s->context, 9 * (size_t)s->mesh->facet_count + points, &list) && x);
   for (int64_t f = 0; f < s->mesh->facet_count; f++) {
     const int32_t *t = s->triangle + 3 * f;
     double cot[3];
@@ -144,22 +177,22 @@ static bw_status solve_surface(bwi_skinning *s, double *weight) {
       continue;
     for (int k = 0; k < 3; k++) {
       int32_t i = t[(k + 1) % 3], j = t[(k + 2) % 3];
-      entry[count++] = (bwi_entry){i, j, -0.5 * cot[k]};
-      entry[count++] = (bwi_entry){i, i, 0.5 * cot[k]};
-      entry[count++] = (bwi_entry){j, j, 0.5 * cot[k]};
+      add(&list, i, j, -0.5 * cot[k]);
+      add(&list, i, i, 0.5 * cot[k]);
+      add(&list, j, j, 0.5 * cot[k]);
     }
   }
   for (int32_t i = 0; i < s->points; i++)
-    entry[count++] = (bwi_entry){i, i, s->source[i]};
+    add(&list, i, i, s->source[i]);
   for (size_t b = 0; b < bones; b++)
     for (size_t i = 0; i < points; i++)
       x[b * points + i] = s->is_near[i * bones + b] ? s->source[i] / s->near[i] : 0;
-  BW_TRY(bwi_sparse_solve(s->context, s->points, count, entry, (int64_t)bones, x));
+  BW_TRY(solve(s->context, &list, s->points, bones, x));
   for (size_t b = 0; b < bones; b++)
     for (size_t i = 0; i < points; i++)
       weight[(size_t)s->node[i] * bones + b] = x[b * points + i];
 done:
-  bw_free(entry);
+  entries_clear(&list);
   bw_free(x);
   return status;
 }
@@ -190,15 +223,11 @@ static bw_status solve_inside(bwi_skinning *s, double *weight) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = s->mesh;
   size_t bones = (size_t)s->skeleton->bone_count, inner = (size_t)(s->corners - s->points);
-  int64_t count = 0;
+  entries list;
   if (inner == 0)
     return BW_OK;
-  bwi_entry *entry = BW_NEW(s->context, bwi_entry, 10 * (size_t)mesh->element_count);
   double *x = BW_NEW0(s->context, double, inner *bones);
-  if (!entry || !x) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(entries_open(s->context, 10 * (size_t)mesh->element_count, &list) && x);
   for (int64_t e = 0; e < mesh->element_count; e++) {
     const int32_t *node = mesh->element + e * mesh->nodes_per_element;
     double k[4][4];
@@ -210,19 +239,19 @@ static bw_status solve_inside(bwi_skinning *s, double *weight) {
       for (int b = 0; b < 4; b++) {
         int32_t j = s->number[node[b]] - s->points;
         if (j >= 0 && j <= i)
-          entry[count++] = (bwi_entry){i, j, k[a][b]};
+          add(&list, i, j, k[a][b]);
         else if (j < 0)
           for (size_t c = 0; c < bones; c++)
             x[c * inner + (size_t)i] -= k[a][b] * weight[(size_t)node[b] * bones + c];
       }
     }
   }
-  BW_TRY(bwi_sparse_solve(s->context, (int32_t)inner, count, entry, (int64_t)bones, x));
+  BW_TRY(solve(s->context, &list, (int32_t)inner, bones, x));
   for (size_t b = 0; b < bones; b++)
     for (size_t i = 0; i < inner; i++)
       weight[(size_t)s->node[(size_t)s->points + i] * bones + b] = x[b * inner + i];
 done:
-  bw_free(entry);
+  entries_clear(&list);
   bw_free(x);
   return status;
 }
@@ -319,10 +348,7 @@ bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh, const bw
   s.near = BW_NEW(context, int32_t, points);
   s.is_near = BW_NEW(context, uint8_t, points * bones);
   s.gap = BW_NEW(context, double, (size_t)bw_threads(context) * bones);
-  if (!s.source || !s.near || !s.is_near || !s.gap) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s.source && s.near && s.is_near && s.gap);
   bw_progress(context, "skinning weights", 0);
   BW_TRY(bwi_find_sources(&s));
   BW_TRY(bw_check_cancel(context));
