@@ -25,67 +25,47 @@
 typedef float lanes __attribute__((vector_size(16), aligned(4), may_alias));
 enum { LANES = 4 };
 
-struct bwi_lagged_blocks {
-  int components;
-  const bw_plane_nodes *nodes;       /* retained: what the order is of */
-  const bw_plane_topology *topology; /* retained: what the analysis is of */
-  int32_t size;                      /* nodes */
-  int32_t *order, *position;         /* node eliminated k-th, and when a node is */
-  double ordered, flops;             /* operations when the order was new, and now */
+typedef struct lagged_blocks {
+  bwi_lagged shared;
+  int32_t size;      /* nodes */
+  int32_t *position; /* when a node is eliminated */
   int64_t *upper_start, *lower_start;
   int32_t *upper_column, *lower_column;
   float *upper, *lower; /* blocks */
   float *inverse;       /* of diagonal blocks of U */
   double *scale;        /* of unknowns, by node */
   float *workspace;     /* one row of blocks; in solves a vector */
-};
+} lagged_blocks;
 
-bw_status bwi_lagged_blocks_create(bw_context *context, int components, bwi_lagged_blocks **out) {
-  bwi_lagged_blocks *s = BW_NEW0(context, bwi_lagged_blocks, 1);
-  if (!s)
-    return BW_MEMORY;
-  s->components = components;
-  *out = s;
-  return BW_OK;
-}
-
-static void forget_analysis(bwi_lagged_blocks *s) {
-  bw_release(s->topology);
+static void forget_analysis(bwi_lagged *shared) {
+  lagged_blocks *s = (lagged_blocks *)shared;
   bw_free(s->upper_start);
   bw_free(s->lower_start);
   bw_free(s->upper_column);
   bw_free(s->lower_column);
   bw_free(s->upper);
   bw_free(s->lower);
-  s->topology = NULL;
   s->upper_start = s->lower_start = NULL;
   s->upper_column = s->lower_column = NULL;
   s->upper = s->lower = NULL;
 }
 
-void bwi_lagged_blocks_reset(bwi_lagged_blocks *s) {
-  forget_analysis(s);
-  bw_release(s->nodes);
-  bw_free(s->order);
+static void forget(bwi_lagged *shared) {
+  lagged_blocks *s = (lagged_blocks *)shared;
   bw_free(s->position);
   bw_free(s->inverse);
   bw_free(s->scale);
   bw_free(s->workspace);
-  *s = (bwi_lagged_blocks){.components = s->components};
-}
-
-void bwi_lagged_blocks_destroy(bwi_lagged_blocks *s) {
-  if (!s)
-    return;
-  bwi_lagged_blocks_reset(s);
-  bw_free(s);
+  s->position = NULL;
+  s->inverse = s->workspace = NULL;
+  s->scale = NULL;
 }
 
 /* ---- analysis ------------------------------------------------------------------------------ */
 
 /* Patterns of U row by row: what the pattern has above the diagonal, and what the rows bring whose
  * first column this is. */
-static bw_status find_upper(bw_context *context, bwi_lagged_blocks *s,
+static bw_status find_upper(bw_context *context, lagged_blocks *s,
                             const bw_plane_pattern *pattern) {
   bw_status status = BW_OK;
   int32_t n = s->size;
@@ -94,30 +74,26 @@ static bw_status find_upper(bw_context *context, bwi_lagged_blocks *s,
   int32_t *mark = BW_NEW(context, int32_t, n);
   s->upper_start = BW_NEW0(context, int64_t, (size_t)n + 1);
   s->upper_column = BW_NEW(context, int32_t, capacity);
-  if (!child || !sibling || !mark || !s->upper_start || !s->upper_column) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(child && sibling && mark && s->upper_start && s->upper_column);
   for (int32_t k = 0; k < n; k++)
     child[k] = mark[k] = -1;
   for (int32_t k = 0; k < n; k++) {
-    int64_t bound = pattern->start[s->order[k] + 1] - pattern->start[s->order[k]];
+    int64_t bound =
+        pattern->start[s->shared.permutation[k] + 1] - pattern->start[s->shared.permutation[k]];
     for (int32_t c = child[k]; c >= 0; c = sibling[c])
       bound += s->upper_start[c + 1] - s->upper_start[c];
     if (used + bound > capacity) {
       capacity = 2 * capacity + bound;
       int32_t *larger = BW_NEW(context, int32_t, capacity);
-      if (!larger) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(larger);
       memcpy(larger, s->upper_column, (size_t)used * sizeof *larger);
       bw_free(s->upper_column);
       s->upper_column = larger;
     }
     int64_t first = used;
     mark[k] = k;
-    for (int64_t p = pattern->start[s->order[k]]; p < pattern->start[s->order[k] + 1]; p++) {
+    for (int64_t p = pattern->start[s->shared.permutation[k]];
+         p < pattern->start[s->shared.permutation[k] + 1]; p++) {
       int32_t j = s->position[pattern->column[p]];
       if (j > k && mark[j] != k) {
         mark[j] = k;
@@ -147,10 +123,10 @@ done:
   return status;
 }
 
-static bw_status find_lower(bw_context *context, bwi_lagged_blocks *s) {
+static bw_status find_lower(bw_context *context, lagged_blocks *s) {
   int32_t n = s->size;
   int64_t entries = s->upper_start[n];
-  size_t block = (size_t)s->components * LANES;
+  size_t block = (size_t)s->shared.components * LANES;
   s->lower_start = BW_NEW0(context, int64_t, (size_t)n + 2);
   s->lower_column = BW_NEW(context, int32_t, entries);
   s->upper = BW_NEW(context, float, (size_t)entries *block);
@@ -168,64 +144,37 @@ static bw_status find_lower(bw_context *context, bwi_lagged_blocks *s) {
   return BW_OK;
 }
 
-static void count_work(bwi_lagged_blocks *s) {
+static void count_work(lagged_blocks *s) {
   double updates = 0;
   for (int32_t k = 0; k < s->size; k++) {
     double row = (double)(s->upper_start[k + 1] - s->upper_start[k]);
     updates += row * row + 2 * row;
   }
-  s->flops = 2 * updates * s->components * s->components * s->components;
+  const double C = s->shared.components;
+  s->shared.flops = 2 * updates * C * C * C;
 }
 
-static bw_status find_order(bw_context *context, bwi_lagged_blocks *s,
-                            const bw_plane_pattern *pattern, bool quick) {
-  bw_status status = bwi_lagged_order(context, pattern, quick, s->order);
-  for (int32_t k = 0; status == BW_OK && k < s->size; k++)
-    s->position[s->order[k]] = k;
-  return status;
-}
-
-static bw_status analyse(bw_context *context, bwi_lagged_blocks *s, const bw_plane_pattern *pattern,
-                         bwi_lagged_work *work) {
+static bw_status analyse(bw_context *context, bwi_lagged *shared, const bw_plane_pattern *pattern,
+                         const double *values, bwi_adjacency *near) {
   bw_status status = BW_OK;
-  if (s->topology == pattern->topology)
-    return BW_OK;
-  work->analysed = true;
-  forget_analysis(s);
-  if (s->nodes != pattern->topology->nodes)
-    bwi_lagged_blocks_reset(s);
-  if (!s->nodes) {
-    size_t n = (size_t)pattern->node_count, block = (size_t)s->components * LANES;
+  lagged_blocks *s = (lagged_blocks *)shared;
+  size_t n = (size_t)pattern->node_count, block = (size_t)shared->components * LANES;
+  (void)values;
+  (void)near;
+  if (!s->position) {
     s->size = pattern->node_count;
-    s->order = BW_NEW(context, int32_t, n);
     s->position = BW_NEW(context, int32_t, n);
     s->inverse = BW_NEW(context, float, n *block);
-    s->scale = BW_NEW(context, double, n *(size_t)s->components);
+    s->scale = BW_NEW(context, double, n *(size_t)shared->components);
     s->workspace = BW_NEW(context, float, n *block);
-    if (!s->order || !s->position || !s->inverse || !s->scale || !s->workspace) {
-      status = BW_MEMORY;
-      goto done;
-    }
-    work->reordered = true;
-    BW_TRY(find_order(context, s, pattern, false));
-    s->nodes = bw_retain(pattern->topology->nodes);
+    BW_TRY_MEMORY(s->position && s->inverse && s->scale && s->workspace);
   }
+  for (int32_t k = 0; k < s->size; k++)
+    s->position[shared->permutation[k]] = k;
   BW_TRY(find_upper(context, s, pattern));
-  count_work(s);
-  if (!work->reordered && s->flops > BWI_MAX_WORK_GROWTH * s->ordered) {
-    work->reordered = true;
-    forget_analysis(s);
-    BW_TRY(find_order(context, s, pattern, true));
-    BW_TRY(find_upper(context, s, pattern));
-    count_work(s);
-  }
-  if (work->reordered)
-    s->ordered = s->flops;
   BW_TRY(find_lower(context, s));
-  s->topology = bw_retain(pattern->topology);
+  count_work(s);
 done:
-  if (status != BW_OK)
-    bwi_lagged_blocks_reset(s);
   return status;
 }
 
@@ -274,11 +223,11 @@ static inline __attribute__((always_inline)) bool invert(const lanes *block, lan
 /* Row by row: A(i) less L(i, k) U(k) for k from the lowest. C is a constant wherever this is
  * expanded. */
 static inline __attribute__((always_inline)) bool
-eliminate(bwi_lagged_blocks *s, const bw_plane_pattern *pattern, const double *values, int C) {
+eliminate(lagged_blocks *s, const bw_plane_pattern *pattern, const double *values, int C) {
   lanes *work = (lanes *)s->workspace;
   const lanes zero = {0};
   for (int32_t i = 0; i < s->size; i++) {
-    int32_t node = s->order[i];
+    int32_t node = s->shared.permutation[i];
     for (int64_t p = s->lower_start[i]; p < s->lower_start[i + 1]; p++)
       for (int r = 0; r < C; r++)
         work[(int64_t)C * s->lower_column[p] + r] = zero;
@@ -335,7 +284,7 @@ static inline __attribute__((always_inline)) float sum_of(lanes v, int C) {
   return sum;
 }
 
-static inline __attribute__((always_inline)) void substitute(const bwi_lagged_blocks *s,
+static inline __attribute__((always_inline)) void substitute(const lagged_blocks *s,
                                                              const double *r, double *z, int C) {
   lanes *y = (lanes *)s->workspace;
   double largest = 0;
@@ -343,7 +292,7 @@ static inline __attribute__((always_inline)) void substitute(const bwi_lagged_bl
     largest = fmax(largest, fabs(r[u] * s->scale[u]));
   double unit = largest > 0 && isfinite(largest) ? 1 / largest : 1; /* floats have a short range */
   for (int64_t i = 0; i < s->size; i++) {
-    int64_t node = s->order[i];
+    int64_t node = s->shared.permutation[i];
     lanes right = {0}, sum[4] = {{0}};
     for (int c = 0; c < C; c++)
       right[c] = (float)(unit * r[C * node + c] * s->scale[C * node + c]);
@@ -358,7 +307,7 @@ static inline __attribute__((always_inline)) void substitute(const bwi_lagged_bl
     y[i] = right;
   }
   for (int64_t i = s->size - 1; i >= 0; i--) {
-    int64_t node = s->order[i];
+    int64_t node = s->shared.permutation[i];
     lanes right = y[i], result = {0}, sum[4] = {{0}};
     const lanes *block = (const lanes *)s->upper + C * s->upper_start[i];
     for (int64_t p = s->upper_start[i]; p < s->upper_start[i + 1]; p++, block += C) {
@@ -377,15 +326,14 @@ static inline __attribute__((always_inline)) void substitute(const bwi_lagged_bl
   }
 }
 
-bw_status bwi_lagged_blocks_factor(bw_context *context, bwi_lagged_blocks *s,
-                                   const bw_plane_pattern *pattern, const double *values,
-                                   bool *done, bwi_lagged_work *work) {
-  bw_status status = BW_OK;
-  const int C = s->components;
-  *work = (bwi_lagged_work){0};
-  *done = false;
-  BW_TRY(analyse(context, s, pattern, work));
-  BW_TRY(bw_check_cancel(context));
+static bw_status factor(bw_context *context, bwi_lagged *shared, const bw_plane_pattern *pattern,
+                        const double *values, bwi_lagged_work *work) {
+  lagged_blocks *s = (lagged_blocks *)shared;
+  const int C = shared->components;
+  (void)context;
+  work->flops = shared->flops;
+  work->bytes = 2.0 * (double)s->upper_start[s->size] * (C * LANES * sizeof(float) + 4);
+  work->refused = true;
   for (int64_t i = 0; i < pattern->node_count; i++)
     for (int c = 0; c < C; c++) {
       double size = fabs(values[C * C * pattern->diagonal[i] + C * c + c]);
@@ -395,25 +343,26 @@ bw_status bwi_lagged_blocks_factor(bw_context *context, bwi_lagged_blocks *s,
     }
   switch (C) {
   case 1:
-    *done = eliminate(s, pattern, values, 1);
+    work->refused = !eliminate(s, pattern, values, 1);
     break;
   case 2:
-    *done = eliminate(s, pattern, values, 2);
+    work->refused = !eliminate(s, pattern, values, 2);
     break;
   case 3:
-    *done = eliminate(s, pattern, values, 3);
+    work->refused = !eliminate(s, pattern, values, 3);
     break;
   default:
-    *done = eliminate(s, pattern, values, 4);
+    work->refused = !eliminate(s, pattern, values, 4);
   }
-  work->flops = s->flops;
-  work->bytes = 2.0 * (double)s->upper_start[s->size] * (C * LANES * sizeof(float) + 4);
-done:
-  return status;
+  return BW_OK;
 }
 
-void bwi_lagged_blocks_apply(const bwi_lagged_blocks *s, const double *r, double *z) {
-  switch (s->components) {
+static bw_status apply(bw_context *context, bwi_lagged *shared, bool old, const double *r,
+                       double *z) {
+  const lagged_blocks *s = (const lagged_blocks *)shared;
+  (void)context;
+  (void)old;
+  switch (shared->components) {
   case 1:
     substitute(s, r, z, 1);
     break;
@@ -426,4 +375,8 @@ void bwi_lagged_blocks_apply(const bwi_lagged_blocks *s, const double *r, double
   default:
     substitute(s, r, z, 4);
   }
+  return BW_OK;
 }
+
+const bwi_lagged_kind bwi_lagged_blocks = {sizeof(lagged_blocks), analyse, factor, apply,
+                                           forget_analysis,       forget};

@@ -31,10 +31,8 @@
 struct bw_lagged_factor {
   bool symmetric;
   int components;
-  bwi_lagged_symmetric *cholesky;
-  bwi_lagged_unsymmetric *lu;
-  bwi_lagged_blocks *blocks;         /* unsymmetric ones too, */
-  bool pivoting;                     /* until they were no good for these nodes: */
+  bwi_lagged *kind[2];               /* Cholesky, or LU of blocks and the one with pivoting: */
+  bool pivoting;                     /* the other was no good for these nodes */
   const bw_plane_topology *topology; /* retained: of the factor; NULL: there is none */
   bwi_lagged_work work;              /* of the last factorisation */
   /* since it: */
@@ -142,12 +140,10 @@ bw_status bw_lagged_factor_create(bw_context *context, bool symmetric, int compo
   lagged->components = components;
   lagged->first = FIRST_GUESS;
   lagged->first_flipped = FIRST_GUESS_FLIPPED;
-  if (symmetric)
-    BW_TRY(bwi_lagged_symmetric_create(context, components, &lagged->cholesky));
-  else
-    BW_TRY(bwi_lagged_unsymmetric_create(context, components, &lagged->lu));
+  BW_TRY(bwi_lagged_create(context, symmetric ? &bwi_lagged_symmetric : &bwi_lagged_blocks,
+                           components, &lagged->kind[0]));
   if (!symmetric)
-    BW_TRY(bwi_lagged_blocks_create(context, components, &lagged->blocks));
+    BW_TRY(bwi_lagged_create(context, &bwi_lagged_unsymmetric, components, &lagged->kind[1]));
 done:
   if (status == BW_OK)
     *out = lagged;
@@ -158,12 +154,8 @@ done:
 
 /* Orders, analyses, numbers. */
 static void reset_solvers(bw_lagged_factor *lagged) {
-  if (lagged->cholesky)
-    bwi_lagged_symmetric_reset(lagged->cholesky);
-  if (lagged->lu)
-    bwi_lagged_unsymmetric_reset(lagged->lu);
-  if (lagged->blocks)
-    bwi_lagged_blocks_reset(lagged->blocks);
+  bwi_lagged_reset(lagged->kind[0]);
+  bwi_lagged_reset(lagged->kind[1]);
 }
 
 static void forget_factor(bw_lagged_factor *lagged) {
@@ -189,20 +181,14 @@ void bw_lagged_factor_destroy(bw_lagged_factor *lagged) {
   if (!lagged)
     return;
   bw_lagged_factor_reset(lagged);
-  bwi_lagged_symmetric_destroy(lagged->cholesky);
-  bwi_lagged_unsymmetric_destroy(lagged->lu);
-  bwi_lagged_blocks_destroy(lagged->blocks);
+  bwi_lagged_destroy(lagged->kind[0]);
+  bwi_lagged_destroy(lagged->kind[1]);
   bw_free(lagged);
 }
 
 bw_status bw_lagged_factor_apply(bw_context *context, bw_lagged_factor *lagged, const double *r,
                                  double *z) {
-  if (!lagged->symmetric && !lagged->pivoting && lagged->topology) {
-    bwi_lagged_blocks_apply(lagged->blocks, r, z);
-    return BW_OK;
-  }
-  return lagged->symmetric ? bwi_lagged_symmetric_apply(context, lagged->cholesky, false, r, z)
-                           : bwi_lagged_unsymmetric_apply(context, lagged->lu, r, z);
+  return bwi_lagged_apply(context, lagged->kind[lagged->pivoting], false, r, z);
 }
 
 /* ---- the model's costs --------------------------------------------------------------------- */
@@ -258,17 +244,12 @@ static bw_status factor(bw_context *context, bw_lagged_factor *lagged,
   if (whole)
     reset_solvers(lagged);
   forget_factor(lagged);
-  if (lagged->symmetric)
-    status = bwi_lagged_symmetric_factor(context, lagged->cholesky, pattern, values, &work);
-  else {
-    if (!lagged->pivoting) {
-      bool done = false;
-      status = bwi_lagged_blocks_factor(context, lagged->blocks, pattern, values, &done, &work);
-      lagged->pivoting = status == BW_OK && !done;
-    }
-    if (lagged->pivoting)
-      status = bwi_lagged_unsymmetric_factor(context, lagged->lu, pattern, values, &work);
+  if (!lagged->pivoting) {
+    status = bwi_lagged_factor(context, lagged->kind[0], pattern, values, &work);
+    lagged->pivoting = status == BW_OK && work.refused;
   }
+  if (lagged->pivoting)
+    status = bwi_lagged_factor(context, lagged->kind[1], pattern, values, &work);
   reuse->analyses += work.analysed;
   reuse->factorisations++;
   reuse->factor = false;
@@ -329,7 +310,7 @@ static bw_status precondition_one(bw_context *context, void *data, int64_t count
                                   double *z) {
   const iteration *it = data;
   (void)count;
-  return bwi_lagged_symmetric_apply(context, it->lagged->cholesky, it->old, r, z);
+  return bwi_lagged_apply(context, it->lagged->kind[0], it->old, r, z);
 }
 
 /* Conjugate gradients from x, for at most `limit` iterations; ends early where the factor is too
@@ -572,10 +553,8 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
   reuse->solves++;
   BW_TRY(bwi_blocked_dot(context, n, rhs, rhs, &square));
   it.size = sqrt(square);
-  if (!isfinite(it.size)) {
-    status = bw_fail(context, BW_INVALID, "the right-hand side is not finite");
-    goto done;
-  }
+  if (!isfinite(it.size))
+    BW_TRY(bw_fail(context, BW_INVALID, "the right-hand side is not finite"));
   if (it.size == 0) {
     memset(x, 0, n * sizeof *x);
     goto done;

@@ -2,70 +2,47 @@
 /* LU factors of unsymmetric matrices on plane patterns, by UMFPACK.
  *
  * UMFPACK takes compressed columns. Rows are what a pattern has: the arrays hold the transposed
- * matrix, and solves ask for the transposed system. Columns are ordered by nodes, with an order
- * that is kept as long as the nodes are (lagged_symmetric.c); UMFPACK may still choose pivots
- * elsewhere where numbers ask for it. */
+ * matrix, and solves ask for the transposed system. Columns are ordered by nodes, with the order
+ * that is kept as long as the nodes are; UMFPACK may still choose pivots elsewhere where numbers
+ * ask for it. */
 #include <limits.h>
-#include <string.h>
 
 #include <umfpack.h>
 
 #include "incremental/lagged_factor.h"
 #include "linear/blas.h"
 
-struct bwi_lagged_unsymmetric {
-  int components;
-  const bw_plane_nodes *nodes;       /* retained: what the order is of */
-  int32_t *order;                    /* unknowns as they are eliminated */
-  double ordered;                    /* operations estimated when it was new */
-  const bw_plane_topology *topology; /* retained: what the analysis is of */
+typedef struct lagged_unsymmetric {
+  bwi_lagged shared;
   int size;
+  int *order; /* unknowns as they are eliminated */
   int *start, *row;
   double *value;
   void *symbolic, *numeric;
   int *work_index;
   double *workspace;
-};
+} lagged_unsymmetric;
 
-bw_status bwi_lagged_unsymmetric_create(bw_context *context, int components,
-                                        bwi_lagged_unsymmetric **out) {
-  bwi_lagged_unsymmetric *s = BW_NEW0(context, bwi_lagged_unsymmetric, 1);
-  if (!s)
-    return BW_MEMORY;
-  s->components = components;
-  *out = s;
-  return BW_OK;
-}
-
-static void forget_analysis(bwi_lagged_unsymmetric *s) {
+static void forget_analysis(bwi_lagged *shared) {
+  lagged_unsymmetric *s = (lagged_unsymmetric *)shared;
   if (s->symbolic)
     umfpack_di_free_symbolic(&s->symbolic);
-  bw_release(s->topology);
   bw_free(s->start);
   bw_free(s->row);
   bw_free(s->value);
-  s->symbolic = NULL;
-  s->topology = NULL;
   s->start = s->row = NULL;
   s->value = NULL;
 }
 
-void bwi_lagged_unsymmetric_reset(bwi_lagged_unsymmetric *s) {
-  forget_analysis(s);
+static void forget(bwi_lagged *shared) {
+  lagged_unsymmetric *s = (lagged_unsymmetric *)shared;
   if (s->numeric)
     umfpack_di_free_numeric(&s->numeric);
-  bw_release(s->nodes);
   bw_free(s->order);
   bw_free(s->work_index);
   bw_free(s->workspace);
-  *s = (bwi_lagged_unsymmetric){.components = s->components};
-}
-
-void bwi_lagged_unsymmetric_destroy(bwi_lagged_unsymmetric *s) {
-  if (!s)
-    return;
-  bwi_lagged_unsymmetric_reset(s);
-  bw_free(s);
+  s->order = s->work_index = NULL;
+  s->workspace = NULL;
 }
 
 /* Quiet, without iterative refinement, and for a pattern that is symmetric. */
@@ -76,7 +53,7 @@ static void controls(double *control) {
   control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
 }
 
-static bw_status check(bw_context *context, const bwi_lagged_unsymmetric *s, int code,
+static bw_status check(bw_context *context, const lagged_unsymmetric *s, int code,
                        double smallest_pivot) {
   if (code == UMFPACK_WARNING_singular_matrix || (code == UMFPACK_OK && !(smallest_pivot > 0))) {
     bw_fail(context, BW_SINGULAR,
@@ -94,34 +71,9 @@ static bw_status check(bw_context *context, const bwi_lagged_unsymmetric *s, int
   return BW_OK;
 }
 
-static bw_status order_unknowns(bw_context *context, bwi_lagged_unsymmetric *s,
-                                const bw_plane_pattern *pattern) {
-  bw_status status = BW_OK;
-  int32_t *nodes = BW_NEW(context, int32_t, pattern->node_count);
-  if (!s->order)
-    s->order = BW_NEW(context, int32_t, s->size);
-  if (!s->work_index)
-    s->work_index = BW_NEW(context, int, s->size);
-  if (!s->workspace)
-    s->workspace = BW_NEW(context, double, s->size);
-  if (!nodes || !s->order || !s->work_index || !s->workspace) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  BW_TRY(bwi_lagged_order(context, pattern, s->nodes != NULL, nodes));
-  for (int32_t i = 0; i < pattern->node_count; i++)
-    for (int c = 0; c < s->components; c++)
-      s->order[i * s->components + c] = nodes[i] * s->components + c;
-  if (!s->nodes)
-    s->nodes = bw_retain(pattern->topology->nodes);
-done:
-  bw_free(nodes);
-  return status;
-}
-
-static void fill_values(bwi_lagged_unsymmetric *s, const bw_plane_pattern *pattern,
+static void fill_values(lagged_unsymmetric *s, const bw_plane_pattern *pattern,
                         const double *values) {
-  const int C = s->components;
+  const int C = s->shared.components;
   int fill = 0;
   for (int32_t i = 0; i < pattern->node_count; i++)
     for (int r = 0; r < C; r++)
@@ -130,40 +82,33 @@ static void fill_values(bwi_lagged_unsymmetric *s, const bw_plane_pattern *patte
           s->value[fill++] = values[C * C * p + C * r + c];
 }
 
-static bw_status analyse(bw_context *context, bwi_lagged_unsymmetric *s,
-                         const bw_plane_pattern *pattern, const double *values,
-                         bwi_lagged_work *work) {
+static bw_status analyse(bw_context *context, bwi_lagged *shared, const bw_plane_pattern *pattern,
+                         const double *values, bwi_adjacency *near) {
   bw_status status = BW_OK;
+  lagged_unsymmetric *s = (lagged_unsymmetric *)shared;
   double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
-  const int C = s->components;
+  const int C = shared->components;
   int64_t entries = pattern->block_count * C * C;
-  if (s->topology == pattern->topology) {
-    fill_values(s, pattern, values);
-    return BW_OK;
-  }
+  (void)near;
   if (entries > INT_MAX)
     return bw_fail(context, BW_LIMIT,
                    "%lld matrix entries: more than the integers of UMFPACK can count",
                    (long long)entries);
-  work->analysed = true;
-  forget_analysis(s);
-  if (s->nodes != pattern->topology->nodes) {
-    bwi_lagged_unsymmetric_reset(s);
-    work->reordered = true;
-  }
   s->size = pattern->node_count * C;
-  if (!s->nodes)
-    BW_TRY(order_unknowns(context, s, pattern));
+  if (!s->order)
+    s->order = BW_NEW(context, int, s->size);
+  if (!s->work_index)
+    s->work_index = BW_NEW(context, int, s->size);
+  if (!s->workspace)
+    s->workspace = BW_NEW(context, double, s->size);
   s->start = BW_NEW(context, int, (size_t)s->size + 1);
   s->row = BW_NEW(context, int, entries);
   s->value = BW_NEW(context, double, entries);
-  if (!s->start || !s->row || !s->value) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s->order && s->work_index && s->workspace && s->start && s->row && s->value);
   int fill = 0;
   for (int32_t i = 0; i < pattern->node_count; i++)
     for (int r = 0; r < C; r++) {
+      s->order[i * C + r] = (int)shared->permutation[i] * C + r;
       s->start[i * C + r] = fill;
       for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++)
         for (int c = 0; c < C; c++)
@@ -173,61 +118,37 @@ static bw_status analyse(bw_context *context, bwi_lagged_unsymmetric *s,
   fill_values(s, pattern, values);
   controls(control);
   BW_TRY(bw_check_cancel(context));
-  for (;;) {
-    int code = umfpack_di_qsymbolic(s->size, s->size, s->start, s->row, s->value, s->order,
-                                    &s->symbolic, control, info);
-    BW_TRY(check(context, s, code, 1));
-    double flops = info[UMFPACK_FLOPS_ESTIMATE];
-    if (work->reordered)
-      s->ordered = flops;
-    if (flops <= BWI_MAX_WORK_GROWTH * s->ordered)
-      break;
-    umfpack_di_free_symbolic(&s->symbolic);
-    s->symbolic = NULL;
-    work->reordered = true;
-    BW_TRY(order_unknowns(context, s, pattern));
-  }
-  s->topology = bw_retain(pattern->topology);
+  BW_TRY(check(context, s,
+               umfpack_di_qsymbolic(s->size, s->size, s->start, s->row, s->value, s->order,
+                                    &s->symbolic, control, info),
+               1));
+  shared->flops = info[UMFPACK_FLOPS_ESTIMATE];
 done:
-  if (status != BW_OK)
-    forget_analysis(s);
   return status;
 }
 
-bw_status bwi_lagged_unsymmetric_factor(bw_context *context, bwi_lagged_unsymmetric *s,
-                                        const bw_plane_pattern *pattern, const double *values,
-                                        bwi_lagged_work *work) {
-  bw_status status = BW_OK;
+static bw_status factor(bw_context *context, bwi_lagged *shared, const bw_plane_pattern *pattern,
+                        const double *values, bwi_lagged_work *work) {
+  lagged_unsymmetric *s = (lagged_unsymmetric *)shared;
   double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
-  void *numeric = NULL;
-  *work = (bwi_lagged_work){0};
-  BW_TRY(analyse(context, s, pattern, values, work));
-  BW_TRY(bw_check_cancel(context));
+  fill_values(s, pattern, values);
   controls(control);
-  bwi_blas_enter();
-  int code = umfpack_di_numeric(s->start, s->row, s->value, s->symbolic, &numeric, control, info);
-  bwi_blas_leave();
-  status = check(context, s, code, info[UMFPACK_RCOND]);
   if (s->numeric)
     umfpack_di_free_numeric(&s->numeric);
-  s->numeric = NULL;
-  if (status != BW_OK) {
-    if (numeric)
-      umfpack_di_free_numeric(&numeric);
-    goto done;
-  }
-  s->numeric = numeric;
+  bwi_blas_enter();
+  int code =
+      umfpack_di_numeric(s->start, s->row, s->value, s->symbolic, &s->numeric, control, info);
+  bwi_blas_leave();
   work->flops = info[UMFPACK_FLOPS];
   work->bytes = 12 * (info[UMFPACK_LNZ] + info[UMFPACK_UNZ]);
-done:
-  return status;
+  return check(context, s, code, info[UMFPACK_RCOND]);
 }
 
-bw_status bwi_lagged_unsymmetric_apply(bw_context *context, bwi_lagged_unsymmetric *s,
-                                       const double *r, double *z) {
+static bw_status apply(bw_context *context, bwi_lagged *shared, bool old, const double *r,
+                       double *z) {
+  lagged_unsymmetric *s = (lagged_unsymmetric *)shared;
   double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
-  if (!s->numeric)
-    return bw_fail(context, BW_INTERNAL, "there is no factor to apply");
+  (void)old;
   controls(control);
   bwi_blas_enter();
   int code = umfpack_di_wsolve(UMFPACK_At, s->start, s->row, s->value, z, r, s->numeric, control,
@@ -238,3 +159,6 @@ bw_status bwi_lagged_unsymmetric_apply(bw_context *context, bwi_lagged_unsymmetr
                    code);
   return BW_OK;
 }
+
+const bwi_lagged_kind bwi_lagged_unsymmetric = {
+    sizeof(lagged_unsymmetric), analyse, factor, apply, forget_analysis, forget};

@@ -66,7 +66,7 @@ bw_status bwi_adjacency_create(bw_context *context, const bw_block_pattern *patt
     if (compact[i] >= 0)
       for (int64_t k = pattern->start[i]; k < pattern->start[i + 1]; k++) {
         int32_t j = pattern->column[k];
-        if (j != i && compact[j] >= 0) {
+        if (j < i && compact[j] >= 0) {
           out->start[compact[i] + 2]++;
           out->start[compact[j] + 2]++;
           entries += 2;
@@ -86,7 +86,7 @@ bw_status bwi_adjacency_create(bw_context *context, const bw_block_pattern *patt
     if (compact[i] >= 0)
       for (int64_t k = pattern->start[i]; k < pattern->start[i + 1]; k++) {
         int32_t j = pattern->column[k];
-        if (j != i && compact[j] >= 0) {
+        if (j < i && compact[j] >= 0) {
           out->neighbour[out->start[compact[i] + 1]++] = compact[j];
           out->neighbour[out->start[compact[j] + 1]++] = compact[i];
         }
@@ -188,10 +188,8 @@ static bw_status analyse(bw_context *context, const bwi_adjacency *adjacency,
                  : bw_fail(context, BW_MEMORY, "no memory to analyse %d nodes", size);
     goto done;
   }
-  if (!factor->is_super) {
-    status = bw_fail(context, BW_INTERNAL, "the analysis of %d nodes is not supernodal", size);
-    goto done;
-  }
+  if (!factor->is_super)
+    BW_TRY(bw_fail(context, BW_INTERNAL, "the analysis of %d nodes is not supernodal", size));
 
   int32_t supers = (int32_t)factor->nsuper;
   const int32_t *super = factor->super, *row_start = factor->pi, *row = factor->s,
@@ -265,10 +263,7 @@ bw_status bwi_order_analyse(bw_context *context, const bwi_adjacency *near,
   order->size = near->size;
   order->node_at = BW_NEW(context, int32_t, near->size);
   order->position = BW_NEW(context, int32_t, near->node_count);
-  if (!order->node_at || !order->position) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(order->node_at && order->position);
   for (int32_t i = 0; i < near->node_count; i++)
     order->position[i] = -1;
   if (near->size == 0) {
@@ -301,10 +296,7 @@ bw_status bwi_order_create_by(bw_context *context, const bw_block_pattern *patte
   idx_t *permutation = NULL;
   BW_TRY(bwi_adjacency_create(context, pattern, take, &near));
   permutation = BW_NEW(context, idx_t, near.size);
-  if (!permutation) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(permutation);
   BW_TRY(bw_check_cancel(context));
   if (ordering == BW_ORDERING_AMD)
     BW_TRY(bwi_minimum_degree(context, near.size, near.start, near.neighbour, permutation));

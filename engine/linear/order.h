@@ -16,6 +16,7 @@ typedef struct bwi_adjacency {
   int32_t *node_of;   /* size: mesh node */
   int32_t *compact;   /* mesh node -> 0 to size - 1, or -1 */
 } bwi_adjacency;
+/* Only blocks below the diagonal are read. Clear in any case. */
 bw_status bwi_adjacency_create(bw_context *context, const bw_block_pattern *pattern,
                                const uint8_t *take, bwi_adjacency *near);
 void bwi_adjacency_clear(bwi_adjacency *near);

@@ -10,7 +10,7 @@ static void plate_destroy(void *object) {
   if (in) {
     bw_release(in->now);
     bw_free(in->origin);
-    bwi_lagged_symmetric_destroy(in->factor);
+    bwi_lagged_destroy(in->factor);
     bw_free(in);
   }
   bw_release(plate->material);
@@ -123,10 +123,7 @@ static bw_status make_matrices(bw_context *context, const struct bwi_plate *in,
   m->stiffness = BW_NEW(context, double, 9 * blocks);
   m->mass = BW_NEW(context, double, blocks);
   m->shifted = BW_NEW(context, double, 9 * blocks);
-  if (!m->stiffness || !m->mass || !m->shifted) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(m->stiffness && m->mass && m->shifted);
   /* of the shape as it is: a drag may scale it */
   double shift = shift_for(mesh, &in->law);
   assembly data = {context, mesh, in};
@@ -175,7 +172,7 @@ bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
   plate->material = bw_retain(material);
   BW_TRY(bwi_plate_law_create(context, material, thickness, &in->law));
   bwi_plate_reference_fill(&in->reference);
-  BW_TRY(bwi_lagged_symmetric_create(context, 3, &in->factor));
+  BW_TRY(bwi_lagged_create(context, &bwi_lagged_symmetric, 3, &in->factor));
   BW_TRY(bw_plane_pattern_create(context, mesh->topology, &pattern));
   BW_TRY(make_matrices(context, in, pattern, mesh, &matrices));
   BW_TRY(bwi_plate_blank(context, mesh, matrices, &first));
@@ -218,10 +215,7 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
   BW_TRY(bwi_copy_block(context, was->residual, (size_t)was->mode_count, &next->residual));
   next->shape = BW_NEW(context, double, was->known *nodes * 3);
   rotation = BW_NEW(context, double, 4 * nodes);
-  if (!next->shape || !rotation) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(next->shape && rotation);
   for (int k = 0; k < was->known; k++)
     BW_TRY(bw_plane_transfer(context, plate->mesh, mesh, 3,
                              was->shape + k * 3 * (int64_t)before->nodes->node_count,

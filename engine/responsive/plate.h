@@ -87,7 +87,7 @@ struct bwi_plate {
   bwi_plate_reference reference;
   const bw_plate_state *now; /* retained; the public fields are its own */
   /* What makes the next frame faster. */
-  bwi_lagged_symmetric *factor;
+  bwi_lagged *factor;
   bool factored;              /* there is a factor of these nodes, of whatever shape */
   double *origin;             /* node_count x 2: where the nodes were then */
   int first_iterations, last; /* iterations with a new factor, and in the last solve */

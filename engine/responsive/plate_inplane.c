@@ -11,7 +11,7 @@ enum { RIGID = BWI_PLANE_MOTIONS, GUARDS = 2, ROUNDS = 400 };
 
 typedef struct inplane {
   const bw_sheet *sheet;
-  bwi_lagged_symmetric *factor;
+  bwi_lagged *factor;
 } inplane;
 
 static bw_status times_stiffness(bw_context *context, const void *data, const double *x,
@@ -37,7 +37,7 @@ static bw_status times_mass(bw_context *context, const void *data, const double 
 }
 
 static bw_status precondition(bw_context *context, const void *data, const double *x, double *y) {
-  return bwi_lagged_symmetric_apply(context, ((const inplane *)data)->factor, false, x, y);
+  return bwi_lagged_apply(context, ((const inplane *)data)->factor, false, x, y);
 }
 
 /* Two translations and the rotation. */
@@ -57,7 +57,7 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
   bw_sheet_section section = {plate->material, plate->thickness, false};
   bw_sheet_description description = {.section_count = 1, .section = &section};
   bw_sheet *sheet = NULL;
-  bwi_lagged_symmetric *factor = NULL;
+  bwi_lagged *factor = NULL;
   bwi_lagged_work work;
   bool made;
   double *shifted = NULL, *vector = NULL, *rigid = NULL, *value = NULL;
@@ -72,16 +72,13 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
   BW_TRY(bwi_sheet_prepare(context, sheet, &made));
   BW_TRY(bwi_sheet_stiffness(context, sheet));
   BW_TRY(bwi_sheet_mass(context, sheet));
-  BW_TRY(bwi_lagged_symmetric_create(context, 2, &factor));
+  BW_TRY(bwi_lagged_create(context, &bwi_lagged_symmetric, 2, &factor));
   const bw_plane_pattern *pattern = sheet->inner->pattern;
   shifted = BW_NEW(context, double, 4 * pattern->block_count);
   vector = BW_NEW0(context, double, block *n);
   rigid = BW_NEW(context, double, 2 * RIGID * n);
   value = BW_NEW(context, double, 2 * block);
-  if (!shifted || !vector || !rigid || !value) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(shifted && vector && rigid && value);
   /* waves of the plate's size: makes the free matrix definite */
   const double *x = plate->mesh->point;
   double low[2] = {x[0], x[1]}, high[2] = {x[0], x[1]};
@@ -95,7 +92,7 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
     for (int c = 0; c < 4; c++)
       shifted[4 * k + c] =
           sheet->inner->stiffness[4 * k + c] + (c % 3 == 0 ? shift * sheet->inner->mass[k] : 0);
-  BW_TRY(bwi_lagged_symmetric_factor(context, factor, pattern, shifted, &work));
+  BW_TRY(bwi_lagged_factor(context, factor, pattern, shifted, &work));
   inplane data = {sheet, factor};
   bwi_free_body body = {.size = n,
                         .data = &data,
@@ -112,7 +109,7 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
   for (int k = 0; k < count; k++)
     frequency[k] = sqrt(fmax(value[k], 0)) / (2 * pi);
 done:
-  bwi_lagged_symmetric_destroy(factor);
+  bwi_lagged_destroy(factor);
   bw_release(sheet);
   bw_free(shifted);
   bw_free(vector);

@@ -32,13 +32,13 @@ static bw_status times_mass(bw_context *context, const void *data, const double 
 
 static bw_status precondition(bw_context *context, const void *data, const double *x, double *y) {
   const problem *p = data;
-  bwi_lagged_symmetric *factor = p->plate->inner->factor;
+  bwi_lagged *factor = p->plate->inner->factor;
   int64_t nodes = p->plate->mesh->topology->nodes->node_count;
   if (!p->rotation)
-    return bwi_lagged_symmetric_apply(context, factor, false, x, y);
+    return bwi_lagged_apply(context, factor, false, x, y);
   memcpy(p->workspace, x, (size_t)(3 * nodes) * sizeof *x);
   bwi_plate_rotate(nodes, p->rotation, true, p->workspace);
-  bw_status status = bwi_lagged_symmetric_apply(context, factor, true, p->workspace, y);
+  bw_status status = bwi_lagged_apply(context, factor, true, p->workspace, y);
   if (status == BW_OK)
     bwi_plate_rotate(nodes, p->rotation, false, y);
   return status;
@@ -87,10 +87,9 @@ static bw_status refactor(bw_context *context, const bw_plate *plate, bool full,
   bw_free(in->origin);
   in->origin = origin;
   if (full)
-    bwi_lagged_symmetric_reset(in->factor);
+    bwi_lagged_reset(in->factor);
   in->factored = false;
-  bw_status status =
-      bwi_lagged_symmetric_factor(context, in->factor, m->pattern, m->shifted, &work);
+  bw_status status = bwi_lagged_factor(context, in->factor, m->pattern, m->shifted, &work);
   in->factored = status == BW_OK;
   in->lag = 0;
   in->factor_bytes = work.bytes;
@@ -160,10 +159,7 @@ static bw_status find_modes(bw_context *context, const bw_plate *plate,
   BW_TRY(bwi_free_body_begin(context, &body));
   if (!fresh) {
     rotation = BW_NEW(context, double, 7 * nodes);
-    if (!rotation) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(rotation);
     BW_TRY(bwi_plate_rotations(context, &in->reference, plate->mesh->topology, in->origin,
                                plate->mesh->point, rotation));
     data.rotation = rotation;
@@ -251,10 +247,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   double *vector = BW_NEW0(context, double, (block + PAST * options.modes) * n),
          *value = BW_NEW(context, double, block), *frequency = BW_NEW(context, double, block),
          *residual = BW_NEW(context, double, block);
-  if (!vector || !value || !frequency || !residual) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(vector && value && frequency && residual);
   const double *former;
   int past = begin_vectors(plate, &options, block, vector, &former);
   BW_TRY(find_modes(context, plate, &options, block, former, vector, value, residual, reuse));

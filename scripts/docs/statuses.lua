@@ -16,7 +16,8 @@ local function definitions(text, path, all)
   for head, body in ("\n" .. text):gmatch "\n([%a_][^\n;{}#][^;{}#]-%))%s*(%b{})" do
     local name = head:match "([%w_]+)%s*%b()$" -- macros may stand before it
     if name then
-      local one = {path = path, own = head:find "%f[%w_]static%f[^%w_]" ~= nil, raises = {}, calls = {}}
+      local own = head:find "%f[%w_]static%f[^%w_]" ~= nil
+      local one = {path = path, own = own, raises = {}, calls = {}, members = {}}
       for statement in body:gmatch "[^;{}]+" do
         local fails = statement:find "bwi?_fail" or statement:find "%f[%w_]return%f[^%w_]"
           or statement:find "status%s*=[^=]"
@@ -27,6 +28,7 @@ local function definitions(text, path, all)
         end
       end
       for word in body:gmatch "%f[%w_][%l_][%w_]+" do one.calls[word] = true end
+      for word in body:gmatch "%->([%l_][%w_]+)%s*%(" do one.members[word] = true end
       all[name] = all[name] or {}
       table.insert(all[name], one)
     end
@@ -62,12 +64,15 @@ function statuses.of(all, name, near)
   while #stack > 0 do
     local one = table.remove(stack)
     for word in pairs(one.raises) do found[word] = true end
-    for word in pairs(one.calls) do
-      local next_one = meant(all, word, one.path)
+    local function follow(next_one)
       if next_one and not seen[next_one] and (not near or next_one.path == first.path) then
         seen[next_one] = true
         stack[#stack + 1] = next_one
       end
+    end
+    for word in pairs(one.calls) do follow(meant(all, word, one.path)) end
+    for word in pairs(one.members) do -- through a table of functions: any of that name
+      for _, next_one in ipairs(all[word] or {}) do follow(next_one) end
     end
   end
   return found
