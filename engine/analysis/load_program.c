@@ -2,6 +2,7 @@
 /* Building the linear program of worst loads from a pressure basis and a DOF map's rigid-body
  * modes. See load_program.h for the form. */
 #include "analysis/load_program.h"
+#include "base/dense.h"
 #include "model/internal.h"
 
 #include <float.h>
@@ -145,45 +146,6 @@ void bwi_column_motions(const bw_pressure_basis *basis, const bw_dof_map *dof_ma
   }
 }
 
-/* Eigenvalues (diagonal of a) and eigenvectors (rows of v) of a small symmetric matrix, by cyclic
- * Jacobi rotations. */
-static void jacobi(int n, double a[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS],
-                   double v[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS]) {
-  for (int i = 0; i < n; i++)
-    for (int j = 0; j < n; j++)
-      v[i][j] = i == j;
-  for (int sweep = 0; sweep < 40; sweep++) {
-    double off = 0, on = 0;
-    for (int i = 0; i < n; i++) {
-      on += a[i][i] * a[i][i];
-      for (int j = 0; j < i; j++)
-        off += a[i][j] * a[i][j];
-    }
-    if (off <= 1e-40 * on)
-      return;
-    for (int p = 0; p < n; p++)
-      for (int q = p + 1; q < n; q++) {
-        if (a[p][q] == 0)
-          continue;
-        double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-        double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(1 + theta * theta));
-        double c = 1 / sqrt(1 + t * t), s = t * c;
-        for (int k = 0; k < n; k++) {
-          double x = a[k][p], y = a[k][q];
-          a[k][p] = c * x - s * y;
-          a[k][q] = s * x + c * y;
-        }
-        for (int k = 0; k < n; k++) {
-          double x = a[p][k], y = a[q][k], f = v[p][k], g = v[q][k];
-          a[p][k] = c * x - s * y;
-          a[q][k] = s * x + c * y;
-          v[p][k] = c * f - s * g;
-          v[q][k] = s * f + c * g;
-        }
-      }
-  }
-}
-
 /* Orthonormal combinations of a body's rows, weighted with A, without those that are negligible. */
 static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof_map,
                            bwi_balance *body) {
@@ -213,7 +175,7 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof
       for (int k = 0; k < n; k++)
         gram[m][k] += basis->area[j] * raw[m] / natural[m] * (raw[k] / natural[k]);
   }
-  jacobi(n, gram, vector);
+  bwi_symmetric_eigen(n, BWI_LOCAL_ROWS, gram[0], vector[0], 2e-40, 40);
   /* Eigenvalues are exact to rounding of the largest: the size of a combination that should vanish
    * is that of the combination itself. */
   for (int32_t j = 0; j < basis->count; j++) {
@@ -319,11 +281,9 @@ bw_status bwi_load_program_create(bw_context *context, const bw_pressure_basis *
   program->lp.grouped = basis->directions > 1;
   program->lp.group_start = BW_NEW(context, int32_t, n + 1);
   program->lp.group = BW_NEW(context, int32_t, n);
-  if (!program->lp.group_start || !program->lp.group || !program->lp.entry || !program->lp.upper ||
-      !program->source || !program->area || !program->lp.first_row || !program->lp.row_count) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(program->lp.group_start && program->lp.group && program->lp.entry &&
+                program->lp.upper && program->source && program->area && program->lp.first_row &&
+                program->lp.row_count);
   BW_TRY(make_bodies(context, program, basis, dof_map));
   BW_TRY(order_columns(context, program, basis, options->force_is_max));
   group_columns(program, basis->directions);

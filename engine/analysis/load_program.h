@@ -74,7 +74,8 @@ bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
                            bwi_loads **loads);
 bw_status bwi_loads_solve(bw_context *context, bwi_loads *loads, int64_t count,
                           const double *objective, double *pressure, double *value, double *dual);
-/* *sum += what has been solved so far; then by which solver, for one or more that share options. */
+/* *sum += what has been solved so far; by which solver, and what was solved with it: `counts` of
+ * several that share options, or NULL: its own. */
 void bwi_loads_count(const bwi_loads *loads, bwi_lp_counts *sum);
 void bwi_loads_report(const bwi_loads *loads, const bwi_lp_counts *counts,
                       bw_solver_report *report);

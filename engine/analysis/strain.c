@@ -44,16 +44,6 @@ void bwi_element_state_load(const bw_mesh *mesh, const bw_material *material,
   s->dilatation = s->projected > 0 ? mean_dilatation(s) : 0;
 }
 
-/* grad[3 i + j] = du_i/dx_j */
-static void to_strain(const double grad[9], double strain[6]) {
-  strain[0] = grad[0];
-  strain[1] = grad[4];
-  strain[2] = grad[8];
-  strain[3] = grad[5] + grad[7];
-  strain[4] = grad[6] + grad[2];
-  strain[5] = grad[1] + grad[3];
-}
-
 double bwi_strain_at(const bwi_element_state *s, const double (*by_l)[4], const double l[4],
                      double strain[6]) {
   double grad[9] = {0}, volume = s->volume;
@@ -78,7 +68,7 @@ double bwi_strain_at(const bwi_element_state *s, const double (*by_l)[4], const 
         for (int j = 0; j < 3; j++)
           grad[3 * i + j] += s->u[a][i] * gradient[a][j];
   }
-  to_strain(grad, strain);
+  bwi_strain_of(grad, strain);
   return volume;
 }
 

@@ -22,6 +22,16 @@ typedef struct bwi_element_state {
 void bwi_element_state_load(const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, int64_t element, bwi_element_state *state);
 
+/* grad[3 i + j] = du_i/dx_j; engineering shears */
+static inline void bwi_strain_of(const double grad[9], double strain[6]) {
+  strain[0] = grad[0];
+  strain[1] = grad[4];
+  strain[2] = grad[8];
+  strain[3] = grad[5] + grad[7];
+  strain[4] = grad[6] + grad[2];
+  strain[5] = grad[1] + grad[3];
+}
+
 /* Strain (engineering shears) at a point; by_l
  * holds dN_a/dL_k there, l the point itself. Returns the volume per reference volume there: the
  * element's volume when it is straight. */

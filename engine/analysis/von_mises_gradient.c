@@ -15,6 +15,7 @@
  * rigid-body mode s), so that neither the change of r's six numbers counts nor that of the volume
  * in W = M/V; what is left is lambda . d(M r)/V with those numbers fixed. */
 #include "analysis/gradient.h"
+#include "analysis/strain.h"
 
 #include "barwright/analysis.h"
 #include "model/internal.h"
@@ -61,15 +62,6 @@ static void gradient_at(const bwi_element_state *s, const double (*u)[3], const 
       for (int j = 0; j < 3; j++)
         grad[3 * i + j] += d[i] * s->g[k][j];
   }
-}
-
-static void strain_of(const double grad[9], double strain[6]) {
-  strain[0] = grad[0];
-  strain[1] = grad[4];
-  strain[2] = grad[8];
-  strain[3] = grad[5] + grad[7];
-  strain[4] = grad[6] + grad[2];
-  strain[5] = grad[1] + grad[3];
 }
 
 /* stress = C : (strain - expansion 1) in one element */
@@ -146,7 +138,7 @@ static void nodal_state_of(const gradient_data *d, int32_t node, nodal_state *ou
     double grad[9], strain[6], own[6];
     bwi_element_state_load(d->mesh, d->material, d->u, e, &state);
     gradient_at(&state, (const double(*)[3])state.u, d->at_node[d->incidence.local[k]], grad);
-    strain_of(grad, strain);
+    bwi_strain_of(grad, strain);
     stress_of(d->material, e, strain, expansion, own);
     out->volume += state.volume;
     for (int i = 0; i < 6; i++)
@@ -188,7 +180,7 @@ static void nodal_derivative(const gradient_data *d, int32_t node, const nodal_s
     if (gradient) {
       double grad[9], strain[6], stress[6], a[9] = {0};
       gradient_at(&state, (const double(*)[3])state.u, by_l, grad);
-      strain_of(grad, strain);
+      bwi_strain_of(grad, strain);
       stress_of(d->material, e, strain, d->expansion ? d->expansion[node] : 0, stress);
       add_transposed_product(a, -fraction, grad, s);
       add_identity(a, fraction * (bwi_dot6(j->slope, stress) - j->mean));
@@ -242,7 +234,7 @@ static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker
     bwi_element_state_load(d->mesh, d->material, d->u, e, &state);
     for (int q = 0; q < d->rule.points; q++) {
       gradient_at(&state, (const double(*)[3])state.u, d->rule.by_l[q], grad_u[q]);
-      strain_of(grad_u[q], strain);
+      bwi_strain_of(grad_u[q], strain);
       double expansion = 0;
       for (int a = 0; d->expansion && a < state.nodes; a++)
         expansion += d->rule.value[q][a] * d->expansion[node[a]];
@@ -256,7 +248,7 @@ static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker
       for (int q = 0; q < d->rule.points; q++) {
         double grad[9], sigma[9], volume = d->rule.weight[q] * state.volume;
         gradient_at(&state, (const double(*)[3])lambda, d->rule.by_l[q], grad);
-        strain_of(grad, strain);
+        bwi_strain_of(grad, strain);
         stress_of(d->material, e, strain, 0, stress);
         full_tensor(stress, sigma);
         add_transposed_product(a, volume, grad, tau[q]);
@@ -328,10 +320,7 @@ static bw_status take_inertia(bw_context *context, const bw_model *model, const 
   double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
   double *part = BW_NEW(context, double, dof_map->rigid_mode_count);
   d->body = BW_NEW0(context, inertia, mesh->component_count);
-  if (!force || !part || !d->body) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(force && part && d->body);
   BW_TRY(bw_model_force_vector(context, model, force));
   bw_rigid_modes_dot(dof_map, force, part);
   for (int32_t b = 0; b < mesh->component_count; b++) {
@@ -354,14 +343,12 @@ static bw_status take_inertia(bw_context *context, const bw_model *model, const 
       continue;
     for (int32_t j = dof_map->body_start[b]; j < dof_map->body_start[b + 1]; j++)
       size += bw_norm(force + 3 * (size_t)dof_map->body_node[j]);
-    if (length * bw_norm(body->w) > 1e-6 * size) {
-      status = bw_fail(context, BW_UNSUPPORTED,
-                       "body %d is partly constrained and its load acts on a rigid-body mode (%s): "
-                       "shape gradients of inertia relief are implemented for bodies without "
-                       "supports only. Balance the load, or constrain the body",
-                       b + 1, dof_map->rigid_mode[dof_map->rigid_mode_start[b]].text);
-      goto done;
-    }
+    if (length * bw_norm(body->w) > 1e-6 * size)
+      BW_TRY(bw_fail(context, BW_UNSUPPORTED,
+                     "body %d is partly constrained and its load acts on a rigid-body mode (%s): "
+                     "shape gradients of inertia relief are implemented for bodies without "
+                     "supports only. Balance the load, or constrain the body",
+                     b + 1, dof_map->rigid_mode[dof_map->rigid_mode_start[b]].text));
     memset(body->w, 0, sizeof body->w);
   }
 done:
@@ -392,23 +379,17 @@ static bw_status check_input(bw_context *context, const bw_model *model, const b
   int32_t *curved = NULL;
   int64_t curved_count = 0;
   BW_TRY(bwi_check_stress_input(context, mesh, model->material, displacement, "a stress gradient"));
-  if (dof_map->mesh->node_count != mesh->node_count) {
-    status = bw_fail(context, BW_INVALID,
-                     "the DOF map is of a mesh of %d nodes, the model's mesh has %d",
-                     dof_map->mesh->node_count, mesh->node_count);
-    goto done;
-  }
+  if (dof_map->mesh->node_count != mesh->node_count)
+    BW_TRY(bw_fail(context, BW_INVALID,
+                   "the DOF map is of a mesh of %d nodes, the model's mesh has %d",
+                   dof_map->mesh->node_count, mesh->node_count));
   for (int64_t i = 0; i < count; i++)
-    if (node[i] < 0 || node[i] >= mesh->node_count) {
-      status = bw_fail(context, BW_INVALID, "node %d of a stress gradient: the mesh has %d nodes",
-                       node[i] + 1, mesh->node_count);
-      goto done;
-    }
-  if (model->material->formulation == BW_B_BAR) {
-    status = bw_fail(context, BW_UNSUPPORTED,
-                     "a stress gradient is of the standard formulation; the model's is B-bar");
-    goto done;
-  }
+    if (node[i] < 0 || node[i] >= mesh->node_count)
+      BW_TRY(bw_fail(context, BW_INVALID, "node %d of a stress gradient: the mesh has %d nodes",
+                     node[i] + 1, mesh->node_count));
+  if (model->material->formulation == BW_B_BAR)
+    BW_TRY(bw_fail(context, BW_UNSUPPORTED,
+                   "a stress gradient is of the standard formulation; the model's is B-bar"));
   BW_TRY(bwi_gradient_supports(context, model));
   BW_TRY(bwi_find_curved(context, mesh, &curved, &curved_count));
   for (int32_t e = 0; curved_count > 0 && e < mesh->element_count; e++)
@@ -460,10 +441,7 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
   state = BW_NEW(context, nodal_state, max);
   lambda = BW_NEW(context, double, max *size);
   d.part = BW_NEW(context, double, max * 12 * (size_t)mesh->element_count);
-  if (!state || !lambda || !d.part) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(state && lambda && d.part);
   d.lambda = lambda;
   for (int64_t first = 0; first < count; first += BATCH) {
     BW_TRY(bw_check_cancel(context));

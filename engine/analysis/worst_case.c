@@ -189,10 +189,7 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
   r.value = BW_NEW(context, double, programs);
   r.stress = BW_NEW(context, double, (size_t)r.group *elements * 6);
   r.principal = BW_NEW(context, double, (size_t)r.group *elements);
-  if (!r.block || !r.objective || !r.pressure || !r.value || !r.stress || !r.principal) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(r.block && r.objective && r.pressure && r.value && r.stress && r.principal);
   for (r.first = 0; r.first < regions->count; r.first += batch) {
     bw_progress(context, "worst loads", (double)r.first / regions->count);
     BW_TRY(bw_check_cancel(context));
@@ -200,11 +197,8 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
     BW_TRY(run_batch(&r, loads, visit, data));
   }
   bw_progress(context, "worst loads", 1);
-  if (report) {
-    bwi_lp_counts counts = {0};
-    bwi_loads_count(loads, &counts);
-    bwi_loads_report(loads, &counts, report);
-  }
+  if (report)
+    bwi_loads_report(loads, NULL, report);
 done:
   bwi_loads_destroy(loads);
   bw_free(r.block);

@@ -193,10 +193,7 @@ bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
   loads->pressures = basis->count;
   loads->workers = bw_threads(context);
   loads->scratch = BW_NEW0(context, loads_scratch, loads->workers);
-  if (!loads->scratch) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(loads->scratch);
   BW_TRY(bwi_load_program_create(context, basis, dof_map, options, &loads->program));
   bwi_lp_choose(&loads->program->lp, options->lp, &loads->choice);
   if (options->hands != 0)
@@ -233,7 +230,11 @@ void bwi_loads_count(const bwi_loads *loads, bwi_lp_counts *sum) {
 
 void bwi_loads_report(const bwi_loads *loads, const bwi_lp_counts *counts,
                       bw_solver_report *report) {
-  bwi_lp_report(&loads->choice, &loads->program->lp, loads->workers, counts, report);
+  bwi_lp_counts own = {0};
+  if (!counts)
+    bwi_loads_count(loads, &own);
+  bwi_lp_report(&loads->choice, &loads->program->lp, loads->workers, counts ? counts : &own,
+                report);
 }
 
 bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
@@ -244,11 +245,8 @@ bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
   bw_status status = BW_OK;
   BW_TRY(bwi_loads_create(context, basis, dof_map, options, &loads));
   BW_TRY(bwi_loads_solve(context, loads, count, objective, pressure, value, dual));
-  if (report) {
-    bwi_lp_counts counts = {0};
-    bwi_loads_count(loads, &counts);
-    bwi_loads_report(loads, &counts, report);
-  }
+  if (report)
+    bwi_loads_report(loads, NULL, report);
 done:
   bwi_loads_destroy(loads);
   return status;

@@ -84,10 +84,7 @@ static bw_status solve_patches(screen *s, bool on_surface) {
   s->response = BW_NEW(context, double, n *k);
   if (on_surface)
     s->traction = BW_NEW(context, double, 3 * (size_t)s->system->mesh->facet_count * k);
-  if (!block || !unit || !s->response || (on_surface && !s->traction)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(block && unit && s->response && (!on_surface || s->traction));
   if (on_surface)
     BW_TRY(bwi_facet_areas_around(context, s->system->mesh, &area));
   for (int32_t first = 0; first < s->patches; first += SOLVES) {
@@ -146,10 +143,7 @@ static bw_status subtract_fit(screen *s) {
   s->row = BW_NEW0(context, double, m *k + 1);
   s->projector = BW_NEW0(context, double, m *k + 1);
   s->upper = BW_NEW(context, double, k);
-  if (!gram || !pivot || !s->row || !s->projector || !s->upper) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(gram && pivot && s->row && s->projector && s->upper);
   for (int32_t j = 0; j < p->columns; j++) {
     int32_t from = program->source[j];
     if (from < 0)
@@ -293,19 +287,14 @@ static bw_status solve_linear_programs(screen *s, bw_solver_report *report) {
   s->pressure = BW_NEW(context, double, capacity);
   s->value = BW_NEW(context, double, s->wanted);
   s->stress = BW_NEW0(context, double, 6 * (size_t)s->wanted);
-  if (!s->objective || !s->pressure || !s->value || !s->stress) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s->objective && s->pressure && s->value && s->stress);
   BW_TRY(bwi_loads_create(context, s->coarse, s->system->dof_map, s->options, &loads));
   for (s->step = 0; s->step <= ASCENT_STEPS; s->step++) {
     BW_TRY(bw_parallel(context, s->wanted, 8, objective_body, s));
     BW_TRY(bwi_loads_solve(context, loads, s->wanted, s->objective, s->pressure, s->value, NULL));
     BW_TRY(bw_parallel(context, s->wanted, 8, stress_body, s));
   }
-  bwi_lp_counts counts = {0};
-  bwi_loads_count(loads, &counts);
-  bwi_loads_report(loads, &counts, report);
+  bwi_loads_report(loads, NULL, report);
 done:
   bwi_loads_destroy(loads);
   return status;
@@ -319,10 +308,7 @@ static bw_status hand_over(const screen *s, bw_screening *out) {
   ranked *order = BW_NEW(context, ranked, s->wanted);
   out->target = BW_NEW(context, int32_t, s->wanted);
   out->stress = BW_NEW(context, double, 6 * (size_t)s->wanted);
-  if (!order || !out->target || !out->stress) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(order && out->target && out->stress);
   for (int32_t i = 0; i < s->wanted; i++)
     order[i] = (ranked){largest_principal(s->stress + 6 * (size_t)i), i};
   qsort(order, (size_t)s->wanted, sizeof *order, by_bound);
@@ -362,10 +348,7 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   size_t capacity = 8 * (size_t)s.patches, rows = (size_t)s.program->lp.rows;
   s.scratch =
       BW_NEW(context, double, (size_t)bw_threads(context) * (capacity > rows ? capacity : rows));
-  if (!s.scratch) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s.scratch);
   BW_TRY(solve_patches(&s, radius > 0));
   BW_TRY(subtract_fit(&s));
   BW_TRY(bwi_targets_begin(context, system->mesh, system->material, system->dof_map, s.patches,
@@ -373,10 +356,7 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   s.rank = BW_NEW(context, ranked, s.targets.count);
   s.list = BW_NEW(context, int32_t, s.targets.count);
   s.direction = BW_NEW(context, double, 6 * (size_t)s.targets.count);
-  if (!s.rank || !s.list || !s.direction) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s.rank && s.list && s.direction);
   BW_TRY(bw_parallel(context, s.targets.count, TARGETS_PER_CHUNK, rank_body, &s));
   qsort(s.rank, (size_t)s.targets.count, sizeof *s.rank, by_bound);
   for (int32_t i = 0; i < s.targets.count; i++)

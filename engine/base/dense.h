@@ -71,6 +71,46 @@ static inline void bwi_multiply_add(int m, int k, int n, const double *a, const 
     }
 }
 
+/* Eigenvalues (the diagonal of a) and orthonormal eigenvectors (rows of v) of a symmetric matrix by
+ * cyclic Jacobi rotations, until the squares off the diagonal are `tolerance` of those on it, or
+ * for so many sweeps. Rows of both are `stride` numbers apart. */
+static inline void bwi_symmetric_eigen(int n, int stride, double *a, double *v, double tolerance,
+                                       int sweeps) {
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++)
+      v[stride * i + j] = i == j;
+  for (int sweep = 0; sweep < sweeps; sweep++) {
+    double off = 0, on = 0;
+    for (int i = 0; i < n; i++)
+      for (int j = 0; j < n; j++)
+        *(i == j ? &on : &off) += a[stride * i + j] * a[stride * i + j];
+    if (off <= tolerance * on)
+      return;
+    for (int p = 0; p < n; p++)
+      for (int q = p + 1; q < n; q++) {
+        double *ap = a + stride * p, *aq = a + stride * q, *vp = v + stride * p,
+               *vq = v + stride * q;
+        if (ap[q] == 0)
+          continue;
+        double theta = (aq[q] - ap[p]) / (2 * ap[q]);
+        double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1));
+        double c = 1 / sqrt(t * t + 1), s = t * c;
+        for (int k = 0; k < n; k++) {
+          double x = a[stride * k + p], y = a[stride * k + q];
+          a[stride * k + p] = c * x - s * y;
+          a[stride * k + q] = s * x + c * y;
+        }
+        for (int k = 0; k < n; k++) {
+          double x = ap[k], y = aq[k], f = vp[k], g = vq[k];
+          ap[k] = c * x - s * y;
+          aq[k] = s * x + c * y;
+          vp[k] = c * f - s * g;
+          vq[k] = s * f + c * g;
+        }
+      }
+  }
+}
+
 static inline double bwi_dot(int64_t n, const double *a, const double *b) {
   double sum = 0;
   for (int64_t i = 0; i < n; i++)

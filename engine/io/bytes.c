@@ -143,6 +143,18 @@ bool bwi_next_line(bwi_cursor *cursor, bwi_cursor *line) {
   return true;
 }
 
+bool bwi_next_record(bwi_cursor *cursor, bwi_cursor *line) {
+  while (bwi_next_line(cursor, line)) {
+    const unsigned char *hash = bwi_left(line) ? memchr(line->at, '#', bwi_left(line)) : NULL;
+    if (hash)
+      line->end = hash;
+    bwi_skip_blank(line);
+    if (line->at < line->end)
+      return true;
+  }
+  return false;
+}
+
 bwi_word bwi_peek_word(const bwi_cursor *cursor) {
   bwi_cursor at = *cursor;
   bwi_word word;

@@ -38,7 +38,9 @@ void bwi_skip_blank(bwi_cursor *cursor);                  /* within the line */
 bool bwi_skip_space(bwi_cursor *cursor);                  /* also over lines; false: at the end */
 void bwi_skip_line(bwi_cursor *cursor);                   /* past the end of this line */
 bool bwi_next_line(bwi_cursor *cursor, bwi_cursor *line); /* the rest of this line as a cursor */
-bool bwi_next_word(bwi_cursor *cursor, bwi_word *word);   /* length 0 and false: none left */
+/* The next line that holds something, without its comment, which begins with '#'. */
+bool bwi_next_record(bwi_cursor *cursor, bwi_cursor *line);
+bool bwi_next_word(bwi_cursor *cursor, bwi_word *word); /* length 0 and false: none left */
 bwi_word bwi_peek_word(const bwi_cursor *cursor);
 bool bwi_word_is(bwi_word word, const char *text);        /* exactly */
 bool bwi_word_is_nocase(bwi_word word, const char *text); /* ASCII letters of either case */

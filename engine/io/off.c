@@ -7,23 +7,9 @@
 
 #include <string.h>
 
-/* The next line that holds something, without its comment. */
-static bool next_record(bwi_cursor *cursor, bwi_cursor *line) {
-  while (bwi_next_line(cursor, line)) {
-    const unsigned char *hash =
-        line->at < line->end ? memchr(line->at, '#', (size_t)(line->end - line->at)) : NULL;
-    if (hash)
-      line->end = hash;
-    bwi_skip_blank(line);
-    if (line->at < line->end)
-      return true;
-  }
-  return false;
-}
-
 /* The header word, if there is one. Behind it on the same line the counts may follow. */
 static bw_status read_header(bwi_cursor *cursor, bwi_cursor *line) {
-  if (!next_record(cursor, line))
+  if (!bwi_next_record(cursor, line))
     return bwi_fail_word(cursor, (bwi_word){cursor->end, 0}, "'OFF' or the number of vertices");
   bwi_word word = bwi_peek_word(line);
   if (word.length < 3 || memcmp(word.at + word.length - 3, "OFF", 3) != 0)
@@ -38,7 +24,7 @@ static bw_status read_header(bwi_cursor *cursor, bwi_cursor *line) {
   if (bwi_word_is_nocase(bwi_peek_word(line), "BINARY"))
     return bwi_fail_line(line, "binary OFF is not read: save it as text, or as binary STL or PLY");
   bwi_skip_blank(line);
-  if (line->at == line->end && !next_record(cursor, line))
+  if (line->at == line->end && !bwi_next_record(cursor, line))
     return bwi_fail_word(cursor, (bwi_word){cursor->end, 0}, "the number of vertices");
   return BW_OK;
 }
@@ -47,7 +33,7 @@ static bw_status read_vertices(bwi_cursor *cursor, int64_t count, bwi_soup *soup
   bw_status status = BW_OK;
   bwi_cursor line;
   for (int64_t i = 0; i < count; i++) {
-    if (!next_record(cursor, &line))
+    if (!bwi_next_record(cursor, &line))
       BW_TRY(bwi_fail_line(cursor, "the file ends after %lld of %lld vertices", (long long)i,
                            (long long)count));
     double x[3];
@@ -67,18 +53,15 @@ static bw_status read_facets(bwi_cursor *cursor, int64_t count, bwi_soup *soup) 
   int32_t *corner = NULL;
   size_t capacity = 0;
   for (int64_t i = 0; i < count; i++) {
-    if (!next_record(cursor, &line))
+    if (!bwi_next_record(cursor, &line))
       BW_TRY(bwi_fail_line(cursor, "the file ends after %lld of %lld facets", (long long)i,
                            (long long)count));
     int64_t corners, vertex;
     BW_TRY(bwi_read_count(&line, 2, &corners, "the number of corners of a facet"));
     if (corners > BWI_POLYGON_CORNERS)
       BW_TRY(bwi_fail_line(&line, "a facet of more than %d corners", BWI_POLYGON_CORNERS));
-    if (!bw_grow(cursor->context, (void **)&corner, &capacity, 0, (size_t)corners + 1,
-                 sizeof *corner)) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(bw_grow(cursor->context, (void **)&corner, &capacity, 0, (size_t)corners + 1,
+                          sizeof *corner));
     for (int64_t k = 0; k < corners; k++) {
       BW_TRY(bwi_read_integer(&line, &vertex, "a corner of a facet"));
       if (vertex < 0 || vertex >= (int64_t)soup->point_count)
@@ -119,7 +102,7 @@ bw_status bwi_off_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *
   BW_TRY(bwi_check_count(&line, (uint64_t)facets, 2, "the number of facets"));
   BW_TRY(read_vertices(cursor, vertices, &soup));
   BW_TRY(read_facets(cursor, facets, &soup));
-  if (next_record(cursor, &line))
+  if (bwi_next_record(cursor, &line))
     bw_warn(cursor->context, "%s:%lld: what follows the last of %lld facets was ignored",
             cursor->name, (long long)line.line, (long long)facets);
   BW_TRY(bwi_soup_finish(&soup, "OFF", false, surface, info));

@@ -15,22 +15,9 @@
 
 static const int middle_from[10] = {0, 1, 2, 3, 6, 7, 9, 5, 8, 4}; /* ours from TetGen's */
 
-/* A line that holds something, its comment cut off. */
-static bool next_record(bwi_cursor *cursor, bwi_cursor *line) {
-  while (bwi_next_line(cursor, line)) {
-    const unsigned char *hash = bwi_left(line) ? memchr(line->at, '#', bwi_left(line)) : NULL;
-    if (hash)
-      line->end = hash;
-    bwi_skip_blank(line);
-    if (line->at < line->end)
-      return true;
-  }
-  return false;
-}
-
 static bw_status need_record(bwi_cursor *cursor, bwi_cursor *line, const char *what) {
-  return next_record(cursor, line) ? BW_OK
-                                   : bwi_fail_word(cursor, (bwi_word){cursor->end, 0}, what);
+  return bwi_next_record(cursor, line) ? BW_OK
+                                       : bwi_fail_word(cursor, (bwi_word){cursor->end, 0}, what);
 }
 
 static bw_status make_fields(bw_context *context, int64_t rows, int64_t columns, bw_array **array) {

@@ -105,55 +105,11 @@ void bwi_frame18_of(const bwi_condensed *condensed, const bwi_base *base, bwi_fr
     frame->weight[s] = s < BWI_STRAINS ? 1 : BWI_GRADIENT_WEIGHT;
 }
 
-/* Jacobi's method: matrix = V diag(value) V^T, columns of V. */
-static void eigen(double *a, double *value, double *v) {
-  memset(v, 0, SQUARE * sizeof *v);
-  for (int i = 0; i < BWI_SHAPES; i++)
-    v[19 * i] = 1;
-  for (int sweep = 0; sweep < 30; sweep++) {
-    double off = 0, whole = 0;
-    for (int i = 0; i < BWI_SHAPES; i++)
-      for (int j = 0; j < BWI_SHAPES; j++)
-        *(i == j ? &whole : &off) += a[18 * i + j] * a[18 * i + j];
-    if (off <= 1e-24 * whole)
-      break;
-    for (int p = 0; p < BWI_SHAPES; p++)
-      for (int q = p + 1; q < BWI_SHAPES; q++) {
-        double apq = a[18 * p + q];
-        if (fabs(apq) <= 1e-300)
-          continue;
-        double theta = (a[19 * q] - a[19 * p]) / (2 * apq);
-        double t = (theta >= 0 ? 1 : -1) / (fabs(theta) + sqrt(theta * theta + 1));
-        double c = 1 / sqrt(t * t + 1), s = t * c;
-        for (int k = 0; k < BWI_SHAPES; k++) {
-          double x = a[18 * k + p], y = a[18 * k + q];
-          a[18 * k + p] = c * x - s * y;
-          a[18 * k + q] = s * x + c * y;
-        }
-        for (int k = 0; k < BWI_SHAPES; k++) {
-          double x = a[18 * p + k], y = a[18 * q + k];
-          a[18 * p + k] = c * x - s * y;
-          a[18 * q + k] = s * x + c * y;
-          x = v[18 * k + p];
-          y = v[18 * k + q];
-          v[18 * k + p] = c * x - s * y;
-          v[18 * k + q] = s * x + c * y;
-        }
-      }
-  }
-  for (int i = 0; i < BWI_SHAPES; i++)
-    value[i] = a[19 * i];
-}
-
 void bwi_metric(const double response[SQUARE], double metric[SQUARE]) {
-  double a[SQUARE], value[BWI_SHAPES], v[SQUARE];
+  double a[SQUARE], v[SQUARE];
   memcpy(a, response, sizeof a);
-  eigen(a, value, v);
+  bwi_symmetric_eigen(BWI_SHAPES, BWI_SHAPES, a, v, 1e-24, 30);
   memset(metric, 0, SQUARE * sizeof *metric);
-  for (int k = 0; k < BWI_SHAPES; k++) {
-    double column[BWI_SHAPES];
-    for (int i = 0; i < BWI_SHAPES; i++)
-      column[i] = v[18 * i + k];
-    bwi_add_square(1 / sqrt(sqrt(fmax(value[k], MIN_EIGENVALUE))), column, metric);
-  }
+  for (int k = 0; k < BWI_SHAPES; k++)
+    bwi_add_square(1 / sqrt(sqrt(fmax(a[19 * k], MIN_EIGENVALUE))), v + 18 * k, metric);
 }

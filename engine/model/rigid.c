@@ -20,40 +20,10 @@
 
 /* ---- small linear algebra -------------------------------------------------------------------- */
 
-/* Eigenvalues (ascending) and eigenvectors (rows) of a symmetric n x n matrix, n <= 6: cyclic
- * Jacobi. The matrix is destroyed. */
-static void jacobi(int n, double (*a)[6], double *value, double (*vector)[6]) {
-  for (int i = 0; i < n; i++)
-    for (int j = 0; j < n; j++)
-      vector[i][j] = i == j;
-  for (int sweep = 0; sweep < 50; sweep++) {
-    double off = 0, size = 0;
-    for (int i = 0; i < n; i++)
-      for (int j = 0; j < n; j++)
-        *(i == j ? &size : &off) += a[i][j] * a[i][j];
-    if (off <= 1e-34 * size)
-      break;
-    for (int p = 0; p < n; p++)
-      for (int q = p + 1; q < n; q++) {
-        if (a[p][q] == 0)
-          continue;
-        double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-        double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1));
-        double c = 1 / sqrt(t * t + 1), s = t * c;
-        for (int k = 0; k < n; k++) {
-          double kp = a[k][p], kq = a[k][q];
-          a[k][p] = c * kp - s * kq;
-          a[k][q] = s * kp + c * kq;
-        }
-        for (int k = 0; k < n; k++) {
-          double pk = a[p][k], qk = a[q][k], vp = vector[p][k], vq = vector[q][k];
-          a[p][k] = c * pk - s * qk;
-          a[q][k] = s * pk + c * qk;
-          vector[p][k] = c * vp - s * vq;
-          vector[q][k] = s * vp + c * vq;
-        }
-      }
-  }
+/* Eigenvalues (ascending) and eigenvectors (rows) of a symmetric n x n matrix, n <= 6. The matrix
+ * is destroyed. */
+static void eigen(int n, double (*a)[6], double *value, double (*vector)[6]) {
+  bwi_symmetric_eigen(n, 6, a[0], vector[0], 1e-34, 50);
   for (int i = 0; i < n; i++)
     value[i] = a[i][i];
   for (int i = 0; i < n; i++) /* selection sort: n is at most 6 */
@@ -205,7 +175,7 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
   for (int i = 0; i < count; i++)
     for (int j = 0; j < count; j++)
       gram[i][j] = bwi_dot(3, basis[i] + 3, basis[j] + 3);
-  jacobi(count, gram, value, vector);
+  eigen(count, gram, value, vector);
   int shifts = 0;
   double shift[3][3], rotation_t[3][3], rotation_w[3][3];
   int rotation_count = 0;
@@ -264,7 +234,7 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
         gram[i][j] +=
             rotation_w[i][k] * bwi_dot(3, inertia + 3 * k, rotation_w[j]) / (length * length);
     }
-  jacobi(rotation_count, gram, value, vector);
+  eigen(rotation_count, gram, value, vector);
   /* equal moments: any axes are principal, so take x, y, z */
   for (int first = 0; first < rotation_count;) {
     int next = first + 1;

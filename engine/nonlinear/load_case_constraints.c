@@ -9,46 +9,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/dense.h"
 #include "base/union_find.h"
 #include "nonlinear/load_case.h"
-
-/* Eigenvalues of a symmetric 6 x 6 matrix by Jacobi's rotations; vectors as columns. */
-static void eigen6(double a[6][6], double v[6][6]) {
-  for (int i = 0; i < 6; i++)
-    for (int j = 0; j < 6; j++)
-      v[i][j] = i == j;
-  for (int sweep = 0; sweep < 30; sweep++) {
-    double off = 0, on = 0;
-    for (int i = 0; i < 6; i++)
-      for (int j = 0; j < 6; j++)
-        *(i == j ? &on : &off) += a[i][j] * a[i][j];
-    if (off <= 1e-30 * on)
-      return;
-    for (int p = 0; p < 6; p++)
-      for (int q = p + 1; q < 6; q++) {
-        if (a[p][q] == 0)
-          continue;
-        double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-        double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1));
-        double c = 1 / sqrt(t * t + 1), s = t * c;
-        for (int k = 0; k < 6; k++) {
-          double x = a[k][p], y = a[k][q];
-          a[k][p] = c * x - s * y;
-          a[k][q] = s * x + c * y;
-        }
-        for (int k = 0; k < 6; k++) {
-          double x = a[p][k], y = a[q][k];
-          a[p][k] = c * x - s * y;
-          a[q][k] = s * x + c * y;
-        }
-        for (int k = 0; k < 6; k++) {
-          double x = v[k][p], y = v[k][q];
-          v[k][p] = c * x - s * y;
-          v[k][q] = s * x + c * y;
-        }
-      }
-  }
-}
 
 typedef struct group {
   int32_t nodes, elements, first; /* first: an element of it */
@@ -162,19 +125,16 @@ bw_status bwi_load_case_check_constraints(bw_context *context, const bw_load_cas
   for (int32_t f = 0; f < it->contact_plane_count; f++)
     add_contact_plane(grid, &it->contact_plane[f], group_of, g);
   for (int32_t k = 0; k < count; k++) {
-    double vector[6][6], motion[6], max = 0;
+    double vector[6][6], max = 0;
     int min = 0;
-    eigen6(g[k].gram, vector);
+    bwi_symmetric_eigen(6, 6, g[k].gram[0], vector[0], 1e-30, 30);
     for (int i = 0; i < 6; i++) {
       max = fmax(max, g[k].gram[i][i]);
       min = g[k].gram[i][i] < g[k].gram[min][min] ? i : min;
     }
     if (g[k].gram[min][min] > 1e-12 * max)
       continue;
-    for (int i = 0; i < 6; i++)
-      motion[i] = vector[i][min];
-    status = fail_unconstrained(context, grid, &g[k], count, motion);
-    goto done;
+    BW_TRY(fail_unconstrained(context, grid, &g[k], count, vector[min]));
   }
 done:
   bw_free(group_of);

@@ -17,13 +17,6 @@ static void take_vertex(const bw_outline *outline, const bw_loop *loop, int32_t 
     weight[in[2]] = 1;
 }
 
-static bool lies_in(const bw_outline *outline, int32_t loop, int32_t around) {
-  for (; loop >= 0; loop = outline->loop[loop].parent)
-    if (loop == around)
-      return true;
-  return false;
-}
-
 bw_status bw_outline_handle(bw_context *context, const bw_outline *outline, bw_handle_kind kind,
                             int32_t index, double *weight) {
   bw_status status = BW_OK;
@@ -44,7 +37,7 @@ bw_status bw_outline_handle(bw_context *context, const bw_outline *outline, bw_h
   }
   if (kind == BW_HANDLE_LOOP) {
     for (int32_t l = 0; l < outline->loop_count; l++)
-      for (int32_t s = 0; lies_in(outline, l, index) && s < outline->loop[l].count; s++)
+      for (int32_t s = 0; bwi_lies_in(outline, l, index) && s < outline->loop[l].count; s++)
         take_vertex(outline, &outline->loop[l], outline->loop[l].first + s, weight);
     return BW_OK;
   }

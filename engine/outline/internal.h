@@ -57,6 +57,14 @@ double bwi_curve_length(const bwi_outline_curve *curve);
 /* 1, 0 or -1: how the signed area of a loop enters that of a region, or of the material (-1). */
 int bwi_loop_weight(const bw_outline *outline, int32_t loop, int32_t region);
 
+/* Whether a loop is `around`, or lies in it. */
+static inline bool bwi_lies_in(const bw_outline *outline, int32_t loop, int32_t around) {
+  for (; loop >= 0; loop = outline->loop[loop].parent)
+    if (loop == around)
+      return true;
+  return false;
+}
+
 /* A loop's segments [first, first + count) in a circle. */
 static inline int32_t bwi_next_segment(const bw_loop *loop, int32_t segment) {
   return segment + 1 < loop->first + loop->count ? segment + 1 : loop->first;

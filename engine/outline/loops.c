@@ -49,13 +49,6 @@ static void close_regions(bwi_draft *draft) {
   }
 }
 
-static bool lies_in(const bw_outline *outline, int32_t loop, int32_t around) {
-  for (; loop >= 0; loop = outline->loop[loop].parent)
-    if (loop == around)
-      return true;
-  return false;
-}
-
 bw_status bw_outline_without_loop(bw_context *context, const bw_outline *outline, int32_t loop,
                                   bw_outline **smaller) {
   bwi_draft draft;
@@ -69,7 +62,7 @@ bw_status bw_outline_without_loop(bw_context *context, const bw_outline *outline
     return BW_MEMORY;
   memset(number, 0xFF, (size_t)outline->point_count * sizeof *number);
   for (int32_t l = 0; l < outline->loop_count; l++)
-    for (int32_t s = 0; !lies_in(outline, l, loop) && s < outline->loop[l].count; s++)
+    for (int32_t s = 0; !bwi_lies_in(outline, l, loop) && s < outline->loop[l].count; s++)
       for (int i = 0; i < 3; i++) {
         int32_t p = outline->segment[outline->loop[l].first + s].point[i];
         if (p >= 0)
@@ -82,7 +75,7 @@ bw_status bw_outline_without_loop(bw_context *context, const bw_outline *outline
     bwi_draft_tag(&draft, outline->tag[t].text);
   for (int32_t l = 0; l < outline->loop_count; l++) {
     const bw_loop *from = &outline->loop[l];
-    if (lies_in(outline, l, loop))
+    if (bwi_lies_in(outline, l, loop))
       continue;
     bwi_draft_loop(&draft, from->name.text, from->region);
     for (int32_t s = from->first; s < from->first + from->count; s++) {
