@@ -298,8 +298,8 @@ void bwi_project_unknowns(const bw_dof_map *dof_map, int64_t node, const double 
 void bwi_prescribed_field(const bw_dof_map *dof_map, double *field);
 /* ---- systems (system.c) -------------------------------------------------------------------- */
 
-/* Block sparsity pattern and stiffness: no mass, no factor yet. `previous` as in bw_system_create,
- * and of the same topology. */
+/* Block sparsity pattern and stiffness: no mass, no factor yet. `previous` (may be NULL), of the
+ * same topology, gives its pattern. */
 bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                            const bw_dof_map *dof_map, const bw_system *previous,
                            bw_system **system);

@@ -383,24 +383,6 @@ bw_status bw_system_factor(bw_context *context, bw_system *system) {
                          : status;
 }
 
-bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                           const bw_dof_map *dof_map, const bw_system *previous, bw_system **out) {
-  bw_status status = BW_OK;
-  bw_system *system = NULL;
-  if (!bwi_system_reusable(previous, mesh))
-    previous = NULL;
-  BW_TRY(bwi_system_begin(context, mesh, material, dof_map, previous, &system));
-  BW_TRY(bwi_system_factor(context, system, NULL,
-                           previous && previous->factor ? previous->factor->symbolic : NULL,
-                           bw_available_memory()));
-done:
-  if (status == BW_OK)
-    *out = system;
-  else
-    bw_release(system);
-  return status;
-}
-
 static bool same_equations(const bw_system *system, const bw_model *model,
                            const bw_dof_map *dof_map) {
   return system->mesh == model->mesh && system->material == model->material &&

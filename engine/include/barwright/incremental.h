@@ -87,7 +87,7 @@ typedef struct bw_incremental_system {
  * `rotate_material`: an orthotropic material's axes turn with the frames of the subdomains, and
  * models that are followed come with their material turned so (bw_model_rotate_material). The
  * elimination order takes account of the edits (NULL: of each subdomain by itself). Those of
- * bw_system_create and bw_subdomain_stiffness_create. */
+ * bw_system_factor and bw_subdomain_stiffness_create. */
 BW_API bw_status bw_incremental_system_create(bw_context *context, const bw_model *model,
                                               bool rotate_material, int32_t subdomain_count,
                                               const int32_t *element_subdomain,

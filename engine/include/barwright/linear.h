@@ -131,35 +131,28 @@ struct bw_system {
   bw_solver_report report; /* how bw_system_solve solves, and what solutions took since
                               bw_system_of_model; its `solver` is NULL before */
 };
-/* Assembles and factors. `previous` (may be NULL): a system of the same topology whose pattern,
- * ordering and analysis are reused where they fit. BW_SINGULAR when a constrained body's matrix is
- * not positive definite, BW_GEOMETRY for an inverted element, BW_LIMIT for a factor with too many
- * entries, BW_MEMORY as bw_system_factor. */
-BW_API bw_status bw_system_create(bw_context *context, const bw_mesh *mesh,
-                                  const bw_material *material, const bw_dof_map *dof_map,
-                                  const bw_system *previous, bw_system **system);
 /* The equations of a model, with what `solver` needs to solve them for many right-hand sides:
  * `given` (may be NULL), retained, where its mesh, material and supports are the model's; else new
- * ones, with `given` as `previous`. Prescribed values may differ: they act on right-hand sides
- * alone.
+ * ones, with its pattern, ordering and analysis where they fit. Prescribed values may differ: they
+ * act on right-hand sides alone.
  *
  * Without a solver (NULL) a factor is made, with the mass, unless it is predicted to take more than
  * four gigabytes or more than the memory that is free: then it is PCG, with the two-level
  * preconditioner on quadratic elements and multigrid on linear ones. Where that does not converge,
  * bw_system_solve makes a factor, where there is memory, and warns.
  *
- * BW_SINGULAR as in bw_system_create; BW_MEMORY for a factor that is asked for, as
- * bw_system_factor; BW_INVALID for a preconditioner in the place of a solver and for two_level on
- * linear elements.
+ * BW_GEOMETRY for an inverted element; those of bw_system_factor where a factor is made; BW_INVALID
+ * for a preconditioner in the place of a solver and for two_level on linear elements.
  *
  * With a solver of the backend BW_BACKEND_PETSC the equations are at the external solver, which
  * distributes the mesh when they are first used. BW_UNSUPPORTED where none is registered. */
 BW_API bw_status bw_system_of_model(bw_context *context, const bw_model *model,
                                     const bw_solver *solver, bw_system *given, bw_system **system);
-/* Mass and factor, where the system has none yet, and solves by it: then it is one as
- * bw_system_create makes it. On failure it is as it was. BW_MEMORY, before any is allocated, where
- * the factor is larger than what is free (bw_available_memory); BW_SINGULAR and BW_LIMIT as
- * bw_system_create; BW_UNSUPPORTED for equations at the external solver. */
+/* Mass and factor, where the system has none yet, and solves by it. On failure it is as it was.
+ * BW_MEMORY, before any is allocated, where the factor is larger than what is free
+ * (bw_available_memory); BW_SINGULAR when a constrained body's matrix is not positive definite,
+ * BW_LIMIT for a factor with too many entries, BW_UNSUPPORTED for equations at the external solver.
+ */
 BW_API bw_status bw_system_factor(bw_context *context, bw_system *system);
 /* u = K^-1 f for homogeneous supports, `count` right-hand sides at once: force (N, count x
  * node_count x 3), displacement (m, count x node_count x 3), which may be the same block. Changes

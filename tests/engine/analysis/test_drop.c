@@ -2,6 +2,7 @@
 /* The drop test: where bodies are hit and how hard, that the neck of a dumbbell suffers most, and
  * that nothing depends on threads. */
 #include "bodies.h"
+#include "body_system.h"
 
 static bw_system *free_system(bw_context *context, bw_mesh *mesh, double density, double strength) {
   bw_isotropic constants = {"test", 2e9, 0.3, density, strength, 0};
@@ -10,7 +11,7 @@ static bw_system *free_system(bw_context *context, bw_mesh *mesh, double density
   bw_system *system = NULL;
   check_ok(context, bw_material_isotropic(context, &constants, &material));
   check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
-  check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
+  check_ok(context, body_system(context, mesh, material, dof_map, NULL, &system));
   bw_release(material);
   bw_release(dof_map);
   bw_release(mesh);

@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The bound of the error of a linear solve from its residual. */
+#include "body_system.h"
 #include "pressed.h"
 
 #include "analysis/solve_error.h"
@@ -22,7 +23,7 @@ static void residual_bounds_error(void **state) {
     bw_modes *modes;
     bw_modes_options options;
     pressed_open(context, &s, mesh, kind % 2 == 1, 0, 3);
-    check_ok(context, bw_system_create(context, mesh, s.material, s.dof_map, NULL, &system));
+    check_ok(context, body_system(context, mesh, s.material, s.dof_map, NULL, &system));
     check_ok(context, bwi_solve_error_open(context, system, &error));
     bw_modes_options_default(&options);
     options.count = 3;

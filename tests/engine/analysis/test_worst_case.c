@@ -2,6 +2,7 @@
 /* The whole chain from region to stress: the adjoint identity, the bordered system, pins, Young's
  * modulus, scaling, symmetry, beams, the neck of a dumbbell, threads. */
 #include "bodies.h"
+#include "body_system.h"
 
 #include "analysis/load_program.h"
 
@@ -19,7 +20,7 @@ static void part_open(bw_context *context, part *p, bw_mesh *mesh, double young)
   p->mesh = mesh;
   check_ok(context, bw_material_isotropic(context, &constants, &p->material));
   check_ok(context, bw_dof_map_unconstrained(context, mesh, &p->dof_map));
-  check_ok(context, bw_system_create(context, mesh, p->material, p->dof_map, NULL, &p->system));
+  check_ok(context, body_system(context, mesh, p->material, p->dof_map, NULL, &p->system));
   check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &p->basis));
 }
 
@@ -390,7 +391,7 @@ static void constrained_body(void **state) {
   bw_release(p.system);
   check_ok(context, bw_dof_map_create(context, model, &p.dof_map));
   assert_int_equal(p.dof_map->rigid_mode_count, 0);
-  check_ok(context, bw_system_create(context, p.mesh, p.material, p.dof_map, NULL, &p.system));
+  check_ok(context, body_system(context, p.mesh, p.material, p.dof_map, NULL, &p.system));
   bw_weak_regions *regions = modal_regions(context, &p, 4, NULL, false);
   bw_worst_load_options options = {.pressure = 1e4, .force = 40};
   answers a;

@@ -4,6 +4,7 @@
  * Nothing of the engine's search is used: stresses by pressure come from a forward solve for each
  * pressure, balance from forces and moments about the origin, the optimum from GLPK's exact simplex
  * method. Directions are the centres of a cover of the half sphere of this test's own. */
+#include "body_system.h"
 #include "pressed.h"
 
 #include "analysis/worst_internal.h"
@@ -24,7 +25,7 @@ static void exact_open(bw_context *context, exact *x, bw_mesh *mesh, bool fixed,
   pressed_body *s = &x->body;
   pressed_open(context, s, mesh, fixed, friction, 3);
   x->problem = NULL;
-  check_ok(context, bw_system_create(context, mesh, s->material, s->dof_map, NULL, &x->system));
+  check_ok(context, body_system(context, mesh, s->material, s->dof_map, NULL, &x->system));
   assert_true(s->n <= MAX);
   double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count), unit[MAX] = {0};
   x->response = BW_NEW(context, double, 6 * s->n * (size_t)mesh->element_count);

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The search of the worst case: screening, directed objectives, the ascent, bounds. */
 #include "bodies.h"
+#include "body_system.h"
 
 #include "analysis/load_program.h"
 #include "analysis/weak_internal.h"
@@ -29,7 +30,7 @@ static void part_open(bw_context *context, part *p, bw_mesh *mesh, bool fixed) {
     check_ok(context, bw_model_fix(context, p->model, foot));
   }
   check_ok(context, bw_dof_map_create(context, p->model, &p->dof_map));
-  check_ok(context, bw_system_create(context, mesh, p->material, p->dof_map, NULL, &p->system));
+  check_ok(context, body_system(context, mesh, p->material, p->dof_map, NULL, &p->system));
   check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &p->basis));
   bw_release(foot);
 }

@@ -3,6 +3,7 @@
  * to aim from outside. Several ranks are tests/lua/distributed_spec.lua. */
 #include "barwright/distributed.h"
 #include "bodies.h"
+#include "body_system.h"
 
 static bw_model *body(bw_context *context, int order, bool fixed) {
   bw_mesh *mesh = body_box(context, 1, 0.2, 0.1, 4, 2, 1, order);
@@ -211,7 +212,7 @@ static void test_small(void **state) {
   bw_system *system = NULL;
   check_ok(context, bw_model_create(context, mesh, material, &model));
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
-  check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
+  check_ok(context, body_system(context, mesh, material, dof_map, NULL, &system));
   bw_eigensolver *slepc = NULL;
   bw_eigensolver_options options;
   bw_eigensolver_options_default(&options);

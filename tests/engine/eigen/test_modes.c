@@ -3,6 +3,7 @@
  * any direction; the same bits for any number of threads; failing allocations. Each test runs once
  * for each eigensolver. */
 #include "bodies.h"
+#include "body_system.h"
 
 static const bw_eigensolver_kind kinds[] = {BW_EIGENSOLVER_LANCZOS, BW_EIGENSOLVER_ARPACK,
                                             BW_EIGENSOLVER_LOBPCG};
@@ -43,7 +44,7 @@ static void free_box_against_dense(void **state) {
   bw_dof_map *dof_map = NULL;
   bw_system *system = NULL;
   check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
-  check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
+  check_ok(context, body_system(context, mesh, material, dof_map, NULL, &system));
   int size = 3 * mesh->node_count, kind = 1, info, length = 10 * size;
   double *k = numbers((int64_t)size * size), *m = numbers((int64_t)size * size),
          *column = numbers(size), *value = numbers(size), *work = numbers(length);
@@ -91,7 +92,7 @@ typedef struct setup {
 static void open_free(bw_context *context, const bw_mesh *mesh, setup *s) {
   *s = (setup){.material = body_material(context)};
   check_ok(context, bw_dof_map_unconstrained(context, mesh, &s->dof_map));
-  check_ok(context, bw_system_create(context, mesh, s->material, s->dof_map, NULL, &s->system));
+  check_ok(context, body_system(context, mesh, s->material, s->dof_map, NULL, &s->system));
 }
 static void close_setup(setup *s) {
   bw_release(s->system);
@@ -218,7 +219,7 @@ static void oblique_slide(void **state) {
     check_ok(context, bw_model_slide(context, model, face, normal));
     check_ok(context, bw_dof_map_create(context, model, &dof_map));
     assert_int_equal(dof_map->rigid_mode_count, 3);
-    check_ok(context, bw_system_create(context, mesh[k], material, dof_map, NULL, &system));
+    check_ok(context, body_system(context, mesh[k], material, dof_map, NULL, &system));
     for (int which = 0; which < KINDS; which++) {
       const bw_modes *found = modes[k][which] = modes_by(context, system, kinds[which], 0);
       assert_int_equal(found->rigid_count, 3);

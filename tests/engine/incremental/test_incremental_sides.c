@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Several right-hand sides, guesses, and the view that serves modes. */
+#include "body_system.h"
 #include "incremental_bar.h"
 
 static void many_sides(void **state) {
@@ -25,8 +26,8 @@ static void many_sides(void **state) {
     check_ok(context,
              bw_incremental_system_solve(context, incremental, &options, 1, force, u, NULL));
     check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, NULL));
-    check_ok(context, bw_system_create(context, model->mesh, b.material,
-                                       incremental->system->dof_map, NULL, &fresh));
+    check_ok(context, body_system(context, model->mesh, b.material, incremental->system->dof_map,
+                                  NULL, &fresh));
     check_ok(context, bw_system_solve(context, fresh, SIDES, force, v));
     for (int method = WAY_ITERATE; method >= WAY_REFACTOR; method--) {
       bw_reuse reuse = {0};

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Volumetric locking and its cure: nearly incompressible bodies against beam theory and Cook's
  * membrane, in the standard and in the B-bar formulation. */
+#include "body_system.h"
 #include "check.h"
 
 #include <string.h>
@@ -296,7 +297,7 @@ static double bending_frequency(bw_context *context, const int count[3], int ord
   check_ok(context, bw_mesh_box_grid(context, low, high, count, order, &mesh));
   bw_model *model = model_of(context, mesh, 1e6, 0.4999, formulation);
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
-  check_ok(context, bw_system_create(context, mesh, model->material, dof_map, NULL, &system));
+  check_ok(context, body_system(context, mesh, model->material, dof_map, NULL, &system));
   check_ok(context, bw_modes_elastic(context, system, &options, &modes));
   double frequency = modes->frequency[0];
   bw_release(modes);

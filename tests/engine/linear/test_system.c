@@ -2,6 +2,7 @@
 /* Systems: residuals, free bodies against a bordered dense system, the same bits for any number of
  * threads, reuse, failing allocations. */
 #include "bodies.h"
+#include "body_system.h"
 
 void dgesv_(const int *, const int *, double *, const int *, int *, double *, const int *, int *);
 
@@ -14,7 +15,7 @@ static void free_body_against_bordered(void **state) {
   bw_system *system = NULL;
   check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
   assert_int_equal(dof_map->rigid_mode_count, 6);
-  check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
+  check_ok(context, body_system(context, mesh, material, dof_map, NULL, &system));
   int size = 3 * mesh->node_count, whole = size + 6, one = 1, info;
   double *dense = numbers((int64_t)whole * whole), *column = numbers(size), *out = numbers(size),
          *right = numbers(whole), *force = numbers(size);
@@ -75,7 +76,7 @@ static void residual_and_threads(void **state) {
     u[threads - 1] = numbers(COUNT * size);
     random_field(5, COUNT * size, force);
     check_ok(context, bw_set_threads(context, threads));
-    check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
+    check_ok(context, body_system(context, mesh, material, dof_map, NULL, &system));
     check_ok(context, bw_system_solve(context, system, COUNT, force, u[threads - 1]));
     assert_memory_equal(u[0], u[threads - 1], (size_t)(COUNT * size) * sizeof(double));
     if (threads == 1) {
@@ -114,9 +115,9 @@ static void reuse(void **state) {
   check_ok(context, bw_mesh_moved(context, mesh, x, &moved));
   check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
   check_ok(context, bw_dof_map_unconstrained(context, moved, &again));
-  check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &first));
-  check_ok(context, bw_system_create(context, moved, material, again, first, &second));
-  check_ok(context, bw_system_create(context, moved, material, again, NULL, &fresh));
+  check_ok(context, body_system(context, mesh, material, dof_map, NULL, &first));
+  check_ok(context, body_system(context, moved, material, again, first, &second));
+  check_ok(context, body_system(context, moved, material, again, NULL, &fresh));
   assert_ptr_equal(second->pattern, first->pattern);
   random_field(9, size, x);
   check_ok(context, bw_system_solve(context, second, 1, x, u));
@@ -150,7 +151,7 @@ static void failing_allocations(void **state) {
   for (int64_t n = 1; !passed && n < 2000; n++) {
     bw_system *system = NULL;
     bw_fail_allocation(n, true);
-    bw_status status = bw_system_create(context, mesh, material, dof_map, NULL, &system);
+    bw_status status = body_system(context, mesh, material, dof_map, NULL, &system);
     random_field(1, 3 * size, u);
     if (status == BW_OK)
       status = bw_system_solve(context, system, 3, u, u);

@@ -3,6 +3,7 @@
  * gives the engine's answers; one that fails, lies or runs out of memory is found out. What MPI
  * does with it is tests/lua/distributed_spec.lua. */
 #include "bodies.h"
+#include "body_system.h"
 
 static struct fake {
   bw_system *system;
@@ -15,8 +16,8 @@ static bw_status fake_open(bw_context *context, const bw_external_problem *probl
                            const bw_solver *solver) {
   (void)solver;
   fake.opened++;
-  return bw_system_create(context, problem->dof_map->mesh, problem->material, problem->dof_map,
-                          NULL, &fake.system);
+  return body_system(context, problem->dof_map->mesh, problem->material, problem->dof_map, NULL,
+                     &fake.system);
 }
 
 static bw_status forget(bw_status status) {

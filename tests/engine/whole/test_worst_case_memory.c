@@ -3,6 +3,7 @@
  * failing allocation ends the run with a status, and nothing stays behind. */
 #include <unistd.h>
 
+#include "body_system.h"
 #include "check.h"
 
 typedef struct files {
@@ -43,7 +44,7 @@ static bw_status whole_run(bw_context *context, const files *file, double *max) 
   BW_TRY(bw_material_named(context, "zp150", &material));
   BW_TRY(bw_model_create(context, mesh, material, &model));
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
-  BW_TRY(bw_system_create(context, mesh, material, dof_map, NULL, &system));
+  BW_TRY(body_system(context, mesh, material, dof_map, NULL, &system));
   bw_modes_options modes_options;
   bw_modes_options_default(&modes_options);
   modes_options.count = 3;
