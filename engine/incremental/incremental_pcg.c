@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "incremental/incremental.h"
+#include "linear/element_product.h"
 
 bool bwi_incremental_has_two_level(const bw_incremental_system *incremental) {
   return bwi_coarse_fits(incremental->inner->rest->mesh);
@@ -15,10 +16,12 @@ static bw_status update_two_level(bw_context *context, const bw_incremental_syst
   bw_status status = BW_OK;
   bwi_incremental *inner = incremental->inner;
   const bw_system *system = incremental->system;
-  if (!inner->two_level)
+  if (!inner->two_level) {
+    bool even;
+    BW_TRY(bwi_element_product_serves(context, inner->rest->mesh, inner->rest->material, &even));
     BW_TRY(bwi_two_level_create(context, inner->rest->mesh, system->pattern,
-                                !inner->rest->material->orientations && !inner->rotate_material,
-                                &inner->two_level));
+                                even && !inner->rotate_material, &inner->two_level));
+  }
   if (!inner->two_level_known)
     BW_TRY(bwi_two_level_follow(context, inner->two_level, inner->model, system->dof_map,
                                 system->stiffness, &inner->two_level_usable));

@@ -9,9 +9,10 @@
  * What takes the time is reading the matrix, so that only the lower triangle is kept, and read once
  * in each sweep: what a row does to those before it is added to them when it is its turn. Sweeps
  * are a preconditioner, which need not be exact: they read the upper half of each double, which is
- * a float. Products read the lower half too. And where elements are straight and of one material,
- * the block of two nodes with no facet of the boundary in common is symmetric in itself
- * (docs/theory/edit.md): six numbers in place of nine. So that no unit leaves the range of floats,
+ * a float. Products read the lower half too. Where elements are straight and of one material, the
+ * block of two nodes with no facet of the boundary in common is symmetric in itself
+ * (docs/theory/edit.md): six numbers in place of nine. Products go by elements there
+ * (element_product.h). So that no unit leaves the range of floats,
  * the matrix is taken times one power of two, `unit`, that brings its largest diagonal entry
  * near 1.
  *
@@ -38,7 +39,7 @@ typedef struct bwi_smoother_part {
   int32_t *column;        /* of an entry: a row, ascending in each row */
   uint16_t *place;        /* of its block among those of the row's node (bwi_smoother_block) */
   float *value;           /* unit * K: the sign, the exponent and 24 bits of each number */
-  uint32_t *rest;         /* the 29 bits that follow; NULL without products */
+  uint32_t *rest;         /* the 29 bits that follow; NULL where no product reads them */
 } bwi_smoother_part;
 
 /* A number from its two halves. */
@@ -62,6 +63,9 @@ static inline float bwi_smoother_halves(double number, uint32_t *rest) {
   return (float)whole.number;
 }
 
+/* element_product.h */
+typedef struct bwi_element_product bwi_element_product;
+
 typedef struct bwi_smoother {
   bw_object object;
   const bw_block_pattern *pattern; /* retained */
@@ -69,8 +73,9 @@ typedef struct bwi_smoother {
   int32_t *node;                   /* count: in the order of the rows */
   int32_t *row_of;                 /* count: and the row of each */
   int32_t chunk_count;
-  int32_t chunk_start[BWI_SMOOTHER_MAX_CHUNKS + 1]; /* rows after the last are between chunks */
-  bwi_smoother_part even, odd;                      /* of 6 numbers, of 9 */
+  int32_t chunk_start[BWI_SMOOTHER_MAX_CHUNKS + 1];   /* rows after the last are between chunks */
+  int32_t between_start[BWI_SMOOTHER_MAX_CHUNKS + 1]; /* these, by the chunk that they were of */
+  bwi_smoother_part even, odd;                        /* of 6 numbers, of 9 */
   /* Rows that sweeps solve together (smoother_blocks.h). NULL: each row by itself. Else the matrix
    * of each block is L D L^T, where L has the rows within its envelope. */
   bool columns; /* most nodes are strongly coupled in one direction */
@@ -83,6 +88,8 @@ typedef struct bwi_smoother {
   float *inverse;   /* 9 by row, by columns: of D at the unknowns, of unit * K */
   double *diagonal; /* 6 by row: unit * K */
   double unit;
+  bool by_elements;              /* products are, and no halves are stored for them */
+  bwi_element_product *elements; /* of the shape followed; or NULL */
 } bwi_smoother;
 
 /* The block of the pattern that entry e of row k is; *across: its transpose. */
@@ -103,9 +110,9 @@ static inline int bwi_smoother_width(int64_t count) {
                                        : (int)(count + 3) / 4 * 4;
 }
 /* For matrices on the pattern of a mesh, none of whose nodes has 2^16 neighbours (BW_LIMIT).
- * `even`: of straight elements and one material, so that most blocks are symmetric. `stiffness`:
- * nodes that it couples strongly are swept together; NULL: each by itself. `mesh` NULL: not `even`,
- * and for sweeps alone, without products. Release with bw_release. */
+ * `even`: what bwi_element_product_serves, so that most blocks are symmetric. `stiffness`: nodes
+ * that it couples strongly are swept together; NULL: each by itself. `mesh` NULL: not `even`, and
+ * for sweeps alone, without products. Release with bw_release. */
 bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
                               const bw_block_pattern *pattern, bool even, const double *stiffness,
                               bwi_smoother **out);
@@ -114,6 +121,11 @@ bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
  * a node's own block is not positive definite. */
 bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *smoother, const double *stiffness,
                               const bw_dof_map *dof_map, bool *usable);
+/* And the elements of that shape, where products are by elements: before the first one. *usable is
+ * false where these no longer serve. */
+bw_status bwi_smoother_follow_elements(bw_context *context, bwi_smoother *smoother,
+                                       const bw_mesh *mesh, const bw_material *material,
+                                       bool *usable);
 /* z = (D + L)^-1 r and residual = r - K z, where z is 0 off the unknowns and residual of no
  * meaning. */
 bw_status bwi_smoother_forward(bw_context *context, const bwi_smoother *smoother, int width,

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "assemble/internal.h"
+#include "linear/element_product.h"
 #include "linear/smoother_blocks.h"
 
 enum { ROWS = BWI_SMOOTHER_ROWS };
@@ -24,8 +25,9 @@ static void take_even(const taking *t, int64_t k, int64_t e) {
   const double *block = t->stiffness + 9 * bwi_smoother_block(t->s, even, k, e, &across);
   for (int c = 0; c < 6; c++) {
     int n = of_six[c];
+    uint32_t rest;
     double number = 0.5 * t->s->unit * (block[n] + block[3 * (n % 3) + n / 3]);
-    even->value[6 * e + c] = bwi_smoother_halves(number, &even->rest[6 * e + c]);
+    even->value[6 * e + c] = bwi_smoother_halves(number, &rest);
   }
 }
 
@@ -83,6 +85,21 @@ bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *s, const double
   *usable = true;
   for (int64_t k = 0; k < s->count; k++)
     *usable &= isfinite(s->inverse[9 * k]) != 0;
+done:
+  return status;
+}
+
+bw_status bwi_smoother_follow_elements(bw_context *context, bwi_smoother *s, const bw_mesh *mesh,
+                                       const bw_material *material, bool *usable) {
+  bw_status status = BW_OK;
+  bw_release(s->elements);
+  s->elements = NULL;
+  *usable = true;
+  if (!s->by_elements)
+    return BW_OK;
+  BW_TRY(bwi_element_product_serves(context, mesh, material, usable));
+  if (*usable)
+    BW_TRY(bwi_element_product_create(context, s, mesh, material, &s->elements));
 done:
   return status;
 }
@@ -150,20 +167,21 @@ static int32_t find_between(const ordering *o, int32_t chunks) {
 /* From nodes by distance to the order of rows, in as many chunks as leave few nodes between them,
  * whose rows are swept one after the other. */
 static void cut(bwi_smoother *s, const ordering *o) {
-  int32_t chunks = BWI_SMOOTHER_MAX_CHUNKS, row = 0, chunk = -1;
+  int32_t chunks = BWI_SMOOTHER_MAX_CHUNKS, row = 0;
   while (find_between(o, chunks) >= s->count / 8 && chunks > 1)
     chunks /= 2;
   s->chunk_count = chunks;
-  for (int pass = 0; pass < 2; pass++)
+  for (int pass = 0; pass < 2; pass++) {
+    int32_t chunk = 0, *start = pass == 0 ? s->chunk_start : s->between_start;
     for (int32_t k = 0; k < s->count; k++) {
-      while (pass == 0 && chunk < chunk_at(o->at[o->near[k]], s->count, chunks))
-        s->chunk_start[++chunk] = row;
+      while (chunk <= chunk_at(o->at[o->near[k]], s->count, chunks))
+        start[chunk++] = row;
       if (o->between[o->near[k]] == (pass == 1))
         s->node[row++] = o->near[k];
-      if (pass == 0 && k == s->count - 1)
-        while (chunk < chunks)
-          s->chunk_start[++chunk] = row;
     }
+    while (chunk <= chunks)
+      start[chunk++] = row;
+  }
   for (int32_t k = 0; k < s->count; k++)
     s->row_of[s->node[k]] = k;
 }
@@ -290,8 +308,8 @@ static bw_status make_rows(bw_context *context, bwi_smoother *s, const bw_mesh *
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(make_part(context, &s->even, s->count, entries[0], 6, mesh != NULL));
-  BW_TRY(make_part(context, &s->odd, s->count, entries[1], 9, mesh != NULL));
+  BW_TRY(make_part(context, &s->even, s->count, entries[0], 6, false));
+  BW_TRY(make_part(context, &s->odd, s->count, entries[1], 9, mesh && !even));
   list_rows(s, odd, row);
 done:
   bw_free(odd);
@@ -314,6 +332,7 @@ static void smoother_destroy(void *object) {
   bw_free(s->envelope);
   bw_free(s->factor_start);
   bw_free(s->factor);
+  bw_release(s->elements);
   bw_free(s);
 }
 
@@ -331,7 +350,7 @@ static size_t smoother_bytes(const void *object) {
   size_t blocks = s->block_start ? (size_t)s->factor_start[s->count] * 9 * sizeof(float) +
                                        rows * (3 * sizeof(int64_t) + 2 * sizeof(int32_t))
                                  : 0;
-  return sizeof *s + blocks +
+  return sizeof *s + blocks + bw_bytes(s->elements) +
          rows * (2 * sizeof(int32_t) + 9 * sizeof(float) + 6 * sizeof(double)) +
          part_bytes(&s->even, rows, 6) + part_bytes(&s->odd, rows, 9);
 }
@@ -349,6 +368,7 @@ bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
   bw_object_init(s, &smoother_kind);
   s->pattern = bw_retain(pattern);
   s->count = pattern->node_count;
+  s->by_elements = even;
   s->node = BW_NEW(context, int32_t, s->count);
   s->row_of = BW_NEW(context, int32_t, s->count);
   s->inverse = BW_NEW0(context, float, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);

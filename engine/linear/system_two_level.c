@@ -12,9 +12,9 @@
 
 #include <math.h>
 
-#include "assemble/internal.h"
 #include "barwright/job.h"
 #include "base/cost.h"
+#include "linear/element_product.h"
 #include "linear/pcg.h"
 
 /* Entries and operations over those powers. Measured: 1.26 to 1.52, 1.08 to 1.46. */
@@ -111,19 +111,6 @@ done:
   return status;
 }
 
-/* Blocks are symmetric where elements are straight, of one material, and displacements alone enter
- * their energy: the mean volumetric strain couples a node's x with another's y, and not y with x.
- */
-static bw_status find_even(bw_context *context, const bw_system *system, bool *even) {
-  int32_t *number = NULL;
-  int64_t curved = 0;
-  bw_status status = bwi_find_curved(context, system->mesh, &number, &curved);
-  *even = curved == 0 && !system->material->orientations &&
-          !(bw_material_projected_bulk(system->material) > 0);
-  bw_free(number);
-  return status;
-}
-
 bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_system *system) {
   bw_status status = BW_OK;
   bwi_two_level *made = NULL;
@@ -137,7 +124,7 @@ bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_syst
     return BW_OK;
   double start = bw_seconds();
   bw_progress(context, "factorisation", 0);
-  BW_TRY(find_even(context, system, &even));
+  BW_TRY(bwi_element_product_serves(context, system->mesh, system->material, &even));
   BW_TRY(bwi_two_level_create_over(context, l->coarse, system->mesh, system->pattern, even,
                                    system->stiffness, &made));
   BW_TRY(bwi_two_level_follow(context, made, model, system->dof_map, system->stiffness, &usable));

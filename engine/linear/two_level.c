@@ -205,6 +205,9 @@ bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *l, const bw_m
   BW_TRY(bwi_coarse_follow(context, l->coarse, model, dof_map, usable));
   if (*usable)
     BW_TRY(bwi_smoother_follow(context, l->smoother, stiffness, dof_map, usable));
+  if (*usable)
+    BW_TRY(
+        bwi_smoother_follow_elements(context, l->smoother, model->mesh, model->material, usable));
 done:
   return status;
 }

@@ -37,6 +37,9 @@ static bwi_smoother *smoother_of(bw_context *context, const scene *s, bool even)
   check_ok(context, bwi_smoother_create(context, s->b.mesh, s->pattern, even, NULL, &smoother));
   check_ok(context, bwi_smoother_follow(context, smoother, s->stiffness, s->dof_map, &usable));
   assert_true(usable);
+  check_ok(context,
+           bwi_smoother_follow_elements(context, smoother, s->b.mesh, s->b.material, &usable));
+  assert_true(usable);
   return smoother;
 }
 

@@ -165,7 +165,9 @@ static void two_bodies(void **state) {
 }
 
 /* Free bodies take no more iterations than held ones: as many for any size, and as many for a bar
- * 100 times as long as thick, of whose linear elements single precision knows too little. */
+ * 100 times as long as thick, of whose linear elements single precision knows too little. Of that
+ * bar the rounding of the stored blocks, which the factor has and products by elements have not, is
+ * 5e-9 of the displacement. */
 static void free_bodies(void **state) {
   bw_context *context = check_context(state);
   const double pull[3] = {1e6, 2e6, 3e6};
@@ -183,7 +185,7 @@ static void free_bodies(void **state) {
     check_ok(context, bw_statics(context, model, NULL, &by_levels, &a));
     check_ok(context, bw_statics(context, model, NULL, &by_factor, &b));
     check_near(difference(a->displacement, b->displacement, 3 * (int64_t)mesh->node_count), 0,
-               1e-9);
+               k < 2 ? 1e-9 : 1e-8);
     iterations[k] = a->report.iterations;
     bw_release(a);
     bw_release(b);
