@@ -1,135 +1,100 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Which elements contribute to the blocks of a pattern (internal.h): by rows, from the elements
- * around their nodes. */
+/* Rows of a pattern from the elements around their nodes, and which elements contribute to its
+ * blocks (internal.h). */
 #include "assemble/internal.h"
 
 #include <string.h>
 
-/* Rows whose contributions stay in cache until they are summed. */
-enum { ROWS_PER_CHUNK = 256 };
-
-typedef struct rows {
-  const bw_block_pattern *pattern;
-  int nodes_per_element;
-  const int32_t *element;
-  bwi_incidence incidence;
-  bwi_contributions *list; /* one for each thread, or one of all rows */
-  int32_t *mark;           /* threads x node_count: index of a column in the row in work */
-  int64_t *row_start;      /* node_count + 1: contributions before each row, of all rows; or NULL */
-  bwi_contributions_body *body;
-  void *data;
-} rows;
-
-/* Contributions to row i. */
-static int64_t count_row(const rows *r, int64_t i) {
-  int64_t count = 0;
-  for (int64_t k = r->incidence.start[i]; k < r->incidence.start[i + 1]; k++) {
-    const int32_t *node = r->element + (int64_t)r->incidence.element[k] * r->nodes_per_element;
-    for (int a = 0; a < r->nodes_per_element; a++)
-      count += node[a] <= i;
-  }
-  return count;
+bw_status bwi_row_sums_open(bw_context *context, const bw_block_pattern *pattern,
+                            int32_t element_count, int nodes_per_element, const int32_t *element,
+                            bwi_row_sums *rows) {
+  *rows = (bwi_row_sums){
+      .pattern = pattern, .nodes_per_element = nodes_per_element, .element = element};
+  rows->place = BW_NEW(context, int32_t, (int64_t)pattern->node_count * bw_threads(context));
+  return rows->place ? bwi_incidence_of_elements(context, pattern->node_count, element_count,
+                                                 nodes_per_element, element, &rows->incidence)
+                     : BW_MEMORY;
 }
 
-/* Row i, whose contributions are listed from `next` on; returns the end. */
-static int64_t list_row(const rows *r, int64_t i, int64_t next, int32_t *mark,
-                        bwi_contributions *list) {
-  int n = r->nodes_per_element;
-  const int32_t *column = r->pattern->column + r->pattern->start[i];
-  int64_t *start = list->start + (r->pattern->start[i] - list->first);
-  int64_t count = r->pattern->start[i + 1] - r->pattern->start[i];
-  for (int64_t p = 0; p < count; p++) {
-    mark[column[p]] = (int32_t)p;
-    start[p] = 0;
+void bwi_row_sums_close(bwi_row_sums *rows) {
+  bwi_incidence_clear(&rows->incidence);
+  bw_free(rows->place);
+}
+
+/* ---- lists of contributions ---- */
+
+typedef struct lister {
+  bwi_row_sums rows;
+  bwi_contributions *list;
+} lister;
+
+/* The contributions to each row, counted into the start of its first block. */
+static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) {
+  const lister *l = (const lister *)data;
+  (void)worker;
+  for (int64_t i = begin; i < end; i++) {
+    int64_t count = 0;
+    for (int64_t k = l->rows.incidence.start[i]; k < l->rows.incidence.start[i + 1]; k++) {
+      const int32_t *node = bwi_row_element(&l->rows, k);
+      for (int a = 0; a < l->rows.nodes_per_element; a++)
+        count += node[a] <= i;
+    }
+    l->list->start[l->rows.pattern->start[i]] = count;
   }
+  return BW_OK;
+}
+
+/* Row i, whose contributions are listed from where its first block starts. */
+static void list_row(const lister *l, int64_t i, int32_t *place) {
+  const bwi_row_sums *r = &l->rows;
+  bwi_contributions *list = l->list;
+  int64_t *start = list->start + r->pattern->start[i], next = start[0], first = next;
+  int64_t count = bwi_row_places(r, i, place);
+  memset(start, 0, (size_t)count * sizeof *start);
   /* counts, then starts, then, moved along by filling, the starts of the next blocks */
   for (int64_t k = r->incidence.start[i]; k < r->incidence.start[i + 1]; k++) {
-    const int32_t *node = r->element + (int64_t)r->incidence.element[k] * n;
-    for (int a = 0; a < n; a++)
+    const int32_t *node = bwi_row_element(r, k);
+    for (int a = 0; a < r->nodes_per_element; a++)
       if (node[a] <= i)
-        start[mark[node[a]]]++;
+        start[place[node[a]]]++;
   }
-  int64_t first = next;
   for (int64_t p = 0; p < count; p++) {
     int64_t here = start[p];
     start[p] = next;
     next += here;
   }
   for (int64_t k = r->incidence.start[i]; k < r->incidence.start[i + 1]; k++) {
-    int32_t e = r->incidence.element[k];
-    const int32_t *node = r->element + (int64_t)e * n;
-    for (int a = 0; a < n; a++)
+    const int32_t *node = bwi_row_element(r, k);
+    for (int a = 0; a < r->nodes_per_element; a++)
       if (node[a] <= i) {
-        int64_t index = start[mark[node[a]]]++;
-        list->element[index] = e;
+        int64_t index = start[place[node[a]]]++;
+        list->element[index] = r->incidence.element[k];
         list->local[index] = (uint8_t)(r->incidence.local[k] << 4 | a);
       }
   }
   for (int64_t p = count - 1; p > 0; p--)
     start[p] = start[p - 1];
   start[0] = first;
-  return next;
 }
 
 static bw_status list_rows(void *data, int64_t begin, int64_t end, int worker) {
-  const rows *r = data;
-  int32_t *mark = r->mark + (int64_t)worker * r->pattern->node_count;
+  const lister *l = (const lister *)data;
+  int32_t *place = l->rows.place + (int64_t)worker * l->rows.pattern->node_count;
   for (int64_t i = begin; i < end; i++)
-    list_row(r, i, r->row_start[i], mark, r->list);
+    list_row(l, i, place);
   return BW_OK;
-}
-
-static bw_status sum_rows(void *data, int64_t begin, int64_t end, int worker) {
-  const rows *r = data;
-  bwi_contributions *list = r->list + worker;
-  int32_t *mark = r->mark + (int64_t)worker * r->pattern->node_count;
-  list->first = r->pattern->start[begin];
-  list->count = 0;
-  for (int64_t i = begin; i < end; i++)
-    list->count = list_row(r, i, list->count, mark, list);
-  list->start[r->pattern->start[end] - list->first] = list->count;
-  r->body(r->data, list, begin, end);
-  return BW_OK;
-}
-
-static bw_status open_rows(bw_context *context, const bw_block_pattern *pattern,
-                           int32_t element_count, int nodes_per_element, const int32_t *element,
-                           rows *r) {
-  *r = (rows){.pattern = pattern, .nodes_per_element = nodes_per_element, .element = element};
-  r->mark = BW_NEW(context, int32_t, (int64_t)pattern->node_count * bw_threads(context));
-  return r->mark ? bwi_incidence_of_elements(context, pattern->node_count, element_count,
-                                             nodes_per_element, element, &r->incidence)
-                 : BW_MEMORY;
-}
-
-static void close_rows(rows *r) {
-  bwi_incidence_clear(&r->incidence);
-  bw_free(r->mark);
-  bw_free(r->row_start);
-}
-
-static bw_status reserve(bw_context *context, int64_t blocks, int64_t count,
-                         bwi_contributions *list) {
-  list->blocks = blocks;
-  list->start = BW_NEW(context, int64_t, blocks + 1);
-  list->element = BW_NEW(context, int32_t, count);
-  list->local = BW_NEW(context, uint8_t, count);
-  return list->start && list->element && list->local ? BW_OK : BW_MEMORY;
-}
-
-static void clear(bwi_contributions *list) {
-  bw_free(list->start);
-  bw_free(list->element);
-  bw_free(list->local);
 }
 
 static void destroy(void *object) {
-  clear(object);
-  bw_free(object);
+  bwi_contributions *list = (bwi_contributions *)object;
+  bw_free(list->start);
+  bw_free(list->element);
+  bw_free(list->local);
+  bw_free(list);
 }
 
 static size_t bytes(const void *object) {
-  const bwi_contributions *list = object;
+  const bwi_contributions *list = (const bwi_contributions *)object;
   return sizeof *list + (size_t)(list->blocks + 1) * sizeof *list->start +
          (size_t)list->count * (sizeof *list->element + sizeof *list->local);
 }
@@ -140,64 +105,39 @@ bw_status bwi_contributions_create(bw_context *context, const bw_block_pattern *
                                    int32_t element_count, int nodes_per_element,
                                    const int32_t *element, bwi_contributions **out) {
   bw_status status = BW_OK;
-  rows r = {0};
-  int64_t nodes = pattern->node_count;
+  lister l = {0};
+  int64_t nodes = pattern->node_count, count = 0;
   bwi_contributions *list = BW_NEW0(context, bwi_contributions, 1);
   if (!list)
     return BW_MEMORY;
   bw_object_init(list, &contributions_kind);
-  BW_TRY(open_rows(context, pattern, element_count, nodes_per_element, element, &r));
-  r.row_start = BW_NEW(context, int64_t, nodes + 1);
-  if (!r.row_start) {
+  l.list = list;
+  list->blocks = pattern->block_count;
+  list->start = BW_NEW(context, int64_t, list->blocks + 1);
+  if (!list->start) {
     status = BW_MEMORY;
     goto done;
   }
+  BW_TRY(bwi_row_sums_open(context, pattern, element_count, nodes_per_element, element, &l.rows));
+  BW_TRY(bw_parallel(context, nodes, BWI_ROWS_PER_CHUNK, count_rows, &l));
   for (int64_t i = 0; i < nodes; i++) {
-    r.row_start[i] = list->count;
-    list->count += count_row(&r, i);
+    int64_t here = list->start[pattern->start[i]];
+    list->start[pattern->start[i]] = count;
+    count += here;
   }
-  BW_TRY(reserve(context, pattern->block_count, list->count, list));
-  list->start[pattern->block_count] = list->count;
-  r.list = list;
-  BW_TRY(bw_parallel(context, nodes, ROWS_PER_CHUNK, list_rows, &r));
+  list->start[list->blocks] = list->count = count;
+  list->element = BW_NEW(context, int32_t, count);
+  list->local = BW_NEW(context, uint8_t, count);
+  if (!list->element || !list->local) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_parallel(context, nodes, BWI_ROWS_PER_CHUNK, list_rows, &l));
 done:
-  close_rows(&r);
+  bwi_row_sums_close(&l.rows);
   if (status == BW_OK)
     *out = list;
   else
     bw_release(list);
-  return status;
-}
-
-bw_status bwi_for_contributions(bw_context *context, const bw_block_pattern *pattern,
-                                const bw_mesh *mesh, bwi_contributions_body *body, void *data) {
-  bw_status status = BW_OK;
-  rows r = {0};
-  int threads = bw_threads(context);
-  int64_t nodes = pattern->node_count, blocks = 0, most = 0;
-  BW_TRY(
-      open_rows(context, pattern, mesh->element_count, mesh->nodes_per_element, mesh->element, &r));
-  r.body = body;
-  r.data = data;
-  for (int64_t i = 0; i < nodes; i += ROWS_PER_CHUNK) {
-    int64_t end = i + ROWS_PER_CHUNK < nodes ? i + ROWS_PER_CHUNK : nodes, count = 0;
-    count = mesh->nodes_per_element * (r.incidence.start[end] - r.incidence.start[i]);
-    most = count > most ? count : most;
-    count = pattern->start[end] - pattern->start[i];
-    blocks = count > blocks ? count : blocks;
-  }
-  r.list = BW_NEW0(context, bwi_contributions, threads);
-  if (!r.list) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  for (int t = 0; t < threads; t++)
-    BW_TRY(reserve(context, blocks, most, &r.list[t]));
-  BW_TRY(bw_parallel(context, nodes, ROWS_PER_CHUNK, sum_rows, &r));
-done:
-  for (int t = 0; r.list && t < threads; t++)
-    clear(&r.list[t]);
-  bw_free(r.list);
-  close_rows(&r);
   return status;
 }

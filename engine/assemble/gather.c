@@ -53,71 +53,177 @@ void bwi_product_table(int order, bwi_block_term table[256]) {
     }
 }
 
+/* The sum of a block's tensors, zero but while its row is in work. Aligned, so that none of the
+ * vectors lies on two lines of the cache. */
+typedef struct tensor {
+  _Alignas(64) bwi_vector t[3];
+} tensor;
+static const tensor zero;
+
 typedef struct gather_data {
-  const bw_block_pattern *pattern;
-  bwi_block_source source;
+  bwi_row_sums rows;
+  bwi_frames frames;
+  bwi_block_term table[256];
   bwi_gather_kind kind;
   double lambda, mu;
   /* by group: of the component T[m], what it adds to the block's rows; and of mean gradients, in
      elements with B-bar (NULL: without) */
   bwi_vector (*map)[9][3], (*mean_map)[9][3];
   const int32_t *group; /* by element: where the material is rotated by element, or NULL */
+  tensor *sum; /* threads x 2 x longest row: of gradients, then of mean gradients with B-bar */
+  int64_t longest;
   double *values;
 } gather_data;
 
-static void add_general(const bwi_vector (*map)[3], double t[3][4], double *out) {
-  double block[9];
-  bwi_apply_general(map, t, block);
-  for (int i = 0; i < 9; i++)
-    out[i] += block[i];
+/* Add a curved element's tensor of local nodes (a, b). */
+static void add_curved(const bwi_frames *frames, int32_t number, int a, int b, bwi_vector t[3]) {
+  int high = a > b ? a : b, low = a > b ? b : a;
+  const double *own =
+      frames->curved_tensor + ((int64_t)number * 55 + high * (high + 1) / 2 + low) * 9;
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++)
+      t[r][c] += a >= b ? own[3 * r + c] : own[3 * c + r];
 }
 
-/* The values of a block by general maps: run by run of elements of one group of the material. */
-static void gather_general(const gather_data *g, const bwi_contributions *list, int64_t index,
-                           bool diagonal, double *out) {
-  int64_t k = list->start[index - list->first], end = list->start[index - list->first + 1];
-  memset(out, 0, 9 * sizeof *out);
-  while (k < end) {
-    double t[3][4];
-    int32_t group = g->group ? g->group[list->element[k]] : 0;
-    int64_t next = g->group ? k + 1 : end;
-    while (next < end && g->group[list->element[next]] == group)
-      next++;
-    bwi_sum_contributions(&g->source, list, NULL, k, next, diagonal, t);
-    add_general(g->map[group], t, out);
-    if (g->mean_map) {
-      bwi_sum_means(&g->source, list, k, next, t);
-      add_general(g->mean_map[group], t, out);
+/* Adds what an element contributes to V mean(grad N_i) (x) mean(grad N_j): on a straight tet10 the
+ * means of corners vanish, and those of mid-edge nodes are s_m. */
+static void add_mean(const bwi_frames *frames, int64_t e, int a, int b, bwi_vector t[3]) {
+  const bwi_vector *mean = frames->vector + e * frames->vectors;
+  if (frames->curved && frames->curved[e] >= 0)
+    mean = frames->curved_mean + (int64_t)frames->curved[e] * 10;
+  else if (a < 4 || b < 4)
+    return;
+  for (int r = 0; r < 3; r++)
+    t[r] += mean[a][r] * mean[b];
+}
+
+/* Elements whose frames are asked for ahead: numbers of neighbours may lie far apart. */
+enum { AHEAD = 8 };
+
+/* The contributions of the k-th element around row i. `straight`: all elements are, and none has
+ * B-bar. */
+__attribute__((always_inline)) static inline void add_element(const gather_data *g, int64_t i,
+                                                              int64_t k, const int32_t *place,
+                                                              bool straight, tensor *sum) {
+  const bwi_row_sums *r = &g->rows;
+  const int32_t *node = bwi_row_element(r, k);
+  int64_t e = r->incidence.element[k];
+  if (k + AHEAD < r->incidence.start[r->pattern->node_count]) {
+    const char *next = (const char *)(g->frames.vector +
+                                      (int64_t)r->incidence.element[k + AHEAD] * g->frames.vectors);
+    __builtin_prefetch(bwi_row_element(r, k + AHEAD));
+    for (int byte = 0; byte < 32 * g->frames.vectors; byte += 64)
+      __builtin_prefetch(next + byte);
+  }
+  int a = r->incidence.local[k], below[10], count = 0; /* listed first: half of them, at random */
+  for (int b = 0; b < r->nodes_per_element; b++) {
+    below[count] = b;
+    count += node[b] <= i;
+  }
+  bool curved = !straight && g->frames.curved && g->frames.curved[e] >= 0;
+  const bwi_vector *h = g->frames.vector + e * g->frames.vectors;
+  int n = 0;
+  if (!curved && a < 4) /* u (x) (first v + second z): corners' products have one row vector */
+    for (const bwi_vector u = h[a]; n < count; n++) {
+      const bwi_block_term *p = &g->table[a << 4 | below[n]];
+      bwi_vector *t = sum[place[node[below[n]]]].t, v = p->first * h[p->v] + p->second * h[p->z];
+      t[0] += u[0] * v;
+      t[1] += u[1] * v;
+      t[2] += u[2] * v;
     }
-    k = next;
+  else if (!curved) /* ... or, of a mid-edge node with a corner, one column vector */
+    for (; n < count && below[n] < 4; n++) {
+      const bwi_block_term *p = &g->table[a << 4 | below[n]];
+      bwi_vector *t = sum[place[node[below[n]]]].t, u = p->first * h[p->u] + p->second * h[p->w];
+      t[0] += u[0] * h[p->v];
+      t[1] += u[1] * h[p->v];
+      t[2] += u[2] * h[p->v];
+    }
+  for (; n < count; n++) {
+    bwi_vector *t = sum[place[node[below[n]]]].t;
+    if (curved)
+      add_curved(&g->frames, g->frames.curved[e], a, below[n], t);
+    else
+      bwi_add_contribution(g->table, h, a << 4 | below[n], a == below[n], t);
+  }
+  for (n = 0; !straight && g->mean_map && n < count; n++)
+    add_mean(&g->frames, e, a, below[n], sum[g->longest + place[node[below[n]]]].t);
+}
+
+static void add_general(const bwi_vector (*map)[3], tensor *from, double *out) {
+  double block[9];
+  bwi_apply_general(map, from->t, block);
+  for (int i = 0; i < 9; i++)
+    out[i] += block[i];
+  *from = zero;
+}
+
+/* Takes the sums of a row that the elements from `begin` to `end` - 1 around it contributed to, all
+ * of one group, into its values. */
+static void take_group(const gather_data *g, int64_t i, int64_t begin, int64_t end,
+                       const int32_t *place, tensor *sum) {
+  const bwi_row_sums *r = &g->rows;
+  int32_t group = g->group ? g->group[r->incidence.element[begin]] : 0;
+  for (int64_t k = begin; k < end; k++) {
+    const int32_t *node = bwi_row_element(r, k);
+    for (int b = 0; b < r->nodes_per_element; b++) {
+      if (node[b] > i || memcmp(sum[place[node[b]]].t, zero.t, sizeof zero.t) == 0)
+        continue; /* taken already */
+      double *out = g->values + 9 * (r->pattern->start[i] + place[node[b]]);
+      add_general(g->map[group], &sum[place[node[b]]], out);
+      if (g->mean_map)
+        add_general(g->mean_map[group], &sum[g->longest + place[node[b]]], out);
+    }
   }
 }
 
-static void gather_rows(void *data, const bwi_contributions *list, int64_t begin, int64_t end) {
+/* A row by general maps: run by run of elements of one group of the material. */
+static void gather_groups(const gather_data *g, int64_t i, int64_t count, const int32_t *place,
+                          tensor *sum) {
+  const bwi_row_sums *r = &g->rows;
+  int64_t end = r->incidence.start[i + 1];
+  memset(g->values + 9 * r->pattern->start[i], 0, (size_t)count * 9 * sizeof *g->values);
+  for (int64_t k = r->incidence.start[i], next = k; k < end; k = next) {
+    int32_t group = g->group ? g->group[r->incidence.element[k]] : 0;
+    for (; next < end && (!g->group || g->group[r->incidence.element[next]] == group); next++)
+      add_element(g, i, next, place, false, sum);
+    take_group(g, i, k, next, place, sum);
+  }
+}
+
+static void gather_row(const gather_data *g, int64_t i, int32_t *place, tensor *sum) {
+  const bwi_row_sums *r = &g->rows;
+  int64_t first = r->pattern->start[i], count = bwi_row_places(r, i, place);
+  bool groups = g->group || g->mean_map;
+  if (groups)
+    gather_groups(g, i, count, place, sum);
+  else if (g->frames.curved)
+    for (int64_t k = r->incidence.start[i]; k < r->incidence.start[i + 1]; k++)
+      add_element(g, i, k, place, false, sum);
+  else
+    for (int64_t k = r->incidence.start[i]; k < r->incidence.start[i + 1]; k++)
+      add_element(g, i, k, place, true, sum);
+  for (int64_t p = 0; !groups && p < count; p++) {
+    const bwi_vector *t = sum[p].t;
+    double *out = g->values + 9 * (first + p);
+    if (g->kind == BWI_TRACE)
+      g->values[first + p] = t[0][0] + t[1][1] + t[2][2];
+    else if (g->kind == BWI_ISOTROPIC)
+      bwi_apply_isotropic(g->lambda, g->mu, t, out);
+    else
+      bwi_apply_general(g->map[0], t, out);
+    sum[p] = zero;
+  }
+  if (g->kind != BWI_TRACE)
+    bwi_make_symmetric(g->values + 9 * (first + count - 1));
+}
+
+static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker) {
   const gather_data *g = (const gather_data *)data;
-  const int64_t *start = g->pattern->start;
+  int32_t *place = g->rows.place + (int64_t)worker * g->rows.pattern->node_count;
   for (int64_t i = begin; i < end; i++)
-    for (int64_t index = start[i]; index < start[i + 1]; index++) {
-      double t[3][4], *out = g->values + 9 * index;
-      bool diagonal = index == start[i + 1] - 1;
-      if (g->group || g->mean_map) {
-        gather_general(g, list, index, diagonal, out);
-        if (diagonal)
-          bwi_make_symmetric(out);
-        continue;
-      }
-      bwi_sum_block(&g->source, list, NULL, index, diagonal, t);
-      if (g->kind == BWI_TRACE) {
-        g->values[index] = t[0][0] + t[1][1] + t[2][2];
-        continue;
-      }
-      if (g->kind == BWI_ISOTROPIC)
-        bwi_apply_isotropic(g->lambda, g->mu, t, out);
-      else
-        bwi_apply_general(g->map[0], t, out);
-      if (diagonal)
-        bwi_make_symmetric(out);
-    }
+    gather_row(g, i, place, g->sum + 2 * worker * g->longest);
+  return BW_OK;
 }
 
 static void fill_map(const double c[36], bwi_vector map[9][3]) {
@@ -164,12 +270,23 @@ static bw_status general_maps(bw_context *context, const bw_material *material, 
 bw_status bwi_gather(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
                      bwi_gather_kind kind, const bw_material *material, double *values) {
   bw_status status = BW_OK;
-  bwi_frames frames = {0};
-  gather_data g = {
-      .pattern = pattern, .source = {.frames = &frames}, .kind = kind, .values = values};
+  gather_data g = {.kind = kind, .values = values};
+  void *memory = NULL;
   BW_TRY(bwi_block_pattern_fits(context, pattern, mesh));
-  BW_TRY(bwi_frames_create(context, mesh, &frames));
-  bwi_product_table(mesh->order, g.source.table);
+  BW_TRY(bwi_frames_create(context, mesh, &g.frames));
+  BW_TRY(bwi_row_sums_open(context, pattern, mesh->element_count, mesh->nodes_per_element,
+                           mesh->element, &g.rows));
+  for (int64_t i = 0; i < pattern->node_count; i++)
+    if (pattern->start[i + 1] - pattern->start[i] > g.longest)
+      g.longest = pattern->start[i + 1] - pattern->start[i];
+  memory = BW_NEW0(context, tensor, 2 * g.longest * bw_threads(context) + 1);
+  if (!memory) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  g.sum =
+      (tensor *)(((uintptr_t)memory + _Alignof(tensor) - 1) & ~(uintptr_t)(_Alignof(tensor) - 1));
+  bwi_product_table(mesh->order, g.table);
   if (kind == BWI_ISOTROPIC) {
     g.lambda = material->lame_lambda;
     g.mu = material->lame_mu;
@@ -178,11 +295,13 @@ bw_status bwi_gather(bw_context *context, const bw_block_pattern *pattern, const
     BW_TRY(bw_material_fits(context, material, mesh->element_count));
     BW_TRY(general_maps(context, material, bwi_projected_bulk(mesh, material), &g));
   }
-  BW_TRY(bwi_for_contributions(context, pattern, mesh, gather_rows, &g));
+  BW_TRY(bw_parallel(context, pattern->node_count, BWI_ROWS_PER_CHUNK, gather_rows, &g));
 done:
   bw_free(g.map);
   bw_free(g.mean_map);
-  bwi_frames_clear(&frames);
+  bw_free(memory);
+  bwi_row_sums_close(&g.rows);
+  bwi_frames_clear(&g.frames);
   return status;
 }
 

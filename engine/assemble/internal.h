@@ -20,29 +20,50 @@ bw_status bwi_incidence_of_elements(bw_context *context, int32_t node_count, int
 bw_status bwi_incidence_create(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence);
 void bwi_incidence_clear(bwi_incidence *incidence);
 
-/* What elements contribute to the blocks of some rows of a pattern, in ascending order of elements:
- * summed in this order, a value has the same bits whichever thread sums it. */
+/* Rows of a pattern in work: what the nodes' elements add to the blocks of a row is added to places
+ * that stay in cache, in ascending order of elements, so that a value has the same bits whichever
+ * thread sums it. No list of what adds to which block is kept: it would take a third of a
+ * stiffness. */
+typedef struct bwi_row_sums {
+  const bw_block_pattern *pattern;
+  int nodes_per_element;
+  const int32_t *element; /* what the pattern was made of */
+  bwi_incidence incidence;
+  int32_t *place; /* threads x node_count: index in the row in work of the block of a node */
+} bwi_row_sums;
+enum { BWI_ROWS_PER_CHUNK = 256 };
+/* On failure too the rows are to be closed. */
+bw_status bwi_row_sums_open(bw_context *context, const bw_block_pattern *pattern,
+                            int32_t element_count, int nodes_per_element, const int32_t *element,
+                            bwi_row_sums *rows);
+void bwi_row_sums_close(bwi_row_sums *rows);
+/* Sets the places of row i; returns how many blocks it has. */
+static inline int64_t bwi_row_places(const bwi_row_sums *rows, int64_t i, int32_t *place) {
+  const bw_block_pattern *pattern = rows->pattern;
+  const int32_t *column = pattern->column + pattern->start[i];
+  int64_t count = pattern->start[i + 1] - pattern->start[i];
+  for (int64_t p = 0; p < count; p++)
+    place[column[p]] = (int32_t)p;
+  return count;
+}
+/* Nodes of the element at index k of the incidence. */
+static inline const int32_t *bwi_row_element(const bwi_row_sums *rows, int64_t k) {
+  return rows->element + (int64_t)rows->incidence.element[k] * rows->nodes_per_element;
+}
+
+/* What elements contribute to each block of a pattern, in ascending order of elements: for what
+ * sums some blocks again and again. Release with bw_release. */
 typedef struct bwi_contributions {
   bw_object object;
-  int64_t first;    /* block of the pattern */
-  int64_t *start;   /* by block from `first` on, + 1 */
-  int32_t *element; /* of each contribution */
-  uint8_t *local;   /* (a << 4) | b: local row and column nodes */
-  int64_t blocks;   /* that there is room for */
-  int64_t count;    /* of contributions */
+  int64_t blocks, count; /* of the pattern; contributions */
+  int64_t *start;        /* blocks + 1 */
+  int32_t *element;      /* of each contribution */
+  uint8_t *local;        /* (a << 4) | b: local row and column nodes */
 } bwi_contributions;
-/* Those of all rows, for what sums them again and again: `element` (element_count x
- * nodes_per_element) is what the pattern was made of. Release with bw_release. */
+/* `element` (element_count x nodes_per_element) is what the pattern was made of. */
 bw_status bwi_contributions_create(bw_context *context, const bw_block_pattern *pattern,
                                    int32_t element_count, int nodes_per_element,
                                    const int32_t *element, bwi_contributions **list);
-/* Calls `body` for the rows from `begin` to `end` - 1 with the contributions to them, for all rows
- * of a pattern, in parallel. The lists live no longer than the call: those of a large mesh are a
- * third of its matrix. */
-typedef void bwi_contributions_body(void *data, const bwi_contributions *list, int64_t begin,
-                                    int64_t end);
-bw_status bwi_for_contributions(bw_context *context, const bw_block_pattern *pattern,
-                                const bw_mesh *mesh, bwi_contributions_body *body, void *data);
 
 /* The bulk modulus that acts on mean dilatations. In a tet4 the dilatation is constant anyway. */
 static inline double bwi_projected_bulk(const bw_mesh *mesh, const bw_material *material) {

@@ -13,7 +13,7 @@
 #include <string.h>
 
 typedef struct mass_data {
-  const bw_block_pattern *pattern;
+  bwi_row_sums rows;
   const bw_mesh *mesh;
   int32_t *curved;
   double *curved_mass; /* curved elements x 100 */
@@ -78,32 +78,40 @@ static void clear(mass_data *m) {
   bw_free(m->curved_mass);
 }
 
-static void gather_rows(void *data, const bwi_contributions *list, int64_t begin, int64_t end) {
+static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker) {
   const mass_data *m = (const mass_data *)data;
-  const bw_block_pattern *pattern = m->pattern;
-  for (int64_t block = pattern->start[begin]; block < pattern->start[end]; block++) {
-    double sum = 0;
-    const int64_t *start = list->start + (block - list->first);
-    for (int64_t k = start[0]; k < start[1]; k++) {
-      int32_t e = list->element[k];
-      int code = list->local[k];
-      if (m->curved && m->curved[e] >= 0)
-        sum += m->curved_mass[100 * (int64_t)m->curved[e] + 10 * (code >> 4) + (code & 15)];
-      else
-        sum += m->factor[code] * m->mesh->volume[e];
+  const bwi_row_sums *r = &m->rows;
+  int32_t *place = r->place + (int64_t)worker * r->pattern->node_count;
+  for (int64_t i = begin; i < end; i++) {
+    double *row = m->values + r->pattern->start[i];
+    memset(row, 0, (size_t)bwi_row_places(r, i, place) * sizeof *row);
+    for (int64_t k = r->incidence.start[i]; k < r->incidence.start[i + 1]; k++) {
+      int64_t e = r->incidence.element[k];
+      int a = r->incidence.local[k];
+      const int32_t *node = bwi_row_element(r, k);
+      bool curved = m->curved && m->curved[e] >= 0;
+      const double *of_pair =
+          curved ? m->curved_mass + 100 * (int64_t)m->curved[e] + 10 * a : m->factor + (a << 4);
+      double volume = curved ? 1 : m->mesh->volume[e];
+      for (int b = 0; b < r->nodes_per_element; b++)
+        if (node[b] <= i)
+          row[place[node[b]]] += of_pair[b] * volume;
     }
-    m->values[block] = sum;
   }
+  return BW_OK;
 }
 
 bw_status bw_mass(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
                   double *values) {
   bw_status status;
-  mass_data m = {.pattern = pattern, .values = values};
+  mass_data m = {.values = values};
   BW_TRY(bwi_block_pattern_fits(context, pattern, mesh));
   BW_TRY(prepare(context, mesh, &m));
-  BW_TRY(bwi_for_contributions(context, pattern, mesh, gather_rows, &m));
+  BW_TRY(bwi_row_sums_open(context, pattern, mesh->element_count, mesh->nodes_per_element,
+                           mesh->element, &m.rows));
+  BW_TRY(bw_parallel(context, mesh->node_count, BWI_ROWS_PER_CHUNK, gather_rows, &m));
 done:
+  bwi_row_sums_close(&m.rows);
   clear(&m);
   return status;
 }
@@ -111,7 +119,7 @@ done:
 bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, double *values) {
   bw_status status;
   int n = mesh->nodes_per_element;
-  mass_data m = {.pattern = NULL};
+  mass_data m = {0};
   BW_TRY(prepare(context, mesh, &m));
   memset(values, 0, (size_t)mesh->node_count * sizeof *values);
   for (int64_t e = 0; e < mesh->element_count; e++) {

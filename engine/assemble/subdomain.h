@@ -91,7 +91,7 @@ bw_status bwi_subdomain_lists(bw_context *context, const bw_block_pattern *patte
  * of a half adds to number r of that half. */
 enum { BWI_SUBDOMAIN_MAP = 36 + 9 };
 /* The first 6 or all 9 numbers of the halves of T (rows of four) to out[4 m]. */
-void bwi_subdomain_halves(double t[3][4], int numbers, double *out);
+void bwi_subdomain_halves(const bwi_vector t[3], int numbers, double *out);
 /* Of a subdomain moved by x -> linear x whose material is given by C as in `elasticity`. */
 void bwi_subdomain_map(const double elasticity[81], const double linear[9],
                        double map[BWI_SUBDOMAIN_MAP]);
@@ -126,7 +126,7 @@ typedef struct bwi_subdomain_work {
   bw_subdomain_stiffness *stiffness;
   const bw_mesh *mesh;
   uint8_t *action; /* subdomain_count: BWI_SUBDOMAIN_... */
-  bwi_block_source source;
+  bwi_block_term table[256];
   bwi_frames frames;    /* of elements of gathered subdomains, subdomain by subdomain */
   int64_t *first_frame; /* subdomain_count + 1 */
   bool *touched;        /* section_count: a subdomain of it has an action */

@@ -17,7 +17,7 @@
 static const int upper[9][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2},
                                 {2, 2}, {0, 1}, {0, 2}, {1, 2}};
 
-void bwi_subdomain_halves(double t[3][4], int numbers, double *out) {
+void bwi_subdomain_halves(const bwi_vector t[3], int numbers, double *out) {
   for (int m = 0; m < numbers; m++) {
     int p = upper[m][0], q = upper[m][1];
     out[4 * m] = p == q ? t[p][p] : 0.5 * (m < 6 ? t[p][q] + t[q][p] : t[p][q] - t[q][p]);

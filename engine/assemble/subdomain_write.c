@@ -94,8 +94,7 @@ bw_status bwi_subdomain_work_prepare(bw_context *context, const bw_mesh *mesh,
   bw_status status = BW_OK;
   const bwi_subdomain_coefficients *c = work->stiffness->coefficients;
   work->mesh = mesh;
-  work->source.frames = &work->frames;
-  bwi_product_table(mesh->order, work->source.table);
+  bwi_product_table(mesh->order, work->table);
   work->frames.mesh = mesh;
   work->frames.vectors = mesh->order == 1 ? 4 : 10;
   list_touched(work);
@@ -130,10 +129,13 @@ done:
 
 static bwi_element_range range_of(const bwi_subdomain_work *work, int64_t subdomain) {
   const bwi_subdomain_coefficients *c = work->stiffness->coefficients;
-  return (bwi_element_range){c->number, c->element_start[subdomain],
+  return (bwi_element_range){c->number,
+                             c->element_start[subdomain],
                              c->element_start[subdomain + 1] - c->element_start[subdomain],
                              work->frames.vector +
-                                 work->first_frame[subdomain] * work->frames.vectors};
+                                 work->first_frame[subdomain] * work->frames.vectors,
+                             work->frames.vectors,
+                             work->table};
 }
 
 /* T of a segment's j-th subdomain into `to`. */
@@ -143,10 +145,10 @@ static void gather_tensors(const bwi_subdomain_work *work, const bwi_subdomain_s
   bwi_element_range range = range_of(work, subdomain);
   int numbers = segment->numbers;
   for (int64_t k = 0; k < segment->size; k++) {
-    double t[3][4], *tensor = to + numbers * (k & ~(int64_t)3) + (k & 3);
+    bwi_vector t[3];
+    double *tensor = to + numbers * (k & ~(int64_t)3) + (k & 3);
     bool diagonal = code[k] & 1;
-    bwi_sum_block(&work->source, work->stiffness->coefficients->contributions, &range, code[k] >> 1,
-                  diagonal, t);
+    bwi_sum_block(work->stiffness->coefficients->contributions, &range, code[k] >> 1, diagonal, t);
     bwi_subdomain_halves(t, numbers, tensor);
     if (diagonal) /* symmetric but for rounding */
       for (int m = 6; m < numbers; m++)
@@ -185,10 +187,10 @@ static void gather_inside(const bwi_subdomain_work *work, const bwi_subdomain_se
           map[jl][i][k] = elasticity[9 * (3 * i + k) + jl];
   }
   for (int64_t k = 0; k < segment->size; k++) {
-    double t[3][4], *block = work->stiffness->values + 9 * (int64_t)(code[k] >> 1);
+    bwi_vector t[3];
+    double *block = work->stiffness->values + 9 * (int64_t)(code[k] >> 1);
     bool diagonal = code[k] & 1;
-    bwi_sum_block(&work->source, work->stiffness->coefficients->contributions, &range, code[k] >> 1,
-                  diagonal, t);
+    bwi_sum_block(work->stiffness->coefficients->contributions, &range, code[k] >> 1, diagonal, t);
     if (material->isotropic)
       bwi_apply_isotropic(material->lame_lambda, material->lame_mu, t, block);
     else

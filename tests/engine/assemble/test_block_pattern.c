@@ -23,28 +23,6 @@ static void fan(bw_context *context, int blades, bw_mesh **mesh) {
   free(node), free(element);
 }
 
-typedef struct part_check {
-  const bw_block_pattern *pattern;
-  const bwi_contributions *all;
-  int64_t rows;
-} part_check;
-
-/* The contributions to some rows are those among the ones to all rows. */
-static void same_part(void *data, const bwi_contributions *list, int64_t begin, int64_t end) {
-  part_check *part = (part_check *)data;
-  const bwi_contributions *all = part->all;
-  int64_t first = part->pattern->start[begin], last = part->pattern->start[end];
-  assert_int_equal(list->first, first);
-  assert_int_equal(list->count, all->start[last] - all->start[first]);
-  for (int64_t p = first; p <= last; p++)
-    assert_int_equal(list->start[p - first], all->start[p] - all->start[first]);
-  for (int64_t k = 0; k < list->count; k++) {
-    assert_int_equal(list->element[k], all->element[all->start[first] + k]);
-    assert_int_equal(list->local[k], all->local[all->start[first] + k]);
-  }
-  __atomic_add_fetch(&part->rows, end - begin, __ATOMIC_RELAXED);
-}
-
 static void check_pattern(bw_context *context, const bw_mesh *mesh) {
   bw_block_pattern *g = NULL;
   bwi_contributions *list = NULL;
@@ -84,9 +62,6 @@ static void check_pattern(bw_context *context, const bw_mesh *mesh) {
   assert_int_equal(uppers, g->block_count - n);
   assert_int_equal(list->start[g->block_count], mesh->element_count * (per * (per + 1) / 2));
   assert_true(bw_bytes(g) > 0 && bw_bytes(list) > 0);
-  part_check part = {g, list, 0};
-  check_ok(context, bwi_for_contributions(context, g, mesh, same_part, &part));
-  assert_int_equal(part.rows, n);
   bw_release(list);
   free(together);
   bw_release(g);
