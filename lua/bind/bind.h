@@ -128,7 +128,9 @@ lbw_box *lbw_any_box(lua_State *L, int index);
 lbw_box *lbw_box_new(lua_State *L, const lbw_class *class);
 /* Takes over one reference and tells the collector the size. */
 void lbw_box_fill(lua_State *L, lbw_box *box, const void *object);
-/* The same, retaining. */
+/* Leaves with it, and the box on the top of the stack, as lbw_leave does. */
+int lbw_leave_object(lua_State *L, lbw_box *box, const void *object, bw_status status);
+/* lbw_box_fill, retaining. */
 void lbw_push(lua_State *L, const lbw_class *class, const void *object);
 /* Counts the box again after its object or extra grew. */
 void lbw_box_account(lua_State *L, lbw_box *box);
@@ -201,6 +203,8 @@ int lbw_check_word(lua_State *L, int argument, const char *const words[]);
 
 /* {x, y, z}, or an array of three numbers. `what` names the argument in the message. */
 void lbw_check_vector(lua_State *L, int argument, const char *what, double vector[3]);
+/* {x, y} at `index`; raises with `what`. */
+void lbw_check_pair(lua_State *L, int index, const char *what, double pair[2]);
 bool lbw_to_vector(lua_State *L, int index, double vector[3]);
 void lbw_push_vector(lua_State *L, const double vector[3]);
 double lbw_check_real(lua_State *L, int argument, const char *what);

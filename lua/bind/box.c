@@ -92,6 +92,11 @@ void lbw_box_fill(lua_State *L, lbw_box *box, const void *object) {
     lbw_box_account(L, box);
 }
 
+int lbw_leave_object(lua_State *L, lbw_box *box, const void *object, bw_status status) {
+  lbw_box_fill(L, box, object);
+  return lbw_leave(L, status, 1);
+}
+
 void lbw_push(lua_State *L, const lbw_class *class, const void *object) {
   lbw_box *box = lbw_box_new(L, class); /* may raise: the reference is taken after it */
   lbw_box_fill(L, box, bw_retain(object));

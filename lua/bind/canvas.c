@@ -332,8 +332,7 @@ static int canvas_new(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_canvas_class);
   bw_canvas *canvas = NULL;
   bw_status status = bw_canvas_create(lbw_enter(L), width, height, name, &canvas);
-  lbw_box_fill(L, box, canvas);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, canvas, status);
 }
 
 void lbw_open_canvas(lua_State *L) {

@@ -35,6 +35,18 @@ void lbw_check_vector(lua_State *L, int argument, const char *what, double vecto
                                        what, lbw_got(L, argument)));
 }
 
+void lbw_check_pair(lua_State *L, int index, const char *what, double pair[2]) {
+  bool ok = lua_istable(L, index) && lua_rawlen(L, index) == 2;
+  index = lua_absindex(L, index);
+  for (int i = 0; i < 2 && ok; i++) {
+    ok = lua_rawgeti(L, index, i + 1) == LUA_TNUMBER && isfinite(lua_tonumber(L, -1));
+    pair[i] = lua_tonumber(L, -1);
+    lua_pop(L, 1);
+  }
+  if (!ok)
+    lbw_error(L, "%s: two finite numbers {x, y} expected, got %s", what, lbw_got(L, index));
+}
+
 void lbw_push_vector(lua_State *L, const double vector[3]) {
   lua_createtable(L, 3, 0);
   for (int i = 0; i < 3; i++) {

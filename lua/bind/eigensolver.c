@@ -12,8 +12,7 @@ static int create(lua_State *L, const bw_eigensolver_options *options) {
   lbw_box *box = lbw_box_new(L, &lbw_eigensolver_class);
   bw_eigensolver *solver = NULL;
   bw_status status = bw_eigensolver_create(lbw_enter(L), options, &solver);
-  lbw_box_fill(L, box, solver);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, solver, status);
 }
 
 /* Those on the factor of the system: {basis} */

@@ -31,8 +31,7 @@ static int grid_embed(lua_State *L) {
   bw_status status = bw_embedding_create(lbw_enter(L), grid, count, point, reach, &out);
   if (out)
     box->extra = bw_retain(surface);
-  lbw_box_fill(L, box, out);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, out, status);
 }
 
 static const double *check_rows(lua_State *L, int index, const char *what, int64_t expected,
@@ -95,8 +94,7 @@ static int embedding_moved(lua_State *L) {
                              surface->triangle, surface->group, &out);
   }
   bw_free(point);
-  lbw_box_fill(L, box, out);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, out, status);
 }
 
 static int embedding_grid(lua_State *L) {

@@ -174,8 +174,7 @@ int lbw_selection_face(lua_State *L) {
   status = bw_select_combine(context, from, chosen, BW_INTERSECTION, &within);
 done:
   bw_release(chosen);
-  lbw_box_fill(L, box, within);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, within, status);
 }
 
 /* The areas of the faces of a surface on the boundary of a mesh: `area` of the faces. */

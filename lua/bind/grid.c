@@ -17,11 +17,6 @@ static const bw_grid *self(lua_State *L) {
   return (const bw_grid *)lbw_check(L, 1, &lbw_grid_class);
 }
 
-static int leave(lua_State *L, lbw_box *box, const bw_grid *grid, bw_status status) {
-  lbw_box_fill(L, box, grid);
-  return lbw_leave(L, status, 1);
-}
-
 /* ---- materials ------------------------------------------------------------------------------- */
 
 /* A number, a function, a formula, or a list with one for each of `count` cells. What is pushed
@@ -155,7 +150,7 @@ static int grid_box(lua_State *L) {
   BW_TRY(bw_grid_create(context, min, spacing, cells, material, NULL, &out));
 done:
   bw_free(material);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* The grid with these materials in its cells. */
@@ -201,7 +196,7 @@ static int grid_voxels(lua_State *L) {
     out = (bw_grid *)bw_retain(full);
 done:
   bw_release(full);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* ---- edits ----------------------------------------------------------------------------------- */
@@ -249,7 +244,7 @@ static int grid_set(lua_State *L) {
   BW_TRY(assign(context, grid, &s, count, cell ? cell : chosen, &out));
 done:
   bw_free(chosen);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* grid:coarse(levels): 2 x 2 x 2 cells become one, so many times; and the coarse element of each

@@ -136,8 +136,7 @@ static int core_incremental_system(lua_State *L) {
       subdomains->stiffness.of_element, subdomains->stiffness.of_node, &edits, &incremental);
   if (incremental)
     box->extra = bw_retain(subdomains);
-  lbw_box_fill(L, box, incremental);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, incremental, status);
 }
 
 /* incremental:update(model, motion): reuse */

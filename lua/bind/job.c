@@ -155,8 +155,7 @@ static int core_job(lua_State *L) {
   bw_status status = bw_may_start(context, "a job: its memory and time would not be the script's");
   if (status == BW_OK)
     status = bw_job_start(context, &options, child_work, &c, &job);
-  lbw_box_fill(L, box, job);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, job, status);
 }
 
 /* wait(jobs, seconds): the place of one that has ended, or nil */

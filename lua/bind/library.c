@@ -42,8 +42,7 @@ static int library_build(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_library_class);
   bw_library *library = NULL;
   bw_status status = bw_library_build(lbw_enter(L), material_table, &options, checkpoint, &library);
-  lbw_box_fill(L, box, library);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, library, status);
 }
 
 static const lbw_option grow_options[] = {
@@ -79,8 +78,7 @@ static int library_grow(lua_State *L) {
     status = bw_library_grow(context, of ? of : empty, material_table, grid, levels, checkpoint,
                              &library);
   bw_release(empty);
-  lbw_box_fill(L, box, library);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, library, status);
 }
 
 /* metamaterial.read(path) */
@@ -89,8 +87,7 @@ static int library_read(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_library_class);
   bw_library *library = NULL;
   bw_status status = bw_library_read(lbw_enter(L), path, &library);
-  lbw_box_fill(L, box, library);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, library, status);
 }
 
 /* library:write(path) */
@@ -227,8 +224,7 @@ static int coarse_create(lua_State *L) {
   bw_coarse *coarse = NULL;
   bw_status status =
       bw_coarsen(lbw_enter(L), method, library, material_table, grid, (int)levels, &coarse);
-  lbw_box_fill(L, box, coarse);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, coarse, status);
 }
 
 /* coarse:follow(grid) */
@@ -238,8 +234,7 @@ static int coarse_follow(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_coarse_class);
   bw_coarse *followed = NULL;
   bw_status status = bw_coarse_follow(lbw_enter(L), coarse, grid, &followed);
-  lbw_box_fill(L, box, followed);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, followed, status);
 }
 
 /* coarse:to_fine(displacement) */

@@ -20,8 +20,7 @@ static int create(lua_State *L, const char *function, make *of) {
   lbw_box *box = lbw_box_new(L, &lbw_lp_solver_class);
   bw_lp_solver *solver = NULL;
   bw_status status = of(lbw_enter(L), &options, &solver);
-  lbw_box_fill(L, box, solver);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, solver, status);
 }
 
 /* lp.dual_simplex{max_iterations} */

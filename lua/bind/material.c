@@ -11,11 +11,6 @@ static const bw_material *self(lua_State *L) {
   return (const bw_material *)lbw_check(L, 1, &lbw_material_class);
 }
 
-static int leave(lua_State *L, lbw_box *box, const bw_material *material, bw_status status) {
-  lbw_box_fill(L, box, material);
-  return lbw_leave(L, status, 1);
-}
-
 /* The option "name", a string that stays with the options' table. */
 static const char *name_option(lua_State *L, const char *function) {
   const char *name = NULL;
@@ -45,7 +40,7 @@ static int material_isotropic(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_material_class);
   bw_material *out = NULL;
   bw_status status = bw_material_isotropic(lbw_enter(L), &constants, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* material.orthotropic{young, poisson, poisson_t, shear, axes, density, strength, toughness, name}
@@ -71,7 +66,7 @@ static int material_orthotropic(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_material_class);
   bw_material *out = NULL;
   bw_status status = bw_material_orthotropic(lbw_enter(L), &constants, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* material.named(name); raises for an unknown name and names the nearest */
@@ -90,7 +85,7 @@ static int material_named(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_material_class);
   bw_material *out = NULL;
   bw_status status = bw_material_named(lbw_enter(L), name, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* material.steel: looked up in the library when the module has no such function */
@@ -117,7 +112,7 @@ static int material_rotated(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_material_class);
   bw_material *out = NULL;
   bw_status status = bw_material_rotated(lbw_enter(L), material, rotation, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 static int material_strength_along(lua_State *L) {

@@ -10,11 +10,6 @@ static const bw_mesh *self(lua_State *L) {
   return (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
 }
 
-static int leave(lua_State *L, lbw_box *box, const bw_mesh *mesh, bw_status status) {
-  lbw_box_fill(L, box, mesh);
-  return lbw_leave(L, status, 1);
-}
-
 /* ---- filling --------------------------------------------------------------------------------- */
 
 static void push_fill_log(lua_State *L, const bw_fill_log *log) {
@@ -259,7 +254,7 @@ static int mesh_new(lua_State *L) {
   bw_mesh *out = NULL;
   bw_status status =
       bw_mesh_copy(lbw_enter(L), order, nodes, node, elements, element, region, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* mesh.box{min, max, cells = {nx, ny, nz}, order} */
@@ -285,7 +280,7 @@ static int mesh_box_grid(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *out = NULL;
   bw_status status = bw_mesh_box_grid(lbw_enter(L), grid.min, grid.max, cells, grid.order, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* ---- changing -------------------------------------------------------------------------------- */
@@ -297,7 +292,7 @@ static int mesh_with_order(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *out = NULL;
   bw_status status = bw_mesh_with_order(lbw_enter(L), mesh, (int)order, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 static int mesh_moved(lua_State *L) {
@@ -308,7 +303,7 @@ static int mesh_moved(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *out = NULL;
   bw_status status = bw_mesh_moved(lbw_enter(L), mesh, node, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* mesh:subset(mask): the elements whose mask is not 0 */
@@ -318,7 +313,7 @@ static int mesh_subset(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *out = NULL;
   bw_status status = bw_mesh_subset(lbw_enter(L), mesh, keep, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* mesh:renumbered(): the mesh, the old numbers of its nodes, of its elements */

@@ -78,8 +78,7 @@ static int plane_mesh_motion(lua_State *L) {
   bw_status status = bw_mesh_motion_create(lbw_enter(L), mesh, &options, &out);
   if (out)
     out->options.fill.field_data = NULL; /* read again for each call */
-  lbw_box_fill(L, box, out);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, out, status);
 }
 
 static void push_report(lua_State *L, const bw_follow_report *report) {

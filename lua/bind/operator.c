@@ -302,8 +302,7 @@ done:
   bw_release(m);
   bw_release(b);
   bw_release(options.solver);
-  lbw_box_fill(L, box, pairs);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, pairs, status);
 }
 
 /* matrix:inverse(solver) */
@@ -317,8 +316,7 @@ static int matrix_inverse(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_operator_class);
   bw_operator *a = NULL;
   bw_status status = bw_operator_inverse(lbw_enter(L), matrix, solver, &a);
-  lbw_box_fill(L, box, a);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, a, status);
 }
 
 /* ---- the classes ----------------------------------------------------------------------------- */

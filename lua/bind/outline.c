@@ -11,23 +11,7 @@ static const bw_outline *self(lua_State *L) {
   return (const bw_outline *)lbw_check(L, 1, &lbw_outline_class);
 }
 
-static int leave(lua_State *L, lbw_box *box, const bw_outline *outline, bw_status status) {
-  lbw_box_fill(L, box, outline);
-  return lbw_leave(L, status, 1);
-}
-
 /* ---- arguments ------------------------------------------------------------------------------- */
-
-static void check_pair(lua_State *L, int index, const char *what, double pair[2]) {
-  bool ok = lua_istable(L, index) && lua_rawlen(L, index) == 2;
-  for (int i = 0; i < 2 && ok; i++) {
-    ok = lua_rawgeti(L, index, i + 1) == LUA_TNUMBER && isfinite(lua_tonumber(L, -1));
-    pair[i] = lua_tonumber(L, -1);
-    lua_pop(L, 1);
-  }
-  if (!ok)
-    lbw_error(L, "%s: two finite numbers {x, y} expected, got %s", what, lbw_got(L, index));
-}
 
 static int32_t check_loop(lua_State *L, int index, const bw_outline *outline) {
   if (lua_type(L, index) != LUA_TSTRING)
@@ -182,7 +166,7 @@ static int outline_make(lua_State *L) {
   bw_outline *out = NULL;
   bw_status status = bw_outline_create(lbw_enter(L), (int32_t)points, point, (int32_t)segments,
                                        segment, (int32_t)loops, loop, (int32_t)tags, tag, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* outline.read(path, {unit, tolerance}): the outline, {format, skipped} */
@@ -249,7 +233,7 @@ static int outline_with_points(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_outline_class);
   bw_outline *out = NULL;
   bw_status status = bw_outline_moved(lbw_enter(L), outline, point, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* outline:moved(handle, {dx, dy}) */
@@ -259,7 +243,7 @@ static int outline_moved(lua_State *L) {
   double by[2];
   int32_t number;
   bw_handle_kind kind = check_handle(L, 2, outline, &number);
-  check_pair(L, 3, "moved", by);
+  lbw_check_pair(L, 3, "moved", by);
   size_t points = (size_t)outline->point_count;
   double *weight = (double *)lua_newuserdatauv(L, 3 * points * sizeof *weight, 0);
   double *point = weight + points;
@@ -271,7 +255,7 @@ static int outline_moved(lua_State *L) {
     point[i] = outline->point[i] + weight[i / 2] * by[i % 2];
   if (status == BW_OK)
     status = bw_outline_moved(context, outline, point, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* outline:weights(handle): how far each point goes with a handle */
@@ -297,7 +281,7 @@ static int outline_with_loop(lua_State *L) {
   bw_outline *out = NULL;
   bw_status status = bw_outline_with_loop(lbw_enter(L), outline, (int32_t)points, point,
                                           (int32_t)segments, segment, &loop, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* outline:without(loop) */
@@ -307,7 +291,7 @@ static int outline_without(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_outline_class);
   bw_outline *out = NULL;
   bw_status status = bw_outline_without_loop(lbw_enter(L), outline, loop, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* outline:smooth{loop, strength, rounds, corner}: corner in degrees */
@@ -337,7 +321,7 @@ static int outline_smooth(lua_State *L) {
     bw_release(out);
     out = next;
   }
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* outline:pull(vertex, {x, y}, {pins = {vertices}, reach = }) */
@@ -349,7 +333,7 @@ static int outline_pull(lua_State *L) {
   lua_settop(L, 4);
   int32_t vertex = check_vertex(L, 2, outline);
   double to[2];
-  check_pair(L, 3, "pull", to);
+  lbw_check_pair(L, 3, "pull", to);
   lbw_options(L, 4, "pull", list, &reach);
   int64_t pins = 0;
   int32_t *pin = NULL;
@@ -365,7 +349,7 @@ static int outline_pull(lua_State *L) {
   bw_outline *out = NULL;
   bw_status status =
       bw_outline_pulled(lbw_enter(L), outline, vertex, to, (int32_t)pins, pin, reach, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* outline:split(edge, t) */
@@ -376,7 +360,7 @@ static int outline_split(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_outline_class);
   bw_outline *out = NULL;
   bw_status status = bw_outline_split(lbw_enter(L), outline, edge, t, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* outline:join(vertex) */
@@ -386,7 +370,7 @@ static int outline_join(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_outline_class);
   bw_outline *out = NULL;
   bw_status status = bw_outline_joined(lbw_enter(L), outline, vertex, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* outline:with_tag(name, edges) */
@@ -398,7 +382,7 @@ static int outline_with_tag(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_outline_class);
   bw_outline *out = NULL;
   bw_status status = bw_outline_tagged(lbw_enter(L), outline, (int32_t)count, edge, name, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* ---- measures and places --------------------------------------------------------------------- */
@@ -511,7 +495,7 @@ static int outline_at(lua_State *L) {
 static int outline_nearest(lua_State *L) {
   const bw_outline *outline = self(L);
   double at[2], place[2];
-  check_pair(L, 2, "nearest", at);
+  lbw_check_pair(L, 2, "nearest", at);
   bw_outline_place found = bw_outline_nearest(outline, at);
   bw_outline_evaluate(outline, found.segment, found.t, place, NULL, NULL);
   const bw_loop *loop = &outline->loop[bw_segment_loop(outline, found.segment)];
@@ -677,7 +661,7 @@ static int outline_edge_distance(lua_State *L) {
   const bw_outline *outline = self(L);
   int32_t edge = check_edge(L, 2, outline);
   double at[2];
-  check_pair(L, 3, "edge_distance", at);
+  lbw_check_pair(L, 3, "edge_distance", at);
   lua_pushnumber(L, bw_segment_nearest(outline, edge, at).distance);
   return 1;
 }

@@ -11,23 +11,6 @@ static const bw_plane_mesh *self(lua_State *L) {
   return (const bw_plane_mesh *)lbw_check(L, 1, &lbw_plane_mesh_class);
 }
 
-static int leave(lua_State *L, lbw_box *box, const bw_plane_mesh *mesh, bw_status status) {
-  lbw_box_fill(L, box, mesh);
-  return lbw_leave(L, status, 1);
-}
-
-static void check_pair(lua_State *L, int index, const char *what, double pair[2]) {
-  bool ok = lua_istable(L, index) && lua_rawlen(L, index) == 2;
-  index = lua_absindex(L, index);
-  for (int i = 0; i < 2 && ok; i++) {
-    ok = lua_rawgeti(L, index, i + 1) == LUA_TNUMBER && isfinite(lua_tonumber(L, -1));
-    pair[i] = lua_tonumber(L, -1);
-    lua_pop(L, 1);
-  }
-  if (!ok)
-    lbw_error(L, "%s: two finite numbers {x, y} expected, got %s", what, lbw_got(L, index));
-}
-
 /* ---- making ---------------------------------------------------------------------------------- */
 
 static double field_value(void *data, const double at[2]) {
@@ -77,7 +60,7 @@ static int plane_fill(lua_State *L) {
   bw_status status = bw_plane_fill(context, outline, &options, &out);
   if (field)
     lbw_field_end(field, context);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* plane.new{points, elements, regions, order}: its boundary becomes the outline; with outline,
@@ -134,7 +117,7 @@ static int plane_new(lua_State *L) {
                                             parameter, (int32_t)elements, element, region, &out)
                          : bw_plane_mesh_copy(context, order, (int32_t)nodes, point,
                                               (int32_t)elements, element, region, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* plane.rectangle{min, max, cells = {nx, ny}, order, diagonal} */
@@ -150,7 +133,7 @@ static int plane_rectangle(lua_State *L) {
   lbw_options(L, 1, "plane.rectangle", list, &order);
   for (int i = 0; i < 3; i++)
     if (lbw_option_get(L, 1, list[i].key) != LUA_TNIL)
-      check_pair(L, -1, list[i].key, pair[i]);
+      lbw_check_pair(L, -1, list[i].key, pair[i]);
   for (int i = 0; i < 2; i++)
     if (cells[i] != floor(cells[i]) || cells[i] < 1 || cells[i] > 1e6)
       return lbw_error(
@@ -161,7 +144,7 @@ static int plane_rectangle(lua_State *L) {
   bw_plane_mesh *out = NULL;
   bw_status status = bw_plane_rectangle(lbw_enter(L), order, min, max, (int32_t)cells[0],
                                         (int32_t)cells[1], (bw_diagonal)diagonal, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* mesh:moved(outline, points) */
@@ -174,7 +157,7 @@ static int plane_moved(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_plane_mesh_class);
   bw_plane_mesh *out = NULL;
   bw_status status = bw_plane_mesh_moved(lbw_enter(L), mesh, outline, point, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* ---- fields, places, files ------------------------------------------------------------------- */
@@ -223,7 +206,7 @@ static int make_locator(lua_State *L) {
 static int plane_locate(lua_State *L) {
   double at[2], weight[3] = {0, 0, 0}, outside = 0;
   self(L);
-  check_pair(L, 2, "locate", at);
+  lbw_check_pair(L, 2, "locate", at);
   lua_settop(L, 2);
   lbw_cached(L, "locator", make_locator);
   locator_box *held = (locator_box *)lua_touserdata(L, -1);

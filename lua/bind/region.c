@@ -133,8 +133,7 @@ static int leave(lua_State *L, bw_context *context, lbw_box *box, int32_t *list,
     status = bw_array_adopt(context, BW_I32, count, 1, list, &array);
   if (status != BW_OK)
     bw_free(list);
-  lbw_box_fill(L, box, array);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, array, status);
 }
 
 /* grid:nodes(region): numbers of nodes */

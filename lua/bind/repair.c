@@ -124,8 +124,7 @@ static int model_moved(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_model_class);
   bw_model *out = NULL;
   bw_status status = bw_model_moved(lbw_enter(L), model, mesh, &out);
-  lbw_box_fill(L, box, out);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* model:transferred(mesh, the old node of every node): on a refilled mesh */
@@ -146,8 +145,7 @@ static int model_transferred(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_model_class);
   bw_model *out = NULL;
   bw_status status = bw_model_transferred(lbw_enter(L), model, mesh, node_from, &out);
-  lbw_box_fill(L, box, out);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, out, status);
 }
 
 void lbw_open_repair(lua_State *L) {

@@ -276,8 +276,7 @@ static int combine(lua_State *L, bw_set_operation operation) {
   lbw_box *box = lbw_box_new(L, &lbw_selection_class);
   bw_selection *out = NULL;
   bw_status status = bw_select_combine(lbw_enter(L), a, b, operation, &out);
-  lbw_box_fill(L, box, out);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, out, status);
 }
 
 static int select_union(lua_State *L) {
@@ -296,8 +295,7 @@ static int select_node_set(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_selection_class);
   bw_selection *out = NULL;
   bw_status status = bw_select_node_set(lbw_enter(L), from, &out);
-  lbw_box_fill(L, box, out);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* ---- properties ------------------------------------------------------------------------------ */

@@ -10,11 +10,6 @@ static const bw_skeleton *self(lua_State *L) {
   return (const bw_skeleton *)lbw_check(L, 1, &lbw_skeleton_class);
 }
 
-static int leave(lua_State *L, lbw_box *box, const bw_skeleton *skeleton, bw_status status) {
-  lbw_box_fill(L, box, skeleton);
-  return lbw_leave(L, status, 1);
-}
-
 /* ---- names ----------------------------------------------------------------------------------- */
 
 static int32_t check_named(lua_State *L, int argument, const char *what, int32_t count,
@@ -86,7 +81,7 @@ static int skeleton_make(lua_State *L) {
   bw_skeleton *out = NULL;
   bw_status status = bw_skeleton_create(lbw_enter(L), joints, joint, joint_name, bones, bone,
                                         bone_name, root, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* skeleton.extract(surface, {bones, prune, bend, minutes}) */
@@ -103,7 +98,7 @@ static int skeleton_extract(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_skeleton_class);
   bw_skeleton *out = NULL;
   bw_status status = bw_skeleton_extract(lbw_enter(L), surface, &options, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 static const lbw_option unit_option[] = {{"unit", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
@@ -116,7 +111,7 @@ static int skeleton_read(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_skeleton_class);
   bw_skeleton *out = NULL;
   bw_status status = bw_skeleton_read_tgf(lbw_enter(L), path, unit, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* skeleton:write(path, {unit}) */
@@ -145,7 +140,7 @@ static int skeleton_insert_joint(lua_State *L) {
   bw_skeleton *out = NULL;
   bw_status status = bw_skeleton_insert_joint(lbw_enter(L), skeleton, bone, fraction,
                                               named ? name.text : NULL, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* skeleton:move_joint(joint, at) */
@@ -157,7 +152,7 @@ static int skeleton_move_joint(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_skeleton_class);
   bw_skeleton *out = NULL;
   bw_status status = bw_skeleton_move_joint(lbw_enter(L), skeleton, joint, at, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* skeleton:merge(bone, bone) */
@@ -167,7 +162,7 @@ static int skeleton_merge(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_skeleton_class);
   bw_skeleton *out = NULL;
   bw_status status = bw_skeleton_merge_bones(lbw_enter(L), skeleton, a, b, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* skeleton:remove(bone): with all below it */
@@ -177,7 +172,7 @@ static int skeleton_remove(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_skeleton_class);
   bw_skeleton *out = NULL;
   bw_status status = bw_skeleton_remove_bone(lbw_enter(L), skeleton, bone, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* skeleton:with_root(joint) */
@@ -187,7 +182,7 @@ static int skeleton_with_root(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_skeleton_class);
   bw_skeleton *out = NULL;
   bw_status status = bw_skeleton_with_root(lbw_enter(L), skeleton, joint, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* ---- views ----------------------------------------------------------------------------------- */

@@ -98,8 +98,7 @@ static int solid_create(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_solid_class);
   bw_solid *solid = NULL;
   bw_status status = bw_solid_create(lbw_enter(L), grid, material_table, previous, &solid);
-  lbw_box_fill(L, box, solid);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, solid, status);
 }
 
 /* solid:evaluate(displacement): energy, gradient, shape */
@@ -193,8 +192,7 @@ static int case_create(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_load_case_class);
   bw_load_case *it = NULL;
   bw_status status = bw_load_case_create(lbw_enter(L), grid, &it);
-  lbw_box_fill(L, box, it);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, it, status);
 }
 
 static int32_t *read_nodes(lua_State *L, int index, const bw_grid *grid, int64_t *count) {
@@ -335,8 +333,7 @@ static int newton_create(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_newton_class);
   bw_newton *newton = NULL;
   bw_status status = bw_newton_create(lbw_enter(L), &newton);
-  lbw_box_fill(L, box, newton);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, newton, status);
 }
 
 enum { MAX_LEVELS = 4 };

@@ -57,8 +57,7 @@ static int material_create(lua_State *L) {
   bw_solid_material *out = NULL;
   bw_status status = (b_bar ? bw_solid_material_b_bar : bw_solid_material_create)(
       lbw_enter(L), name, (bw_law)law, c.young, c.poisson, c.density, &out);
-  lbw_box_fill(L, box, out);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, out, status);
 }
 
 bw_material_table *lbw_read_material_table(lua_State *L, int index, const char *function) {

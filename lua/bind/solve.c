@@ -552,8 +552,7 @@ static int system_modes(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_modes_class);
   bw_modes *modes = NULL;
   bw_status status = bw_modes_elastic(lbw_enter(L), system, &options, &modes);
-  lbw_box_fill(L, box, modes);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, modes, status);
 }
 
 static const luaL_Reg system_methods[] = {

@@ -14,8 +14,7 @@ static int create(lua_State *L, const bw_solver_options *options) {
   lbw_box *box = lbw_box_new(L, &lbw_solver_class);
   bw_solver *solver = NULL;
   bw_status status = bw_solver_create(lbw_enter(L), options, &solver);
-  lbw_box_fill(L, box, solver);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, solver, status);
 }
 
 /* solver.cholesky{backend, ordering, precision, full} */

@@ -22,8 +22,7 @@ static int matrix_new(lua_State *L) {
   bw_sparse_matrix *matrix = NULL;
   bw_status status = bw_sparse_matrix_create(lbw_enter(L), (int32_t)rows, (int32_t)columns, count,
                                              row, column, value, &matrix);
-  lbw_box_fill(L, box, matrix);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, matrix, status);
 }
 
 /* sparse_matrix.read(path) */
@@ -32,8 +31,7 @@ static int matrix_read(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_sparse_matrix_class);
   bw_sparse_matrix *matrix = NULL;
   bw_status status = bw_sparse_matrix_read(lbw_enter(L), path, &matrix);
-  lbw_box_fill(L, box, matrix);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, matrix, status);
 }
 
 /* matrix:write(path) */
@@ -113,8 +111,7 @@ static int array_read(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_array_class);
   bw_array *array = NULL;
   bw_status status = bw_array_read(lbw_enter(L), path, &array);
-  lbw_box_fill(L, box, array);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, array, status);
 }
 
 /* array:write(path) */
@@ -144,8 +141,7 @@ static int system_matrix(lua_State *L) {
   bw_sparse_matrix *matrix = NULL;
   bw_status status =
       bw_system_matrix(lbw_enter(L), system, (bw_system_part)part, opts.whole, &matrix);
-  lbw_box_fill(L, box, matrix);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, matrix, status);
 }
 
 /* system:right_hand_side(force) */

@@ -10,11 +10,6 @@ static const bw_subdomains *self(lua_State *L) {
   return (const bw_subdomains *)lbw_check(L, 1, &lbw_subdomains_class);
 }
 
-static int leave(lua_State *L, lbw_box *box, const bw_subdomains *subdomains, bw_status status) {
-  lbw_box_fill(L, box, subdomains);
-  return lbw_leave(L, status, 1);
-}
-
 static const bw_skeleton *check_skeleton(lua_State *L, int argument) {
   return (const bw_skeleton *)lbw_check(L, argument, &lbw_skeleton_class);
 }
@@ -54,7 +49,7 @@ static int core_subdomains(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_subdomains_class);
   bw_subdomains *out = NULL;
   bw_status status = bw_subdomains_create(lbw_enter(L), mesh, skeleton, weight, &options, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* subdomains_from_labels(mesh, skeleton, bones, labels): bones of the subdomains (0: blended), the
@@ -78,7 +73,7 @@ static int core_subdomains_from_labels(lua_State *L) {
   bw_subdomains *out = NULL;
   bw_status status = bw_subdomains_from_labels(lbw_enter(L), mesh, skeleton, (int32_t)subdomains,
                                                bone_of, label, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* subdomains:assign(elements, bone): without a bone they are taken out of type R */
@@ -91,7 +86,7 @@ static int subdomains_assign(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_subdomains_class);
   bw_subdomains *out = NULL;
   bw_status status = bw_subdomains_assign(lbw_enter(L), subdomains, count, element, bone, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* Numbers as mesh:refill gives them, from 1 to `max` or (0 and below) as they are, in a userdata
@@ -130,7 +125,7 @@ static int subdomains_refilled(lua_State *L) {
   bw_subdomains *out = NULL;
   bw_status status = bw_subdomains_refilled(lbw_enter(L), subdomains, map, replace, mesh, node_from,
                                             element_from, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* The numbers of the parts (labels of elements below `count`) with an element that has a node whose

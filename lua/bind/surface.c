@@ -11,11 +11,6 @@ static const bw_surface *self(lua_State *L) {
 }
 
 /* The new surface of a call between lbw_enter and lbw_leave. */
-static int leave(lua_State *L, lbw_box *box, const bw_surface *surface, bw_status status) {
-  lbw_box_fill(L, box, surface);
-  return lbw_leave(L, status, 1);
-}
-
 /* ---- files ----------------------------------------------------------------------------------- */
 
 static void push_read_info(lua_State *L, const bw_read_info *info, double unit) {
@@ -110,7 +105,7 @@ static int surface_new(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
   bw_status status = bw_surface_copy(lbw_enter(L), points, point, triangles, triangle, group, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 typedef struct shape {
@@ -136,7 +131,7 @@ static int surface_box_shape(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
   bw_status status = bw_surface_box_shape(lbw_enter(L), s.min, s.max, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* surface.sphere{centre, radius, subdivisions} */
@@ -152,7 +147,7 @@ static int surface_sphere(lua_State *L) {
   bw_surface *out = NULL;
   bw_status status =
       bw_surface_sphere_shape(lbw_enter(L), s.centre, s.radius, s.subdivisions, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* surface.cylinder{base, axis, radius, segments}: the axis' length is the height */
@@ -170,7 +165,7 @@ static int surface_cylinder(lua_State *L) {
   bw_surface *out = NULL;
   bw_status status =
       bw_surface_cylinder_shape(lbw_enter(L), s.base, s.axis, s.radius, s.segments, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* surface.implicit(value, {min, max, cells}): the zero set of a function of x, y, z or a formula
@@ -193,7 +188,7 @@ static int surface_implicit(lua_State *L) {
   bw_status status =
       bw_surface_implicit(context, s.min, s.max, s.cells, lbw_field_value, field, &out);
   lbw_field_end(field, context);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* ---- changing -------------------------------------------------------------------------------- */
@@ -204,14 +199,14 @@ static int surface_scale(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
   bw_status status = bw_surface_scale(lbw_enter(L), surface, factor, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 static int transformed(lua_State *L, const bw_surface *surface, const double matrix[12]) {
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
   bw_status status = bw_surface_transform(lbw_enter(L), surface, matrix, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* surface:transform{{a11, a12, a13, b1}, ...} */
@@ -259,7 +254,7 @@ static int surface_weld(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
   bw_status status = bw_surface_weld(lbw_enter(L), surface, tolerance, &out);
-  return leave(L, box, out, status);
+  return lbw_leave_object(L, box, out, status);
 }
 
 /* surface:orient(): surface, number of facets turned */

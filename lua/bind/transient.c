@@ -38,8 +38,7 @@ static int transient_create(lua_State *L) {
   bw_solid_transient *motion = NULL;
   bw_status status =
       bw_solid_transient_create(lbw_enter(L), solid, load_case, &options, u, v, &motion);
-  lbw_box_fill(L, box, motion);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, motion, status);
 }
 
 /* motion:step(count | nil): the motion itself */

@@ -42,8 +42,7 @@ static int weak_regions_find(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
   bw_weak_regions *regions = NULL;
   bw_status status = bw_weak_regions_find(lbw_enter(L), mesh, material, modes, &options, &regions);
-  lbw_box_fill(L, box, regions);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, regions, status);
 }
 
 /* single_regions(mesh, elements or nil, sign) */
@@ -57,8 +56,7 @@ static int single_regions(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
   bw_weak_regions *regions = NULL;
   bw_status status = bw_weak_regions_single(lbw_enter(L), mesh, count, element, sign, &regions);
-  lbw_box_fill(L, box, regions);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, regions, status);
 }
 
 /* directed_regions(mesh, elements, stresses) */
@@ -72,8 +70,7 @@ static int directed_regions(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
   bw_weak_regions *regions = NULL;
   bw_status status = bw_weak_regions_directed(lbw_enter(L), mesh, count, element, stress, &regions);
-  lbw_box_fill(L, box, regions);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, regions, status);
 }
 
 /* nearest_patch_nodes(system, points): array of node indices */
@@ -103,8 +100,7 @@ static int patch_regions(lua_State *L) {
   bw_weak_regions *regions = NULL;
   bw_status status = bw_weak_regions_patches(lbw_enter(L), system->mesh, system->dof_map, radius,
                                              count, node, stress, &regions);
-  lbw_box_fill(L, box, regions);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, regions, status);
 }
 
 /* regions[i]: {mode, rank, count, volume, energy, peak}; mode and rank where a mode gave the region
@@ -213,8 +209,7 @@ static int pressure_basis(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_pressure_basis_class);
   bw_pressure_basis *basis = NULL;
   bw_status status = bw_pressure_basis_create(lbw_enter(L), mesh, &options, &basis);
-  lbw_box_fill(L, box, basis);
-  return lbw_leave(L, status, 1);
+  return lbw_leave_object(L, box, basis, status);
 }
 
 static double *check_pressure(lua_State *L, const bw_pressure_basis *basis) {
