@@ -13,6 +13,8 @@ typedef float four __attribute__((vector_size(16), aligned(4), may_alias));
 typedef double four2 __attribute__((vector_size(32), aligned(8), may_alias));
 typedef float eight __attribute__((vector_size(32), aligned(4), may_alias));
 typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
+/* One number of each of twelve fields, and four that are ignored. */
+typedef float twelve __attribute__((vector_size(64), aligned(4), may_alias));
 /* The lower halves of four doubles, alone and in their place. */
 typedef uint32_t halves __attribute__((vector_size(16), aligned(4), may_alias));
 typedef uint64_t placed __attribute__((vector_size(32), aligned(8), may_alias));
@@ -42,22 +44,57 @@ static inline quad2 whole_four(const float *value, const uint32_t *rest) {
     }                                                                                              \
   }
 
-/* What works on fields side by side: `all` are the numbers of four or of eight of them, and
- * `stride` all the numbers between one component of a node and the next. */
-#define WIDE(suffix, real, all)                                                                    \
+#define MEMORY(suffix, real, all)                                                                  \
   static inline all at##suffix(const real *x) {                                                    \
     return *(const all *)x;                                                                        \
   }                                                                                                \
   static inline void put##suffix(real *x, all value) {                                             \
     *(all *)x = value;                                                                             \
   }                                                                                                \
+  static inline void add##suffix(real *x, int64_t stride, const all value[3]) {                    \
+    for (int d = 0; d < 3; d++)                                                                    \
+      *(all *)(x + d * stride) += value[d];                                                        \
+  }
+MEMORY(_f4, float, four)
+MEMORY(_f8, float, eight)
+MEMORY(_d4, double, four2)
+MEMORY(_d8, double, eight2)
+
+/* Eight and four: what is loaded has to have been stored at once, or the load waits for the cache.
+ */
+static inline eight first_eight(twelve x) {
+  return __builtin_shufflevector(x, x, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+static inline four last_four(twelve x) {
+  return __builtin_shufflevector(x, x, 8, 9, 10, 11);
+}
+
+static inline twelve at_f12(const float *x) {
+  four last = *(const four *)(x + 8);
+  eight wide = __builtin_shufflevector(last, last, 0, 1, 2, 3, 0, 1, 2, 3);
+  return __builtin_shufflevector(*(const eight *)x, wide, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
+                                 13, 14, 15);
+}
+
+static inline void put_f12(float *x, twelve value) {
+  *(eight *)x = first_eight(value);
+  *(four *)(x + 8) = last_four(value);
+}
+
+static inline void add_f12(float *x, int64_t stride, const twelve value[3]) {
+  for (int d = 0; d < 3; d++) {
+    *(eight *)(x + d * stride) += first_eight(value[d]);
+    *(four *)(x + d * stride + 8) += last_four(value[d]);
+  }
+}
+
+/* What works on fields side by side: `all` are the numbers of four or of eight of them, and
+ * `stride` all the numbers between one component of a node and the next. */
+#define WIDE(suffix, real, all)                                                                    \
   static inline void take##suffix(const real *x, int64_t stride, all value[3]) {                   \
     for (int d = 0; d < 3; d++)                                                                    \
       value[d] = at##suffix(x + d * stride);                                                       \
-  }                                                                                                \
-  static inline void add##suffix(real *x, int64_t stride, const all value[3]) {                    \
-    for (int d = 0; d < 3; d++)                                                                    \
-      put##suffix(x + d * stride, at##suffix(x + d * stride) + value[d]);                          \
   }                                                                                                \
   static inline void six_times##suffix(const real *a, const all *x, all y[3]) {                    \
     y[0] = a[0] * x[0] + a[1] * x[1] + a[2] * x[2];                                                \
@@ -77,6 +114,7 @@ ONE(_f, float, quad)
 ONE(_d, double, quad2)
 WIDE(_f4, float, four)
 WIDE(_f8, float, eight)
+WIDE(_f12, float, twelve)
 WIDE(_d4, double, four2)
 WIDE(_d8, double, eight2)
 
@@ -125,7 +163,7 @@ static inline void row_across(const bwi_smoother *s, int64_t k, quad x, float *y
   }
 }
 
-/* The same for four or eight fields, of which z and y are the first. */
+/* The same for fields side by side. */
 #define ROWS_OF(suffix, all)                                                                       \
   static inline void rows_times##suffix(const bwi_smoother *s, int64_t k, int64_t stride,          \
                                         const float *z, all sum[3]) {                              \
@@ -159,6 +197,7 @@ static inline void row_across(const bwi_smoother *s, int64_t k, quad x, float *y
   }
 ROWS_OF(_f4, four)
 ROWS_OF(_f8, eight)
+ROWS_OF(_f12, twelve)
 
 /* ---- sweeps -------------------------------------------------------------------------------- */
 
@@ -183,17 +222,16 @@ static inline quad take_rest(const sweep *w, int64_t k, bool backwards) {
   return sum;
 }
 
-/* The same for four or eight fields from `first` on. */
+/* The same for fields side by side. */
 #define TAKE_REST(suffix, all)                                                                     \
-  static inline void take_rest##suffix(const sweep *w, int64_t k, int first, bool backwards,       \
-                                       all sum[3]) {                                               \
+  static inline void take_rest##suffix(const sweep *w, int64_t k, bool backwards, all sum[3]) {    \
     const bwi_smoother *s = w->s;                                                                  \
     int64_t stride = w->width;                                                                     \
-    const float *r = w->r + 3 * stride * k + first;                                                \
-    float *residual = w->residual + 3 * stride * k + first;                                        \
+    const float *r = w->r + 3 * stride * k;                                                        \
+    float *residual = w->residual + 3 * stride * k;                                                \
     for (int d = 0; d < 3; d++)                                                                    \
       sum[d] = (all){0};                                                                           \
-    rows_times##suffix(s, k, stride, w->z + first, sum);                                           \
+    rows_times##suffix(s, k, stride, w->z, sum);                                                   \
     for (int d = 0; d < 3; d++) {                                                                  \
       sum[d] = at##suffix(r + d * stride) - sum[d];                                                \
       if (backwards)                                                                               \
@@ -203,6 +241,7 @@ static inline quad take_rest(const sweep *w, int64_t k, bool backwards) {
   }
 TAKE_REST(_f4, four)
 TAKE_REST(_f8, eight)
+TAKE_REST(_f12, twelve)
 
 /* z of row k so that its equation holds, the rows before it as they are; `residual` of these then
  * loses what it does to them. Backwards, what it does is added to `residual`. */
@@ -218,35 +257,35 @@ static inline void satisfy_one(const sweep *w, int64_t k, bool backwards) {
   row_across(s, k, backwards ? sum : -sum, w->residual);
 }
 
-/* The same for four or eight fields from `first` on. */
+/* The same for fields side by side. */
 #define SATISFY(suffix, all)                                                                       \
-  static inline void satisfy##suffix(const sweep *w, int64_t k, int first, bool backwards) {       \
+  static inline void satisfy##suffix(const sweep *w, int64_t k, bool backwards) {                  \
     const bwi_smoother *s = w->s;                                                                  \
     int64_t stride = w->width;                                                                     \
     const float *a = s->inverse + 9 * k;                                                           \
-    float *z = w->z + 3 * stride * k + first;                                                      \
+    float *z = w->z + 3 * stride * k;                                                              \
     all sum[3], own[3];                                                                            \
-    take_rest##suffix(w, k, first, backwards, sum);                                                \
+    take_rest##suffix(w, k, backwards, sum);                                                       \
     nine_times##suffix(a, sum, own);                                                               \
     for (int d = 0; d < 3; d++) {                                                                  \
       put##suffix(z + d * stride, own[d]);                                                         \
       own[d] = backwards ? own[d] : -own[d];                                                       \
     }                                                                                              \
-    rows_across##suffix(s, k, stride, own, w->residual + first);                                   \
+    rows_across##suffix(s, k, stride, own, w->residual);                                           \
   }
 SATISFY(_f4, four)
 SATISFY(_f8, eight)
+SATISFY(_f12, twelve)
 
 static inline void satisfy(const sweep *w, int64_t k, bool backwards) {
-  if (w->width == 1) {
+  if (w->width == 1)
     satisfy_one(w, k, backwards);
-    return;
-  }
-  int first = 0;
-  for (; first + 8 <= w->width; first += 8)
-    satisfy_f8(w, k, first, backwards);
-  if (first < w->width)
-    satisfy_f4(w, k, first, backwards);
+  else if (w->width == 12)
+    satisfy_f12(w, k, backwards);
+  else if (w->width == 8)
+    satisfy_f8(w, k, backwards);
+  else
+    satisfy_f4(w, k, backwards);
 }
 
 /* The same for the rows of a block together. */
@@ -283,16 +322,15 @@ static void satisfy_block_one(const sweep *w, int64_t begin, int64_t end, bool b
   }
 }
 
-/* And for four or eight fields from `first` on. */
+/* And for fields side by side. */
 #define SATISFY_BLOCK(suffix, all)                                                                 \
-  static void satisfy_block##suffix(const sweep *w, int64_t begin, int64_t end, int first,         \
-                                    bool backwards) {                                              \
+  static void satisfy_block##suffix(const sweep *w, int64_t begin, int64_t end, bool backwards) {  \
     const bwi_smoother *s = w->s;                                                                  \
     int64_t stride = w->width;                                                                     \
-    float *z = w->z + first;                                                                       \
+    float *z = w->z;                                                                               \
     all own[3], in[3], add[3];                                                                     \
     for (int64_t k = begin; k < end; k++) {                                                        \
-      take_rest##suffix(w, k, first, backwards, own);                                              \
+      take_rest##suffix(w, k, backwards, own);                                                     \
       const float *l = s->factor + 9 * s->factor_start[k];                                         \
       for (int64_t j = s->envelope[k]; j < k; j++, l += 9) {                                       \
         take##suffix(z + 3 * stride * j, stride, in);                                              \
@@ -320,25 +358,25 @@ static void satisfy_block_one(const sweep *w, int64_t begin, int64_t end, bool b
       }                                                                                            \
       for (int d = 0; d < 3; d++)                                                                  \
         own[d] = backwards ? own[d] : -own[d];                                                     \
-      rows_across##suffix(s, k, stride, own, w->residual + first);                                 \
+      rows_across##suffix(s, k, stride, own, w->residual);                                         \
     }                                                                                              \
   }
 SATISFY_BLOCK(_f4, four)
 SATISFY_BLOCK(_f8, eight)
+SATISFY_BLOCK(_f12, twelve)
 
 static void satisfy_block(const sweep *w, int64_t block, bool backwards) {
   int64_t begin = w->s->block_start[block], end = w->s->block_start[block + 1];
-  int first = 0;
   if (end == begin + 1)
     satisfy(w, begin, backwards);
   else if (w->width == 1)
     satisfy_block_one(w, begin, end, backwards);
-  else {
-    for (; first + 8 <= w->width; first += 8)
-      satisfy_block_f8(w, begin, end, first, backwards);
-    if (first < w->width)
-      satisfy_block_f4(w, begin, end, first, backwards);
-  }
+  else if (w->width == 12)
+    satisfy_block_f12(w, begin, end, backwards);
+  else if (w->width == 8)
+    satisfy_block_f8(w, begin, end, backwards);
+  else
+    satisfy_block_f4(w, begin, end, backwards);
 }
 
 /* Rows, or blocks, from one chunk to another. */
