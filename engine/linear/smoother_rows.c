@@ -111,6 +111,7 @@ typedef struct ordering {
   bwi_node_blocks blocks;
   int32_t *near;    /* nodes by distance, blocks together */
   int32_t *at;      /* by node: the place of its block in `near`; before, marks of nodes seen */
+  uint8_t *chunk;   /* by node */
   uint8_t *between; /* by node: its block has a neighbour in a later chunk */
 } ordering;
 
@@ -136,27 +137,24 @@ static int32_t spread_from(const ordering *o, int32_t from, int32_t begin, int32
   return end;
 }
 
-static int32_t chunk_at(int64_t at, int32_t count, int32_t chunks) {
-  return (int32_t)(at * chunks / count);
-}
-
 /* Whether node i has a neighbour in a later chunk. */
-static bool is_between(const ordering *o, int32_t i, int32_t chunks) {
-  int32_t count = o->pattern->node_count, own = chunk_at(o->at[i], count, chunks);
+static bool is_between(const ordering *o, int32_t i) {
   BWI_FOR_NEIGHBOURS(o->pattern, i, {
-    if (chunk_at(o->at[j], count, chunks) > own)
+    if (o->chunk[j] > o->chunk[i])
       return true;
   });
   return false;
 }
 
-/* How many nodes are between so many chunks. */
+/* Cuts into so many chunks; how many nodes are between them. */
 static int32_t find_between(const ordering *o, int32_t chunks) {
   int32_t count = o->pattern->node_count, sum = 0;
+  for (int32_t i = 0; i < count; i++)
+    o->chunk[i] = (uint8_t)((int64_t)o->at[i] * chunks / count);
   for (int32_t k = 0, end; k < count; k = end) {
     bool any = false;
     for (end = k; end < count && o->at[o->near[end]] == k; end++)
-      any = any || is_between(o, o->near[end], chunks);
+      any = any || is_between(o, o->near[end]);
     for (int32_t m = k; m < end; m++)
       o->between[o->near[m]] = any;
     sum += any ? end - k : 0;
@@ -174,7 +172,7 @@ static void cut(bwi_smoother *s, const ordering *o) {
   for (int pass = 0; pass < 2; pass++) {
     int32_t chunk = 0, *start = pass == 0 ? s->chunk_start : s->between_start;
     for (int32_t k = 0; k < s->count; k++) {
-      while (chunk <= chunk_at(o->at[o->near[k]], s->count, chunks))
+      while (chunk <= o->chunk[o->near[k]])
         start[chunk++] = row;
       if (o->between[o->near[k]] == (pass == 1))
         s->node[row++] = o->near[k];
@@ -193,8 +191,9 @@ static bw_status order_nodes(bw_context *context, bwi_smoother *s, const double 
   o->pattern = s->pattern;
   o->near = BW_NEW(context, int32_t, s->count);
   o->at = BW_NEW0(context, int32_t, s->count);
+  o->chunk = BW_NEW(context, uint8_t, s->count);
   o->between = BW_NEW(context, uint8_t, s->count);
-  if (!o->near || !o->at || !o->between)
+  if (!o->near || !o->at || !o->chunk || !o->between)
     return BW_MEMORY;
   BW_TRY(bwi_node_blocks_find(context, s->pattern, stiffness, &o->blocks));
   for (int32_t i = 0, end = 0; i < s->count; i++)
@@ -385,6 +384,7 @@ done:
   bwi_node_blocks_clear(&o.blocks);
   bw_free(o.near);
   bw_free(o.at);
+  bw_free(o.chunk);
   bw_free(o.between);
   if (status == BW_OK)
     *out = s;
