@@ -102,7 +102,7 @@ static bw_status coarsen_to(bwi_coarsening *c, double length, double shorter) {
   c->length = length;
   c->shorter = shorter;
   int easier = 0;
-  for (int i = 0; i < 12 && !c->late; i++) {
+  for (int i = 0; i < 12; i++) {
     int64_t collapsed, living = 0;
     c->floor = contact_planes[easier];
     BW_TRY(fresh_grid(c));
@@ -117,7 +117,7 @@ static bw_status coarsen_to(bwi_coarsening *c, double length, double shorter) {
       break;
     easier++;
   }
-  for (int i = 0; i < 2 && !c->late; i++) {
+  for (int i = 0; i < 2; i++) {
     BW_TRY(bwi_coarsen_exchange(c));
     BW_TRY(bwi_coarsen_move(c));
   }
@@ -152,7 +152,7 @@ bw_status bwi_coarsen_surface(bw_context *context, const bw_surface *surface,
   double length = options->length, shorter = options->shorter;
   bwi_coarsening c = {.context = context,
                       .options = options,
-                      .deadline = options->seconds > 0 ? bw_seconds() + options->seconds : 0};
+                      .time = bwi_time_limit_begin("coarsening the surface", options->seconds)};
   bw_status status;
   BW_TRY(set_up(&c, surface));
   if (options->allowed > 0)

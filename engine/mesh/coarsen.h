@@ -7,6 +7,7 @@
 #ifndef BWI_COARSEN_H
 #define BWI_COARSEN_H
 
+#include "base/limit.h"
 #include "mesh/fill_internal.h"
 #include "mesh/mesh_internal.h"
 #include "mesh/surface_tree.h"
@@ -24,12 +25,11 @@ typedef struct bwi_coarsen_entry {
 typedef struct bwi_coarsening {
   bw_context *context;
   const bwi_coarsen_options *options;
-  bwi_tree *tree;  /* of the facets that were given; NULL: not needed */
-  double length;   /* of this step: the side of a cell of the grid; no edge grows much longer */
-  double shorter;  /* of this step: shorter edges are collapsed */
-  double floor;    /* shapes as good as that are good enough */
-  double deadline; /* of bw_seconds: what has been reached by then is handed over */
-  bool late;
+  bwi_tree *tree; /* of the facets that were given; NULL: not needed */
+  double length;  /* of this step: the side of a cell of the grid; no edge grows much longer */
+  double shorter; /* of this step: shorter edges are collapsed */
+  double floor;   /* shapes as good as that are good enough */
+  bwi_time_limit time;
   int32_t points, triangles;
   double *x; /* relative to `origin` */
   double origin[3];

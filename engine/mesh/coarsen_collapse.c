@@ -269,17 +269,16 @@ static bw_status move(bwi_coarsening *c, int32_t point) {
   return BW_OK;
 }
 
-/* Every thousand steps of a loop: has the caller cancelled, is it too late? */
+/* Every thousand steps of a loop: has the caller cancelled, is there time left? */
 bw_status bwi_coarsen_check(bwi_coarsening *c, size_t step) {
   if (step % 1024 != 0)
     return BW_OK;
-  c->late |= c->deadline > 0 && bw_seconds() > c->deadline;
-  return bw_check_cancel(c->context);
+  return bwi_time_limit_check(c->context, &c->time);
 }
 
 bw_status bwi_coarsen_move(bwi_coarsening *c) {
   bw_status status = BW_OK;
-  for (int32_t i = 0; i < c->points && !c->late; i++) {
+  for (int32_t i = 0; i < c->points; i++) {
     BW_TRY(bwi_coarsen_check(c, (size_t)i));
     BW_TRY(move(c, i));
   }
@@ -322,7 +321,7 @@ bw_status bwi_coarsen_collapse(bwi_coarsening *c, int64_t *collapsed) {
     }
   }
   bwi_sort_keyed(edge, (int64_t)count);
-  for (size_t i = 0; i < count && !c->late; i++) {
+  for (size_t i = 0; i < count; i++) {
     int32_t a = edge[i].item, b = edge[i].part;
     bool yes;
     BW_TRY(bwi_coarsen_check(c, i));

@@ -99,7 +99,7 @@ static bw_status exchange(bwi_coarsening *c, int32_t t, int side, bool *done) {
 
 bw_status bwi_coarsen_exchange(bwi_coarsening *c) {
   bw_status status = BW_OK;
-  for (int32_t t = 0; t < c->triangles && !c->late; t++) {
+  for (int32_t t = 0; t < c->triangles; t++) {
     bool done = false;
     BW_TRY(bwi_coarsen_check(c, (size_t)t));
     if (c->corner[3 * (size_t)t] < 0)

@@ -181,9 +181,9 @@ static bw_status report(bwi_filler *f, bw_mesh *mesh, bw_fill_log *log) {
   if (f->options->elements > 0 && f->best_miss > log1p(f->options->tolerance))
     bw_warn(
         f->context,
-        "%lld elements were requested; %d is the nearest number that %d run%s of TetGen reached%s",
+        "%lld elements were requested; %d is the nearest number that %d run%s of TetGen reached",
         (long long)f->options->elements, mesh->element_count, f->attempts,
-        f->attempts == 1 ? "" : "s", bwi_fill_too_late(f) ? " within time_limit" : "");
+        f->attempts == 1 ? "" : "s");
   if (log)
     *log = whole;
   return BW_OK;
@@ -199,7 +199,6 @@ bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
   BW_TRY(check_options(context, f.options));
   f.field = (bw_size_field){f.options->size_point_count, f.options->size_point, f.options->size,
                             f.options->size_data};
-  f.start = bw_seconds();
   bw_progress(context, "filling", 0);
   BW_TRY(prepare_base(&f, surface));
   bw_progress(context, "filling", 0.1);

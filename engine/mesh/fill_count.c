@@ -57,10 +57,8 @@ static bw_status attempt(bwi_filler *f, double max_volume, int64_t *count) {
                         .keep_surface = o->keep_surface || o->remesh,
                         .field = fields ? &f->field : NULL,
                         .limits = {o->time_limit, o->memory_limit}};
-  if (o->elements > 0) { /* far beyond what is wanted there is nothing to learn */
+  if (o->elements > 0) /* far beyond what is wanted there is nothing to learn */
     job.max_points = 4 * (o->elements + f->surface->point_count) + 10000;
-    job.limits.seconds = fmin(o->time_limit, 40 + 4e-4 * (double)o->elements);
-  }
   bwi_tetgen_result result;
   double start = bw_seconds();
   f->attempts++;
@@ -119,10 +117,10 @@ static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double
         break;
       filled = true;
       status = attempt(f, max_volume, count);
-      if (status == BW_OK || status == BW_LIMIT || !bwi_fill_may_cure(status))
+      if (status == BW_OK || status == BW_LIMIT || !bwi_fill_may_cure(f, status))
         break;
     }
-    if (status == BW_OK || !bwi_fill_may_cure(status))
+    if (status == BW_OK || !bwi_fill_may_cure(f, status))
       break;
     if (filled && status == BW_LIMIT && *how != WAY_AS_IS)
       break; /* well-shaped facets already: another surface takes as long */
@@ -169,7 +167,7 @@ static bw_status tune_volume(bwi_filler *f, double wanted, double volume, int64_
   bw_status status = BW_OK;
   double last_inverse = volume > 0 ? 1 / volume : 0, last_count = (double)count;
   double slope = 1.4 * f->volume;
-  for (int i = 0; i < max && f->attempts < MAX_ATTEMPTS && !bwi_fill_too_late(f); i++) {
+  for (int i = 0; i < max && f->attempts < MAX_ATTEMPTS; i++) {
     if (f->best_miss <= log1p(f->options->tolerance) * 0.999)
       break;
     double inverse = last_inverse + (wanted - last_count) / slope;
@@ -218,12 +216,12 @@ static bw_status search_length(bwi_filler *f, bwi_fill_way *how) {
   double slope = -2.4, last_length = 0, last_count = 0;
   bool flat = false;
   double low = 0, high = INFINITY; /* lengths known to give too many, too few */
-  for (int i = 0; i < 8 && f->attempts < MAX_ATTEMPTS && !bwi_fill_too_late(f); i++) {
+  for (int i = 0; i < 8 && f->attempts < MAX_ATTEMPTS; i++) {
     double volume = volume_of_length * length * length * length;
     int64_t count = 0;
     status = fill_at(f, how, length, volume, &count);
     if (status != BW_OK) {
-      if (f->best.node && bwi_fill_may_cure(status)) {
+      if (f->best.node && bwi_fill_may_cure(f, status)) {
         status = BW_OK;
         break;
       }

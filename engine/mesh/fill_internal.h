@@ -14,7 +14,7 @@ bw_status bwi_find_cavities(bw_context *context, const bw_surface *surface, doub
 
 /* Cut the edges of a surface that are longer than the size field asks for (times `slack`), always
  * the longest edge of a triangle first, so that shapes stay as good as they were; the surface does
- * not move. Stops at `limit` triangles, or after `seconds` (0: no limit), with BW_LIMIT. */
+ * not move. Stops at `limit` triangles, or after `seconds` of computing, with BW_LIMIT. */
 bw_status bwi_refine_surface(bw_context *context, const bw_surface *surface,
                              const bw_size_field *field, double slack, int64_t limit,
                              double seconds, bw_surface **refined);
@@ -24,14 +24,13 @@ typedef struct bwi_coarsen_options {
   double shorter; /* shorter edges are collapsed */
   double error;   /* root mean square distance from the facets that a collapse joins */
   double allowed; /* distance from the surface at points of new facets; 0: any */
-  double seconds; /* 0: no limit */
+  double seconds; /* of computing */
   /* NULL, or lengths: where they are below `length` all of the above is as much less. */
   const bw_size_field *field;
 } bwi_coarsen_options;
 
 /* Collapse short edges of a sound surface, keeping it sound, and exchange diagonals for better
- * shapes. Where walls are too thin it stays finer. After `seconds` what has been reached, sound
- * too, is the result. */
+ * shapes. Where walls are too thin it stays finer. BW_LIMIT after `seconds`. */
 bw_status bwi_coarsen_surface(bw_context *context, const bw_surface *surface,
                               const bwi_coarsen_options *options, bw_surface **coarsened);
 
@@ -91,15 +90,13 @@ typedef struct bwi_filler {
   int attempts;
   double seconds_repair, seconds_remesh, seconds_fill;
   bool repaired;
-  double start; /* of the search: no new run begins after time_limit, once there is a mesh */
 } bwi_filler;
 
 /* fill_state.c */
 void bwi_fill_describe_defects(const bw_surface_report *report, char *text, size_t size);
 void bwi_fill_append_log(bw_shape_log *to, const bw_shape_log *from);
 /* Whether another way of making the surface may cure this failure. */
-bool bwi_fill_may_cure(bw_status status);
-bool bwi_fill_too_late(const bwi_filler *f);
+bool bwi_fill_may_cure(const bwi_filler *f, bw_status status);
 /* fill_surface.c: the surface for TetGen from the base, for an edge length. */
 bw_status bwi_fill_make_surface(bwi_filler *f, bwi_fill_way how, double length);
 /* The faces of the base and what keeping them takes, once. */

@@ -7,6 +7,7 @@
  * its longest edge first and through the other marked ones after that: its angles are at least half
  * of what they were, however many passes follow. Of equally long edges the one with the lower
  * number is the longest, so both triangles at an edge agree. */
+#include "base/limit.h"
 #include "mesh/fill_internal.h"
 #include "mesh/mesh_internal.h"
 
@@ -21,7 +22,7 @@ typedef struct pass {
   double *square;  /* edge_count: squared length */
   uint8_t *marked; /* edge_count */
   int32_t *middle; /* edge_count: the number of the new point, or -1 */
-  double deadline; /* of bw_seconds; 0: none */
+  bwi_time_limit time;
 } pass;
 
 static void pass_clear(pass *p) {
@@ -90,15 +91,6 @@ static int longest(const pass *p, int32_t t) {
   return best;
 }
 
-static bw_status in_time(bw_context *context, const pass *p) {
-  if (p->deadline > 0 && bw_seconds() > p->deadline)
-    return bw_fail(context, BW_LIMIT,
-                   "refining the surface to the requested sizes reached the time limit at %d "
-                   "facets: allow more seconds, or give larger sizes",
-                   p->surface->triangle_count);
-  return bw_check_cancel(context);
-}
-
 /* Mark what is too long and what must be cut with it; returns the number of cuts. */
 static bw_status mark(bw_context *context, pass *p, const bw_size_field *field, double slack,
                       int32_t *cuts) {
@@ -138,11 +130,11 @@ static bw_status mark(bw_context *context, pass *p, const bw_size_field *field, 
         changed = true;
       }
     }
-    bw_status status = in_time(context, p);
+    bw_status status = bwi_time_limit_check(context, &p->time);
     if (status != BW_OK)
       return status;
   }
-  return in_time(context, p);
+  return bwi_time_limit_check(context, &p->time);
 }
 
 static bw_status cut(bw_context *context, pass *p, int32_t cuts, bw_surface **out) {
@@ -215,10 +207,11 @@ bw_status bwi_refine_surface(bw_context *context, const bw_surface *surface,
   bw_status status = BW_OK;
   bw_surface *now = bw_retain(surface);
   pass p = {.surface = NULL};
-  double deadline = seconds > 0 ? bw_seconds() + seconds : 0;
+  bwi_time_limit time =
+      bwi_time_limit_begin("refining the surface to the requested sizes", seconds);
   for (;;) { /* every pass adds facets, of which there may be `limit` */
     int32_t cuts;
-    p = (pass){.surface = now, .deadline = deadline};
+    p = (pass){.surface = now, .time = time};
     BW_TRY(number_edges(context, &p));
     BW_TRY(mark(context, &p, field, slack, &cuts));
     if (cuts == 0)

@@ -265,7 +265,9 @@ static void test_coarsen(void **state) {
   check_ok(context, bw_mesh_mapped_box(context, cells, 1, half_pipe, NULL, &grid));
   check_ok(context, bw_mesh_boundary(context, grid, &fine, NULL));
   bw_release(grid);
-  check_ok(context, coarsen(context, fine, 0.4, 0.3, 0.02, 0, &coarse));
+  check_fails(context, BW_LIMIT, "seconds of computing",
+              coarsen(context, fine, 0.4, 0.3, 0.02, 1e-9, &coarse));
+  check_ok(context, coarsen(context, fine, 0.4, 0.3, 0.02, 300, &coarse));
   bw_surface_report report;
   check_ok(context, bw_surface_check(context, coarse, 0, &report));
   assert_true(report.sound);
@@ -289,7 +291,7 @@ static void test_refine(void **state) {
   bw_surface *cube = box(context, 0, 1), *fine, *none;
   bw_size_point corner = {{1, 1, 1}, 0.1, 0.02};
   bw_size_field field = {.point_count = 1, .point = &corner};
-  check_ok(context, bwi_refine_surface(context, cube, &field, 1.0, 100000, 0, &fine));
+  check_ok(context, bwi_refine_surface(context, cube, &field, 1.0, 100000, 300, &fine));
   bw_surface_report report;
   check_ok(context, bw_surface_check(context, fine, 0, &report));
   assert_true(report.sound);
@@ -305,8 +307,8 @@ static void test_refine(void **state) {
     }
   assert_true(fine->triangle_count < 20000);
   check_fails(context, BW_LIMIT, "facets",
-              bwi_refine_surface(context, cube, &field, 1.0, 500, 0, &none));
-  check_fails(context, BW_LIMIT, "reached the time limit",
+              bwi_refine_surface(context, cube, &field, 1.0, 500, 300, &none));
+  check_fails(context, BW_LIMIT, "seconds of computing",
               bwi_refine_surface(context, cube, &field, 1.0, 100000, 1e-9, &none));
   bw_release(fine);
   bw_release(cube);
@@ -346,7 +348,7 @@ static void test_marching(void **state) {
     wall = shape[i].wall;
     bw_surface *fine = marching(context, shape[i].f, shape[i].cells), *coarse;
     check_ok(context, coarsen(context, fine, shape[i].length, 0.8 * shape[i].length,
-                              0.05 * shape[i].length, 0, &coarse));
+                              0.05 * shape[i].length, 300, &coarse));
     bw_surface_report report;
     check_ok(context, bw_surface_check(context, coarse, 0, &report));
     assert_true(report.sound);
@@ -356,11 +358,6 @@ static void test_marching(void **state) {
     check_ok(context, bw_surface_distance(context, fine, coarse, &moved));
     assert_true(moved < 0.25 * shape[i].length);
     check_near(bw_surface_volume(coarse), volume, 0.08 * volume);
-    bw_release(coarse);
-    /* Out of time: what there is by then, sound. */
-    check_ok(context, coarsen(context, fine, shape[i].length, 0.8 * shape[i].length,
-                              0.05 * shape[i].length, 1e-9, &coarse));
-    assert_int_equal(coarse->triangle_count, fine->triangle_count);
     bw_release(coarse);
     bw_fill_options options;
     bw_fill_options_default(&options);
@@ -434,6 +431,12 @@ static void test_refusals(void **state) {
   options.max_volume = 1e-5;
   options.time_limit = 0.2;
   check_fails(context, BW_LIMIT, "seconds", bw_mesh_fill(context, cube, &options, &mesh, NULL));
+  /* Time that runs out is a failure: another way, or a nearer try, would depend on the machine. */
+  bw_fill_options_default(&options);
+  options.elements = 200000;
+  options.time_limit = 0.2;
+  check_fails(context, BW_LIMIT, "seconds", bw_mesh_fill(context, cube, &options, &mesh, NULL));
+  bw_fill_options_default(&options);
   options.time_limit = 60;
   options.max_volume = 1e-6;
   options.remesh = false;
@@ -494,7 +497,7 @@ static void test_allocation_failures(void **state) {
   for (int64_t n = 1; status != BW_OK; n++) {
     bw_surface *made = NULL;
     bw_fail_allocation(n, true);
-    status = coarsen(context, hollow, 1, 0.8, 0.1, 0, &made);
+    status = coarsen(context, hollow, 1, 0.8, 0.1, 300, &made);
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK || status == BW_MEMORY);
     bw_release(made);
