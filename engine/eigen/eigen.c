@@ -2,6 +2,7 @@
 /* The lowest eigenpairs of a problem, by any of the iterations: a Sturm count that shows whether
  * one was missed, recovery, and true residuals. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "eigen/iteration.h"
@@ -12,8 +13,12 @@ enum {
   RECOVERIES = 6, /* that bring nothing, one after the other */
   FURTHER = 8,    /* modes beyond those wanted, where these show no gap */
   DOUBLED = 3,    /* times that number is doubled where those show none either */
-  SIDES = 8       /* fields that residuals are computed of at once */
+  SIDES = 8,      /* fields that residuals are computed of at once */
+  CLUSTER = 12    /* modes beyond those wanted that the last one's frequency may have */
 };
+
+/* A pair that has not converged may be one with the last one wanted, where it is as near to it. */
+static const double maybe_equal = 1e-3;
 
 /* ---- results ------------------------------------------------------------------------------- */
 
@@ -245,6 +250,49 @@ done:
   return status;
 }
 
+/* ---- modes of one eigenvalue ----------------------------------------------------------------- */
+
+/* Converges the pairs behind the first `count` that may have the eigenvalue of the last of them;
+ * *whole counts those too. *split: there may be more of them. */
+static bw_status complete_cluster(bwi_eigen_iteration *it, int count, double tolerance, int *whole,
+                                  bool *split) {
+  int n = *whole = count;
+  while (n < it->known && it->value[n] - it->value[n - 1] <= maybe_equal * fabs(it->value[n]))
+    n++;
+  *split = n > count + CLUSTER || n > it->most;
+  if (n == count || *split)
+    return BW_OK;
+  bw_status status = it->method->iterate(it, n, tolerance);
+  if (status == BW_OK) {
+    *whole = n < it->known ? n : it->known;
+  } else if (status == BW_CONVERGENCE) { /* those wanted are there all the same */
+    bw_clear_failure(it->context);
+    *split = true;
+    status = BW_OK;
+  }
+  return status;
+}
+
+/* The canonical basis of pairs of one eigenvalue, and the first `count` pairs of it. */
+static bw_status make_canonical(bw_context *context, const bwi_eigen_problem *problem, int count,
+                                double tolerance, bwi_eigen_result *result) {
+  bw_status status = BW_OK;
+  bool changed;
+  double *work = NULL;
+  BW_TRY(bwi_eigen_canonical(context, problem, tolerance, result, &changed));
+  result->count = count;
+  if (!changed)
+    return BW_OK;
+  work = BW_NEW(context, double, 2 * (count < SIDES ? count : SIDES) * problem->size);
+  if (!work)
+    return BW_MEMORY;
+  BW_TRY(true_residuals(context, problem, count, result->value, result->vector, result->residual,
+                        work));
+done:
+  bw_free(work);
+  return status;
+}
+
 /* ---- the driver ------------------------------------------------------------------------------ */
 
 bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *given,
@@ -263,7 +311,8 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *given,
     setup.count = (int)problem->dimension;
   if (setup.count == 0)
     return BW_OK;
-  int count = setup.count;
+  int count = setup.count, whole = count;
+  bool split = false;
   double tolerance = fmin(options->tolerance, 1e-6);
   bwi_eigen_iteration *it = NULL;
   const bwi_eigen_method *method = NULL;
@@ -286,7 +335,14 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *given,
     BW_TRY(confirm(it, count, tolerance, result));
   else if (options->sturm)
     BW_TRY(look_for_missing(it, count, tolerance, result));
-  BW_TRY(take_out(it, count, options->tolerance, result));
+  BW_TRY(complete_cluster(it, count, tolerance, &whole, &split));
+  BW_TRY(take_out(it, whole, options->tolerance, result));
+  BW_TRY(make_canonical(context, problem, count, options->tolerance, result));
+  if (split) {
+    size_t used = strlen(result->report.reason);
+    snprintf(result->report.reason + used, sizeof result->report.reason - used,
+             "%smore modes may have the last frequency", used ? "; " : "");
+  }
   result->solves = it->solves;
   result->report.seconds = bw_seconds() - start;
   result->report.bytes = it->bytes;

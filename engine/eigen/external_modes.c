@@ -42,6 +42,22 @@ done:
   return status;
 }
 
+static bw_status external_mass(bw_context *context, void *data, int64_t count, const double *x,
+                               double *y) {
+  bw_status status = BW_OK;
+  bwi_external *external = (bwi_external *)data;
+  const bw_dof_map *dof_map = external->problem.dof_map;
+  int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
+  double *kx = BW_NEW(context, double, count *size);
+  if (!kx)
+    return BW_MEMORY;
+  status = bwi_external_multiply(context, external, (int)count, x, kx, y, NULL);
+  for (int64_t k = 0; status == BW_OK && k < count; k++)
+    bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, y + k * size);
+  bw_free(kx);
+  return status;
+}
+
 static bw_status modes_of(bw_context *context, bwi_external *external,
                           const bw_modes_options *given, bw_modes **modes) {
   bw_status status = BW_OK;
@@ -50,6 +66,7 @@ static bw_status modes_of(bw_context *context, bwi_external *external,
   bw_external_modes found = {0};
   bwi_eigen_result result = {0};
   double start = bw_seconds();
+  bool changed = false;
   bw_external_report *report = BW_NEW0(context, bw_external_report, 1);
   if (!report)
     return BW_MEMORY;
@@ -73,6 +90,15 @@ static bw_status modes_of(bw_context *context, bwi_external *external,
   result.residual = BW_NEW(context, double, found.count);
   BW_TRY_MEMORY(result.residual);
   BW_TRY(residuals(context, external, result.count, result.value, result.vector, result.residual));
+  BW_TRY(bwi_eigen_canonical(context,
+                             &(bwi_eigen_problem){.size = 3 * (int64_t)dof_map->mesh->node_count,
+                                                  .mesh = dof_map->mesh,
+                                                  .data = external,
+                                                  .mass = external_mass},
+                             options.tolerance, &result, &changed));
+  if (changed)
+    BW_TRY(
+        residuals(context, external, result.count, result.value, result.vector, result.residual));
   for (int k = 0; k < result.count; k++)
     result.report.residual = fmax(result.report.residual, result.residual[k]);
   bwi_external_update(context, external);

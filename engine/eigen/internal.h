@@ -12,6 +12,7 @@
  * numbers each, one after the other. */
 typedef struct bwi_eigen_problem {
   int64_t size;
+  const bw_mesh *mesh; /* whose nodes the fields are given at; NULL: unknown */
   void *data;
   /* y = K^+ f, restricted to the wanted space; NULL: there is no factor */
   bw_status (*solve)(bw_context *context, void *data, int64_t count, const double *f, double *y);
@@ -39,6 +40,11 @@ typedef struct bwi_eigen_result {
   bw_solver_report report;
 } bwi_eigen_result;
 void bwi_eigen_result_clear(bwi_eigen_result *result);
+/* Pairs of one eigenvalue, within their errors or the relative tolerance, get the basis that
+ * canonical.c describes, and their mean as value. *changed: residuals are those of the former
+ * vectors. Of `problem` only size, mesh, data and mass are used. */
+bw_status bwi_eigen_canonical(bw_context *context, const bwi_eigen_problem *problem,
+                              double tolerance, bwi_eigen_result *result, bool *changed);
 /* Makes the largest component of a vector positive; of several as large, the first decides. */
 void bwi_fix_sign(double *shape, int64_t size);
 bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem,

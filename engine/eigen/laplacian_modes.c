@@ -132,6 +132,7 @@ bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh,
   BW_TRY(bwi_modes_options_check(context, given, &options));
   BW_TRY(open_laplacian(context, mesh, pattern, &l));
   bwi_eigen_problem eigen = {.size = mesh->node_count,
+                             .mesh = mesh,
                              .data = &l,
                              .solve = laplacian_solve,
                              .mass = laplacian_mass,

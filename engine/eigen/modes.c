@@ -204,6 +204,7 @@ static bool is_constrained(const bw_system *system) {
 static bwi_eigen_problem elastic_problem(elastic *problem) {
   const bw_dof_map *dof_map = problem->system->dof_map;
   return (bwi_eigen_problem){.size = 3 * (int64_t)dof_map->mesh->node_count,
+                             .mesh = dof_map->mesh,
                              .data = problem,
                              .mass = elastic_mass,
                              .stiffness = elastic_stiffness,

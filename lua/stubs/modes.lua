@@ -28,7 +28,8 @@
 ---@field report bw.SolverReport which eigensolver found them, why, and what it took
 local Modes = {}
 
----A mode shape, of unit modal mass. Its largest component is positive.
+---A mode shape, of unit modal mass. Its largest component is positive. Modes of one frequency have a basis that does not
+---depend on the eigensolver.
 ---@param i integer (index from 1) the mode
 ---@return bw.Array shape (any, node_count × components, per node) displacement, or the value of the Laplacian's mode
 function Modes:shape(i) end

@@ -172,6 +172,19 @@ static void multiplicity_beyond_the_block(void **state) {
     solve(context, &d, kinds[k], 12, &result);
     bwi_eigen_result_clear(&result);
     solve(context, &d, kinds[k], 20, &result); /* the last one in the middle of a cluster */
+    /* without a mesh fields are weighted by number, whose eigenvectors are single numbers */
+    for (int i = 0; i < 20; i++)
+      check_near(fabs(result.vector[i * SIZE + i]), 1, 1e-6);
+    assert_null(strstr(result.report.reason, "last frequency"));
+    bwi_eigen_result_clear(&result);
+  }
+  for (int i = 0; i < SIZE; i++)
+    value[i] = 1 + i / 18;
+  for (int k = 0; k < KINDS; k++) { /* too many to be completed */
+    diagonal d = {.size = SIZE, .value = value};
+    bwi_eigen_result result;
+    solve(context, &d, kinds[k], 2, &result);
+    assert_non_null(strstr(result.report.reason, "more modes may have the last frequency"));
     bwi_eigen_result_clear(&result);
   }
   free(value);
