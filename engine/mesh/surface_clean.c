@@ -265,26 +265,31 @@ done:
   return status;
 }
 
-bw_status bwi_split_flat(bw_context *context, const bw_surface *surface, bw_surface **out,
-                         int64_t *changed) {
+bw_status bwi_change_again(bw_context *context, const bw_surface *surface,
+                           bwi_surface_change *change, int rounds, bw_surface **out,
+                           int64_t *changed) {
   bw_status status = BW_OK;
   bw_surface *now = (bw_surface *)bw_retain(surface), *next = NULL;
+  int64_t count = 1;
   *changed = 0;
-  for (int pass = 0; pass < 50; pass++) {
-    int64_t count = 0;
-    BW_TRY(split_flat_once(context, now, &next, &count));
+  for (int round = 0; round < rounds && count > 0; round++) {
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(change(context, now, &next, &count));
     bw_release(now);
     now = next;
     next = NULL;
     *changed += count;
-    if (count == 0)
-      break;
   }
   *out = now;
   now = NULL;
 done:
   bw_release(now);
   return status;
+}
+
+bw_status bwi_split_flat(bw_context *context, const bw_surface *surface, bw_surface **out,
+                         int64_t *changed) {
+  return bwi_change_again(context, surface, split_flat_once, 50, out, changed);
 }
 
 /* ---- fins ---------------------------------------------------------------------------------- */

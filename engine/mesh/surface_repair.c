@@ -94,10 +94,8 @@ done:
   return status;
 }
 
-typedef bw_status step_function(bw_context *context, const bw_surface *surface, bw_surface **out,
-                                int64_t *changed);
-
-static bw_status step(repairer *r, step_function *function, const char *name, const char *text) {
+static bw_status step(repairer *r, bwi_surface_change *function, const char *name,
+                      const char *text) {
   bw_status status = check_time(r);
   bw_surface *next = NULL;
   int64_t changed = 0;
@@ -316,7 +314,7 @@ static bw_status repair(repairer *r) {
   BW_TRY(take(r, taken, open && merged ? "weld" : NULL, merged, "points merged or dropped"));
 
   static const struct {
-    step_function *function;
+    bwi_surface_change *function;
     const char *name, *text;
   } steps[] = {
       {bwi_drop_repeated, "drop degenerates", "facets with repeated points dropped"},

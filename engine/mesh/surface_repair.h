@@ -11,6 +11,13 @@
 extern "C" {
 #endif
 
+/* A changed surface, or the same one, and how many facets or points that concerned. */
+typedef bw_status bwi_surface_change(bw_context *context, const bw_surface *surface,
+                                     bw_surface **out, int64_t *changed);
+/* The change again and again until nothing is left of it, `rounds` times at most. */
+bw_status bwi_change_again(bw_context *context, const bw_surface *surface,
+                           bwi_surface_change *change, int rounds, bw_surface **out,
+                           int64_t *changed);
 /* Facets that repeat a corner after exact welding go. */
 bw_status bwi_drop_repeated(bw_context *context, const bw_surface *surface, bw_surface **out,
                             int64_t *changed);

@@ -118,23 +118,5 @@ done:
 
 bw_status bwi_drop_walls(bw_context *context, const bw_surface *surface, bw_surface **out,
                          int64_t *changed) {
-  bw_status status = BW_OK;
-  bw_surface *now = (bw_surface *)bw_retain(surface), *next = NULL;
-  *changed = 0;
-  for (int round = 0; round < MAX_ROUNDS; round++) {
-    int64_t count = 0;
-    BW_TRY(bw_check_cancel(context));
-    BW_TRY(drop_one(context, now, &next, &count));
-    bw_release(now);
-    now = next;
-    next = NULL;
-    *changed += count;
-    if (count == 0)
-      break;
-  }
-  *out = now;
-  now = NULL;
-done:
-  bw_release(now);
-  return status;
+  return bwi_change_again(context, surface, drop_one, MAX_ROUNDS, out, changed);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/dense.h"
 #include "model/internal.h"
 #include "statics/internal.h"
 
@@ -29,13 +30,6 @@ static size_t static_bytes(const void *object) {
 }
 
 static const bw_kind static_kind = {"static solution", static_destroy, static_bytes};
-
-static double norm(const double *a, int64_t size) {
-  double sum = 0;
-  for (int64_t i = 0; i < size; i++)
-    sum += a[i] * a[i];
-  return sqrt(sum);
-}
 
 /* The load's work on each rigid-body mode, against the work it would do were all of it along the
  * motion. */
@@ -136,7 +130,7 @@ static bw_status check_residual(bw_context *context, const bwi_static_solver *so
   int64_t size = 3 * (int64_t)result->model->mesh->node_count;
   if (solver->once || solver->multiply || result->residual <= fmax(max_residual, solver->refine_to))
     return BW_OK;
-  if (result->residual * scale < 1e-13 * norm(result->force, size))
+  if (result->residual * scale < 1e-13 * sqrt(bwi_dot(size, result->force, result->force)))
     return BW_OK;
   bw_fail(context, BW_SINGULAR,
           "the stiffness is so nearly singular that double precision cannot tell: the residual of "
@@ -185,7 +179,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
       work[i] -= step[i];
   }
   bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
-  double scale = norm(work, size);
+  double scale = sqrt(bwi_dot(size, work, work));
   result->residual = scale > 0 ? 1 : 0;
   int max = solver->once ? 0 : REFINEMENTS;
   for (int pass = 0; scale > 0 && pass <= max && result->residual > solver->refine_to; pass++) {
@@ -200,7 +194,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
     for (int64_t i = 0; i < size; i++)
       work[i] = load[i] - product[i];
     bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
-    double residual = norm(work, size) / scale;
+    double residual = sqrt(bwi_dot(size, work, work)) / scale;
     if (!isfinite(residual))
       BW_TRY(bw_fail(context, BW_SINGULAR, "the solution is not finite"));
     if (residual >= result->residual && pass > 0)
