@@ -19,7 +19,10 @@ static bw_status residuals(bw_context *context, bwi_external *external, int coun
   int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
   double *kx = BW_NEW(context, double, RESIDUALS_AT_ONCE *size);
   double *mx = BW_NEW(context, double, RESIDUALS_AT_ONCE *size);
-  BW_TRY_MEMORY(kx && mx);
+  if (!kx || !mx) {
+    status = BW_MEMORY;
+    goto done;
+  }
   for (int first = 0; first < count; first += RESIDUALS_AT_ONCE) {
     int batch = count - first < RESIDUALS_AT_ONCE ? count - first : RESIDUALS_AT_ONCE;
     BW_TRY(bwi_external_multiply(context, external, batch, vector + first * size, kx, mx, NULL));
@@ -72,11 +75,13 @@ static bw_status modes_of(bw_context *context, bwi_external *external,
     return BW_MEMORY;
   BW_TRY(bwi_modes_options_check(context, given, &options));
   if (options.solver && options.solver->options.kind != BW_EIGENSOLVER_AUTO &&
-      options.solver->options.kind != BW_EIGENSOLVER_SLEPC)
-    BW_TRY(bw_fail(context, BW_INVALID,
-                   "the eigensolver %s needs the equations in this process, and they are spread "
-                   "over several: take slepc",
-                   bw_eigensolver_name(options.solver)));
+      options.solver->options.kind != BW_EIGENSOLVER_SLEPC) {
+    status = bw_fail(context, BW_INVALID,
+                     "the eigensolver %s needs the equations in this process, and they are spread "
+                     "over several: take slepc",
+                     bw_eigensolver_name(options.solver));
+    goto done;
+  }
   BW_TRY(bwi_external_modes(context, external, &options, &found));
   result = (bwi_eigen_result){.count = found.count,
                               .value = found.value,
@@ -88,7 +93,10 @@ static bw_status modes_of(bw_context *context, bwi_external *external,
   snprintf(result.report.reason, sizeof result.report.reason, "%s",
            options.solver ? "it was given" : "the equations are spread over the processes");
   result.residual = BW_NEW(context, double, found.count);
-  BW_TRY_MEMORY(result.residual);
+  if (!result.residual) {
+    status = BW_MEMORY;
+    goto done;
+  }
   BW_TRY(residuals(context, external, result.count, result.value, result.vector, result.residual));
   BW_TRY(bwi_eigen_canonical(context,
                              &(bwi_eigen_problem){.size = 3 * (int64_t)dof_map->mesh->node_count,

@@ -147,11 +147,8 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
     next->old_point = BW_NEW(context, double, 2 * nodes);
   if (same_nodes && now->older_point)
     next->older_point = BW_NEW(context, double, 2 * nodes);
-  if (!next->state || !next->before || !next->reaction || (same_nodes && !next->old_point) ||
-      (same_nodes && now->older_point && !next->older_point)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(next->state && next->before && next->reaction && (!same_nodes || next->old_point) &&
+                (!same_nodes || !now->older_point || next->older_point));
   if (!same_nodes) { /* it may be quite another outline, with the same tags in another order */
     BW_TRY(bwi_conditions_renamed(context, flow->mesh->outline, mesh->outline,
                                   in->about.condition_count, in->condition, &conditions));

@@ -104,8 +104,11 @@ static bw_status read_piece(bwi_cursor *cursor, joining *j, bwi_word source) {
   if (source.length == 0)
     return bwi_fail_line(cursor, "a Piece without Source: the path of a .vtu file expected");
   name = beside(j->context, j->path, source);
-  BW_TRY_MEMORY(
-      name && bw_grow(j->context, (void **)&j->piece, &j->capacity, j->count, 1, sizeof *j->piece));
+  if (!name ||
+      !bw_grow(j->context, (void **)&j->piece, &j->capacity, j->count, 1, sizeof *j->piece)) {
+    status = BW_MEMORY;
+    goto done;
+  }
   BW_TRY(bw_read_file(j->context, name, &bytes, &count));
   BW_TRY(parse_piece(j, name, bytes, count));
   if (j->count > 0 && j->piece[j->count - 1].mesh->order != j->piece[0].mesh->order)
@@ -329,7 +332,10 @@ static bw_status make_mesh(joining *j, bw_mesh **mesh) {
     regions = regions && j->piece[k].mesh->region;
   if (regions)
     region = BW_NEW(j->context, int32_t, j->elements);
-  BW_TRY_MEMORY(x && element && start && (!regions || region));
+  if (!x || !element || !start || (regions && !region)) {
+    status = BW_MEMORY;
+    goto done;
+  }
   for (size_t k = 1; k < j->count; k++)
     start[k] = start[k - 1] + j->piece[k - 1].mesh->node_count;
   for (int32_t i = 0; i < j->node_count; i++) {

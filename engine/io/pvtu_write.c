@@ -93,7 +93,10 @@ static bw_status write_piece(pieces *p, int k) {
   int32_t *region = mesh->region ? BW_NEW(p->context, int32_t, p->element_count) : NULL;
   bw_field *field = BW_NEW0(p->context, bw_field, fields);
   bw_array **array = BW_NEW0(p->context, bw_array *, fields);
-  BW_TRY_MEMORY(name && point && cell && (!mesh->region || region) && field && array);
+  if (!name || !point || !cell || (mesh->region && !region) || !field || !array) {
+    status = BW_MEMORY;
+    goto done;
+  }
   for (int32_t i = 0; i < p->node_count; i++)
     memcpy(point + 3 * (int64_t)i, mesh->node + 3 * (int64_t)p->node[i], 3 * sizeof *point);
   for (int64_t e = 0; e < p->element_count; e++) {
@@ -209,7 +212,10 @@ bw_status bwi_pvtu_write(bw_context *context, const bw_mesh *mesh, const char *p
   BW_TRY(bw_mesh_curve_order(context, mesh, &p.along));
   p.local = BW_NEW(context, int32_t, mesh->node_count);
   p.node = BW_NEW(context, int32_t, mesh->node_count);
-  BW_TRY_MEMORY(p.local && p.node);
+  if (!p.local || !p.node) {
+    status = BW_MEMORY;
+    goto done;
+  }
   memset(p.local, 0xff, (size_t)mesh->node_count * sizeof *p.local);
   BW_TRY(empty_old(&p));
   for (int k = 0; k < p.count; k++) {

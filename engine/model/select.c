@@ -161,11 +161,10 @@ bw_status bw_select_combine(bw_context *context, const bw_selection *a, const bw
   if (b->mesh != mesh)
     return bw_fail(context, BW_INVALID, "%s needs two selections of the same mesh",
                    name[operation]);
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   uint8_t *facet = BW_NEW0(context, uint8_t, mesh->facet_count);
   uint8_t *node = BW_NEW0(context, uint8_t, mesh->node_count);
-  if (!facet || !node)
-    goto done;
+  BW_TRY_MEMORY(facet && node);
   for (int32_t f = 0; f < a->facet_count; f++)
     facet[a->facet[f]] |= 1;
   for (int32_t f = 0; f < b->facet_count; f++)

@@ -29,13 +29,12 @@ static double missed_area(const bw_mesh *mesh, int32_t facet, distance_function 
 
 static bw_status select_by(bw_context *context, const bw_mesh *mesh, distance_function *distance,
                            const void *shape, const char *what, bw_selection **selection) {
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int32_t nearest = -1;
   double min = HUGE_VAL, missed = 0;
   uint8_t *facet = BW_NEW0(context, uint8_t, mesh->facet_count);
   uint8_t *node = BW_NEW0(context, uint8_t, mesh->node_count);
-  if (!facet || !node)
-    goto done;
+  BW_TRY_MEMORY(facet && node);
   for (int32_t i = 0; i < mesh->boundary_node_count; i++) {
     int32_t n = mesh->boundary_node[i];
     double d = distance(shape, mesh->node + 3 * (size_t)n);

@@ -80,7 +80,7 @@ static bw_status smooth_rows(void *data, int64_t begin, int64_t end, int worker)
 
 bw_status bwi_occlude(bw_context *context, bwi_image *image, double radius) {
   size_t pixels = (size_t)image->width * (size_t)image->height;
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   job *j = BW_NEW0(context, job, 1);
   if (!j)
     return BW_MEMORY;
@@ -88,8 +88,7 @@ bw_status bwi_occlude(bw_context *context, bwi_image *image, double radius) {
   j->radius = radius;
   j->shut = BW_NEW(context, float, pixels);
   j->smooth = BW_NEW(context, float, pixels);
-  if (!j->shut || !j->smooth)
-    goto done;
+  BW_TRY_MEMORY(j->shut && j->smooth);
   for (int cell = 0; cell < PATTERN * PATTERN; cell++)
     for (int p = 0; p < PLACES; p++) {
       double fraction = (p + (cell * 7 % 16 + 0.5) / 16) / PLACES;

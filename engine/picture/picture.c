@@ -410,12 +410,12 @@ static bw_status label_places(bw_context *context, const stage *s, cairo_t *cair
 static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
   const bw_picture_options *options = s->options;
   double w = s->image.width, h = s->image.height, u = s->u;
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   char *title = options->title ? bwi_clean_text(context, options->title) : NULL;
   char *unit = options->unit ? bwi_clean_text(context, options->unit) : NULL;
   char *lines = options->line_name ? bwi_clean_text(context, options->line_name) : NULL;
-  if ((options->title && !title) || (options->unit && !unit) || (options->line_name && !lines))
-    goto done;
+  BW_TRY_MEMORY((!options->title || title) && (!options->unit || unit) &&
+                (!options->line_name || lines));
   if (title) {
     cairo_set_source_rgb(cairo, 0.10, 0.11, 0.15);
     bwi_draw_title(cairo, 40 * u, 48 * u, w - 80 * u, 24 * u, title);
@@ -451,7 +451,6 @@ static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
     cairo_set_source_rgb(cairo, 0.30, 0.33, 0.38);
     bwi_draw_text(cairo, w - 24 * u, h - 24 * u, 1, 14 * u, false, true, label);
   }
-  status = BW_OK;
 done:
   bw_free(title);
   bw_free(unit);

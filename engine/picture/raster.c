@@ -428,7 +428,7 @@ bw_status bwi_render(bw_context *context, int solid_count, const bwi_solid *soli
                      bwi_image *image) {
   size_t pixels = (size_t)image->width * (size_t)image->height;
   int bands = (image->height + BAND - 1) / BAND, workers = bw_threads(context);
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   scene *s = BW_NEW0(context, scene, 1);
   if (!s)
     return BW_MEMORY;
@@ -450,9 +450,8 @@ bw_status bwi_render(bw_context *context, int solid_count, const bwi_solid *soli
   s->bin_start = BW_NEW0(context, int64_t, (size_t)bands + 1);
   s->band_depth = BW_NEW(context, float, s->band_size *(size_t)workers);
   s->band_facet = BW_NEW(context, int32_t, s->band_size * (size_t)workers);
-  if (!image->colour || !image->depth || !image->normal || !image->finish || !s->bin_start ||
-      !s->band_depth || !s->band_facet)
-    goto done;
+  BW_TRY_MEMORY(image->colour && image->depth && image->normal && image->finish && s->bin_start &&
+                s->band_depth && s->band_facet);
   prepare_light(s);
   BW_TRY(fill_bins(s));
   BW_TRY(bw_parallel(context, bands, 1, draw_band, s));

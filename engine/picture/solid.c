@@ -104,15 +104,14 @@ bw_status bwi_solid_prepare(bw_context *context, bwi_solid *solid, const bwi_vie
                             double crease, double push) {
   job j = {.solid = solid, .view = view, .cosine = cos(crease)};
   size_t points = (size_t)solid->point_count, facets = (size_t)solid->triangle_count;
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   solid->pixel = BW_NEW(context, float, 3 * points);
   solid->normal = BW_NEW(context, float, 9 * facets);
   solid->lines = BW_NEW0(context, uint8_t, facets);
   j.facet = BW_NEW(context, float, 4 * facets);
   j.start = BW_NEW0(context, int64_t, points + 1);
   j.around = BW_NEW(context, int32_t, 3 * facets);
-  if (!solid->pixel || !solid->normal || !solid->lines || !j.facet || !j.start || !j.around)
-    goto done;
+  BW_TRY_MEMORY(solid->pixel && solid->normal && solid->lines && j.facet && j.start && j.around);
   for (size_t i = 0; i < points; i++) {
     double pixel[3];
     bwi_view_project(view, solid->point + 3 * i, pixel);

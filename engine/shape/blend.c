@@ -310,14 +310,13 @@ static bw_status write_weights(blend *b, int32_t node, const int32_t *bone, int3
 }
 
 static bw_status blend_several(blend *b, int32_t subdomain, size_t first_bone, int32_t bones) {
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int32_t n = b->free_count, lost_count = 0, at = 0;
   double *x = BW_NEW(b->context, double, (int64_t)n *bones);
   double *weight = BW_NEW(b->context, double, bones);
   int32_t *lost = BW_NEW(b->context, int32_t, n);
   b->diagonal = BW_NEW0(b->context, double, 4 * (int64_t)n);
-  if (!x || !weight || !lost || !b->diagonal)
-    goto done;
+  BW_TRY_MEMORY(x && weight && lost && b->diagonal);
   b->r = b->diagonal + n;
   b->p = b->r + n;
   b->q = b->p + n;
@@ -343,7 +342,6 @@ static bw_status blend_several(blend *b, int32_t subdomain, size_t first_bone, i
     }
     BW_TRY(write_weights(b, b->node[i], b->bone + first_bone, bones, weight));
   }
-  status = BW_OK;
 done:
   bw_free(x);
   bw_free(weight);
@@ -416,12 +414,11 @@ static bw_status find_constrained(blend *b) {
 static bw_status sort_influences(blend *b) {
   bw_subdomains *d = b->subdomains;
   const bw_mesh *mesh = d->mesh;
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int32_t nodes = mesh->node_count;
   uint8_t *corner = BW_NEW0(b->context, uint8_t, nodes);
   int64_t *start = d->influence_start = BW_NEW0(b->context, int64_t, (int64_t)nodes + 1);
-  if (!corner || !start)
-    goto done;
+  BW_TRY_MEMORY(corner && start);
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < 4; k++)
       corner[bwi_nodes_of(mesh, e)[k]] = 1;
@@ -434,8 +431,7 @@ static bw_status sort_influences(blend *b) {
   }
   d->influence_bone = BW_NEW(b->context, int32_t, start[nodes]);
   d->influence_weight = BW_NEW(b->context, double, start[nodes]);
-  if (!d->influence_bone || !d->influence_weight)
-    goto done;
+  BW_TRY_MEMORY(d->influence_bone && d->influence_weight);
   for (int32_t i = 0; i < nodes; i++)
     if (corner[i] && b->constrained_bone[i] >= 0) {
       d->influence_bone[start[i]] = b->constrained_bone[i];
@@ -448,7 +444,6 @@ static bw_status sort_influences(blend *b) {
     d->influence_bone[at] = b->list[k].bone;
     d->influence_weight[at] = b->list[k].weight;
   }
-  status = BW_OK;
 done:
   bw_free(corner);
   return status;
@@ -457,10 +452,9 @@ done:
 bw_status bwi_subdomains_blend(bw_context *context, bw_subdomains *subdomains,
                                const bwi_guide *guide) {
   blend b = {.context = context, .subdomains = subdomains, .guide = guide};
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   subdomains->bone_start = BW_NEW0(context, int32_t, subdomains->count + 1);
-  if (!subdomains->bone_start)
-    goto done;
+  BW_TRY_MEMORY(subdomains->bone_start);
   BW_TRY(sort_elements(&b));
   BW_TRY(find_constrained(&b));
   for (int32_t i = 0; i < subdomains->count; i++) {

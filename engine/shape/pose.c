@@ -90,12 +90,11 @@ bw_status bw_pose_maps(bw_context *context, const bw_skeleton *skeleton, const b
     if (status != BW_OK)
       return status;
   }
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   double *frame = BW_NEW(context, double, 9 * (int64_t)bones);
   double *own_map = map ? NULL : BW_NEW(context, double, 12 * (int64_t)bones);
   double *own_rotation = rotation ? NULL : BW_NEW(context, double, 9 * (int64_t)bones);
-  if (!frame || (!map && !own_map) || (!rotation && !own_rotation))
-    goto done;
+  BW_TRY_MEMORY(frame && (map || own_map) && (rotation || own_rotation));
   double *to = map ? map : own_map, *turn = rotation ? rotation : own_rotation;
   bw_skeleton_frames(skeleton, frame);
   for (int32_t b = 0; b < bones; b++) {
@@ -120,7 +119,6 @@ bw_status bw_pose_maps(bw_context *context, const bw_skeleton *skeleton, const b
       own[4 * i + 3] = (follows ? parent_map[4 * i + 3] : moved[i] - turned_head[i]) + shift[i];
     }
   }
-  status = BW_OK;
 done:
   bw_free(frame);
   bw_free(own_map);
@@ -190,12 +188,11 @@ bw_status bw_pose_derivative(bw_context *context, const bw_subdomains *subdomain
                    "the derivative by the scale of bone %d along axis %d: bones 1 to %d and axes 1 "
                    "to 3 expected",
                    bone + 1, axis + 1, bones);
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   double *frame = BW_NEW(context, double, 9 * (int64_t)bones);
   double *rotation = BW_NEW(context, double, 9 * (int64_t)bones);
   double *change = BW_NEW0(context, double, 12 * (int64_t)bones); /* of each bone's map */
-  if (!frame || !rotation || !change)
-    goto done;
+  BW_TRY_MEMORY(frame && rotation && change);
   BW_TRY(bw_pose_maps(context, skeleton, pose, NULL, rotation));
   bw_skeleton_frames(skeleton, frame);
   /* the bone itself: dA = R f f^T about its head */
@@ -220,7 +217,6 @@ bw_status bw_pose_derivative(bw_context *context, const bw_subdomains *subdomain
       change[12 * (size_t)b + (size_t)(4 * i + 3)] = moved[i];
   }
   blend_nodes(subdomains, change, derivative);
-  status = BW_OK;
 done:
   bw_free(frame);
   bw_free(rotation);

@@ -198,13 +198,12 @@ static bw_status list_bones(bw_context *context, const partition *p) {
 static bw_status place_nodes(bw_context *context, const partition *p) {
   bw_subdomains *d = p->subdomains;
   const bw_mesh *mesh = d->mesh;
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int32_t bones = d->skeleton->bone_count;
   uint64_t *common = BW_NEW(context, uint64_t, (int64_t)p->words * mesh->node_count);
   int32_t *rank = BW_NEW(context, int32_t, mesh->node_count); /* of the choice: lower is better */
   d->stiffness.of_node = BW_NEW(context, int32_t, mesh->node_count);
-  if (!common || !rank || !d->stiffness.of_node)
-    goto done;
+  BW_TRY_MEMORY(common && rank && d->stiffness.of_node);
   memset(common, 0xff, p->words * (size_t)mesh->node_count * sizeof *common);
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++)
@@ -230,7 +229,6 @@ static bw_status place_nodes(bw_context *context, const partition *p) {
       }
     }
   }
-  status = BW_OK;
 done:
   bw_free(common);
   bw_free(rank);
@@ -251,7 +249,7 @@ void bwi_stiffness_subdomains_clear(bw_subdomains *d) {
 }
 
 bw_status bwi_stiffness_subdomains_create(bw_context *context, bw_subdomains *subdomains) {
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int32_t elements = subdomains->mesh->element_count;
   partition p = {.subdomains = subdomains, .words = set_words(subdomains)};
   bwi_stiffness_subdomains_clear(subdomains);
@@ -260,8 +258,7 @@ bw_status bwi_stiffness_subdomains_create(bw_context *context, bw_subdomains *su
   p.size = BW_NEW(context, int32_t, elements);
   p.next = BW_NEW(context, int32_t, elements);
   p.last = BW_NEW(context, int32_t, elements);
-  if (!p.set || !p.group || !p.size || !p.next || !p.last)
-    goto done;
+  BW_TRY_MEMORY(p.set && p.group && p.size && p.next && p.last);
   for (int32_t e = 0; e < elements; e++) {
     p.group[e] = p.last[e] = e;
     p.size[e] = 1;
@@ -365,12 +362,11 @@ static bw_status check_bones(bw_context *context, const bw_subdomains *d, uint8_
 }
 
 bw_status bwi_stiffness_subdomains_check(bw_context *context, const bw_subdomains *d) {
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int32_t *group = BW_NEW(context, int32_t, d->mesh->element_count);
   int32_t *first = BW_NEW(context, int32_t, d->stiffness.count);
   uint8_t *met = BW_NEW0(context, uint8_t, d->stiffness.bone_start[d->stiffness.count]);
-  if (!group || !first || !met)
-    goto done;
+  BW_TRY_MEMORY(group && first && met);
   BW_TRY(check_parts(context, d, group, first));
   BW_TRY(check_bones(context, d, met));
 done:

@@ -218,15 +218,14 @@ static int32_t liked_bone(const growth *g, int32_t first, const int32_t *next, d
  * through faces joins it. touches[first element of a group]: -1 none, -2 several, else the bone. */
 static bw_status settle_groups(growth *g, int32_t *first, int32_t *size) {
   const bw_mesh *mesh = g->mesh;
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int32_t *group = BW_NEW(g->context, int32_t, mesh->element_count);
   int32_t *next = BW_NEW(g->context, int32_t, mesh->element_count);
   int32_t *last = BW_NEW(g->context, int32_t, mesh->element_count);
   int32_t *touches = BW_NEW(g->context, int32_t, mesh->element_count);
   int32_t *owner = BW_NEW(g->context, int32_t, mesh->node_count);
   double *score = BW_NEW(g->context, double, g->skeleton->bone_count);
-  if (!group || !next || !last || !touches || !owner || !score)
-    goto done;
+  BW_TRY_MEMORY(group && next && last && touches && owner && score);
   BW_TRY(bwi_flexible_groups(g->context, mesh, g->bone, group));
   for (int32_t i = 0; i < mesh->node_count; i++)
     owner[i] = -1;
@@ -266,7 +265,6 @@ static bw_status settle_groups(growth *g, int32_t *first, int32_t *size) {
   }
   /* what was given away but hangs on by an edge or a corner only falls back to type F */
   keep_largest(g, first, size);
-  status = BW_OK;
 done:
   bw_free(group);
   bw_free(next);

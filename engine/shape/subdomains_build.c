@@ -118,7 +118,7 @@ static size_t sort_unique(int64_t *key, size_t count) {
 /* Pairs of subdomains that share a node, from the subdomains at every interface node. */
 static bw_status find_neighbours(bw_context *context, bw_subdomains *d) {
   const bw_mesh *mesh = d->mesh;
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int64_t *at = NULL, *pair = NULL; /* node * count + subdomain; subdomain * count + subdomain */
   size_t at_count = 0, at_capacity = 0, pair_count = 0, pair_capacity = 0;
   for (int32_t e = 0; e < mesh->element_count; e++)
@@ -126,8 +126,7 @@ static bw_status find_neighbours(bw_context *context, bw_subdomains *d) {
       int32_t i = bwi_nodes_of(mesh, e)[k];
       if (!d->interface[i])
         continue;
-      if (!bw_grow(context, (void **)&at, &at_capacity, at_count, 1, sizeof *at))
-        goto done;
+      BW_TRY_MEMORY(bw_grow(context, (void **)&at, &at_capacity, at_count, 1, sizeof *at));
       at[at_count++] = (int64_t)i * d->count + d->element_subdomain[e];
     }
   at_count = sort_unique(at, at_count);
@@ -139,22 +138,20 @@ static bw_status find_neighbours(bw_context *context, bw_subdomains *d) {
       for (size_t b = first; b < end; b++) {
         if (a == b)
           continue;
-        if (!bw_grow(context, (void **)&pair, &pair_capacity, pair_count, 1, sizeof *pair))
-          goto done;
+        BW_TRY_MEMORY(
+            bw_grow(context, (void **)&pair, &pair_capacity, pair_count, 1, sizeof *pair));
         pair[pair_count++] = at[a] % d->count * d->count + at[b] % d->count;
       }
   }
   pair_count = sort_unique(pair, pair_count);
   d->adjacent = BW_NEW(context, int32_t, pair_count);
-  if (!d->adjacent)
-    goto done;
+  BW_TRY_MEMORY(d->adjacent);
   for (size_t i = 0; i < pair_count; i++) {
     d->adjacent[i] = (int32_t)(pair[i] % d->count);
     d->adjacent_start[pair[i] / d->count + 1]++;
   }
   for (int32_t i = 0; i < d->count; i++)
     d->adjacent_start[i + 1] += d->adjacent_start[i];
-  status = BW_OK;
 done:
   bw_free(at);
   bw_free(pair);
@@ -167,7 +164,7 @@ bw_status bwi_subdomains_make(bw_context *context, const bw_mesh *mesh, const bw
                               int32_t count, const int32_t *bone_of,
                               const int32_t *element_subdomain, const bwi_guide *guide,
                               bw_subdomains **subdomains) {
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   bw_subdomains *d = BW_NEW0(context, bw_subdomains, 1);
   if (!d)
     return BW_MEMORY;
@@ -181,9 +178,8 @@ bw_status bwi_subdomains_make(bw_context *context, const bw_mesh *mesh, const bw
   d->adjacent_start = BW_NEW0(context, int32_t, count + 1);
   d->node_subdomain = BW_NEW(context, int32_t, mesh->node_count);
   d->interface = BW_NEW0(context, uint8_t, mesh->node_count);
-  if (!d->element_subdomain || !d->elements || !d->bone_of || !d->adjacent_start ||
-      !d->node_subdomain || !d->interface)
-    goto done;
+  BW_TRY_MEMORY(d->element_subdomain && d->elements && d->bone_of && d->adjacent_start &&
+                d->node_subdomain && d->interface);
   memcpy(d->element_subdomain, element_subdomain, (size_t)mesh->element_count * sizeof(int32_t));
   memcpy(d->bone_of, bone_of, (size_t)count * sizeof(int32_t));
   for (int32_t i = 0; i < count; i++)
@@ -204,12 +200,11 @@ done:
 bw_status bwi_subdomains_from_bones(bw_context *context, const bw_mesh *mesh,
                                     const bw_skeleton *skeleton, const int32_t *bone,
                                     const bwi_guide *guide, bw_subdomains **subdomains) {
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int32_t *label = BW_NEW(context, int32_t, mesh->element_count);
   int32_t *number = BW_NEW(context, int32_t, skeleton->bone_count);
   int32_t *bone_of = BW_NEW(context, int32_t, (int64_t)mesh->element_count + 1);
-  if (!label || !number || !bone_of)
-    goto done;
+  BW_TRY_MEMORY(label && number && bone_of);
   BW_TRY(bwi_flexible_groups(context, mesh, bone, label));
   for (int32_t b = 0; b < skeleton->bone_count; b++)
     number[b] = -1;

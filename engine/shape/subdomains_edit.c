@@ -178,12 +178,11 @@ bw_status bw_subdomains_assign(bw_context *context, const bw_subdomains *subdoma
               mesh->element_count);
       return fail_at(context, element[i], -1);
     }
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int32_t *follows = BW_NEW(context, int32_t, mesh->element_count);
   int32_t *label = BW_NEW(context, int32_t, mesh->element_count);
   int32_t *bone_of = BW_NEW(context, int32_t, (int64_t)bones + 1);
-  if (!follows || !label || !bone_of)
-    goto done;
+  BW_TRY_MEMORY(follows && label && bone_of);
   for (int32_t e = 0; e < mesh->element_count; e++)
     follows[e] = subdomains->bone_of[subdomains->element_subdomain[e]];
   for (int64_t i = 0; i < count; i++)

@@ -18,13 +18,12 @@ static bw_status find_components(bw_context *context, const bw_subdomains *old,
                                  const uint8_t *replace, int32_t *component_subdomain,
                                  int32_t *components) {
   const bw_mesh *mesh = old->mesh;
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int32_t depth = 0;
   uint8_t *seen = BW_NEW0(context, uint8_t, mesh->element_count);
   int32_t *stack = BW_NEW(context, int32_t, mesh->element_count);
   *components = 0;
-  if (!seen || !stack)
-    goto done;
+  BW_TRY_MEMORY(seen && stack);
   status = BW_OK;
   for (int32_t first = 0; first < mesh->element_count; first++) {
     if (!replace[first] || seen[first])
@@ -244,11 +243,10 @@ bw_status bw_subdomains_refilled(bw_context *context, const bw_subdomains *subdo
                                  const int32_t *node_from, const int32_t *element_from,
                                  bw_subdomains **refilled) {
   bw_subdomains *d = NULL;
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   int32_t *label = BW_NEW(context, int32_t, mesh->element_count);
   double *rest = BW_NEW(context, double, 3 * (int64_t)mesh->node_count);
-  if (!label || !rest)
-    goto done;
+  BW_TRY_MEMORY(label && rest);
   BW_TRY(check_numbers(context, subdomains, mesh, node_from));
   BW_TRY(make_labels(context, subdomains, mesh, replace, element_from, label));
   BW_TRY(bw_subdomains_from_labels(context, mesh, subdomains->skeleton, subdomains->count,
