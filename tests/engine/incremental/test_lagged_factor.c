@@ -353,6 +353,8 @@ static void test_saddle(void **state) {
     for (size_t i = 0; i < f.size; i++)
       residual = fmax(residual, fabs(f.y[i] - f.rhs[i]));
     assert_true(residual < 1e-6);
+    if (k == 0)
+      assert_int_equal(reuse.factorisations, 1); /* refused at once */
     bw_lagged_factor_destroy(lagged);
     clear(&f);
   }
