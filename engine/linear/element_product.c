@@ -132,7 +132,8 @@ static void add_batch(const bwi_element_product *p, const batch *b, const double
         y[3 * (int64_t)b->row[a][w] + d] += f[a][d][w];
 }
 
-/* Four or eight fields from `first` on, of one element after the other. */
+/* Four or eight fields from `first` on, of one element after the other: what the next one reads and
+ * adds to is asked for meanwhile. */
 #define FIELDS(suffix, all)                                                                        \
   static void add_batch##suffix(const bwi_element_product *p, const batch *b, int64_t width,       \
                                 int first, const double *x, double *y, double *energy) {           \
@@ -146,6 +147,11 @@ static void add_batch(const bwi_element_product *p, const batch *b, const double
       for (int a = 0; a < 10; a++)                                                                 \
         for (int d = 0; d < 3; d++)                                                                \
           u[a][d] = *(const all *)(x + (3 * (int64_t)b->row[a][w] + d) * width + first);           \
+      for (int a = 0; a < 10 && w + 1 < LANES; a++)                                                \
+        for (int d = 0; d < 3; d++) {                                                              \
+          __builtin_prefetch(x + (3 * (int64_t)b->row[a][w + 1] + d) * width + first);             \
+          __builtin_prefetch(y + (3 * (int64_t)b->row[a][w + 1] + d) * width + first, 1);          \
+        }                                                                                          \
       element##suffix(p, u, (const double(*)[3])g, f, &sum);                                       \
       for (int a = 0; a < 10; a++)                                                                 \
         for (int d = 0; d < 3; d++)                                                                \
