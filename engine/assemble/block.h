@@ -16,24 +16,37 @@ typedef struct bwi_block_term {
 } bwi_block_term;
 void bwi_product_table(int order, bwi_block_term table[256]);
 
-/* Adds to T (rows of four, the last unused) what an element with frame h contributes to a block.
- * `diagonal`: row and column are one node. */
-static inline void bwi_add_contribution(const bwi_block_term table[256], const bwi_vector *h,
-                                        int code, bool diagonal, bwi_vector t[3]) {
-  if (diagonal && (code & 15) >= 4) {
-    const int *edge = bw_tet_edge[(code & 15) - 4];
-    bwi_vector s = h[code & 15], a = h[edge[0]], b = h[edge[1]];
-    t[0] += 0.8 * (s[0] * s + (a[0] * a + b[0] * b));
-    t[1] += 0.8 * (s[1] * s + (a[1] * a + b[1] * b));
-    t[2] += 0.8 * (s[2] * s + (a[2] * a + b[2] * b));
-    return;
-  }
-  const bwi_block_term *p = &table[code];
+/* Add to T (rows of four, the last unused) what an element with frame h contributes to a block: of
+ * a corner's row, of a corner's column, of two mid-edge nodes, of a mid-edge node with itself.
+ * Where a corner is one of both nodes, the two products have its vector in common. */
+static inline void bwi_add_outer(const bwi_vector *u, const bwi_vector *v, bwi_vector t[3]) {
+  t[0] += (*u)[0] * *v;
+  t[1] += (*u)[1] * *v;
+  t[2] += (*u)[2] * *v;
+}
+static inline void bwi_add_corner_row(const bwi_block_term *p, const bwi_vector *h,
+                                      bwi_vector t[3]) {
+  bwi_vector v = p->first * h[p->v] + p->second * h[p->z];
+  bwi_add_outer(&h[p->u], &v, t);
+}
+static inline void bwi_add_corner_column(const bwi_block_term *p, const bwi_vector *h,
+                                         bwi_vector t[3]) {
+  bwi_vector u = p->first * h[p->u] + p->second * h[p->w];
+  bwi_add_outer(&u, &h[p->v], t);
+}
+static inline void bwi_add_middles(const bwi_block_term *p, const bwi_vector *h, bwi_vector t[3]) {
   const double *u = (const double *)(h + p->u), *w = (const double *)(h + p->w);
   bwi_vector v = p->first * h[p->v], z = p->second * h[p->z];
   t[0] += u[0] * v + w[0] * z;
   t[1] += u[1] * v + w[1] * z;
   t[2] += u[2] * v + w[2] * z;
+}
+static inline void bwi_add_middle(int m, const bwi_vector *h, bwi_vector t[3]) {
+  const int *edge = bw_tet_edge[m - 4];
+  bwi_vector s = h[m], a = h[edge[0]], b = h[edge[1]];
+  t[0] += 0.8 * (s[0] * s + (a[0] * a + b[0] * b));
+  t[1] += 0.8 * (s[1] * s + (a[1] * a + b[1] * b));
+  t[2] += 0.8 * (s[2] * s + (a[2] * a + b[2] * b));
 }
 
 /* Elements of a subdomain, all straight: frame number[e] - first if that is in [0, count). */
@@ -45,16 +58,31 @@ typedef struct bwi_element_range {
   const bwi_block_term *table;
 } bwi_element_range;
 
-/* T of one block, of the elements in the range, into t (rows of four, the last unused). */
+/* T of one block, of the elements in the range, into t (rows of four, the last unused). A node is
+ * corner or middle in all its elements, so that each loop has contributions of one kind. */
 static inline void bwi_sum_block(const bwi_contributions *list, const bwi_element_range *range,
                                  int64_t index, bool diagonal, bwi_vector t[3]) {
-  t[0] = t[1] = t[2] = (bwi_vector){0};
-  for (int64_t k = list->start[index]; k < list->start[index + 1]; k++) {
-    int32_t e = range->number[list->element[k]] - range->first;
-    if ((uint32_t)e < (uint32_t)range->count)
-      bwi_add_contribution(range->table, range->vector + (int64_t)e * range->vectors,
-                           list->local[k], diagonal, t);
+  int64_t begin = list->start[index], end = list->start[index + 1];
+  const int row = list->local[begin] >> 4, column = list->local[begin] & 15;
+  bwi_vector sum[3] = {{0}, {0}, {0}}; /* in registers */
+#define BWI_SUM(add)                                                                               \
+  for (int64_t k = begin; k < end; k++) {                                                          \
+    int32_t e = range->number[list->element[k]] - range->first;                                    \
+    const int code = list->local[k];                                                               \
+    const bwi_vector *h = range->vector + (int64_t)e * range->vectors;                             \
+    if ((uint32_t)e < (uint32_t)range->count)                                                      \
+      add;                                                                                         \
   }
+  if (row < 4)
+    BWI_SUM(bwi_add_corner_row(&range->table[code], h, sum))
+  else if (column < 4)
+    BWI_SUM(bwi_add_corner_column(&range->table[code], h, sum))
+  else if (diagonal)
+    BWI_SUM(bwi_add_middle(code & 15, h, sum))
+  else
+    BWI_SUM(bwi_add_middles(&range->table[code], h, sum))
+#undef BWI_SUM
+  memcpy(t, sum, sizeof sum);
 }
 
 /* K = lambda T + mu T^T + mu tr(T) I */

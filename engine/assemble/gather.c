@@ -122,30 +122,19 @@ __attribute__((always_inline)) static inline void add_element(const gather_data 
   }
   bool curved = !straight && g->frames.curved && g->frames.curved[e] >= 0;
   const bwi_vector *h = g->frames.vector + e * g->frames.vectors;
+  const bwi_block_term *table = g->table + (a << 4);
   int n = 0;
-  if (!curved && a < 4) /* u (x) (first v + second z): corners' products have one row vector */
-    for (const bwi_vector u = h[a]; n < count; n++) {
-      const bwi_block_term *p = &g->table[a << 4 | below[n]];
-      bwi_vector *t = sum[place[node[below[n]]]].t, v = p->first * h[p->v] + p->second * h[p->z];
-      t[0] += u[0] * v;
-      t[1] += u[1] * v;
-      t[2] += u[2] * v;
-    }
-  else if (!curved) /* ... or, of a mid-edge node with a corner, one column vector */
-    for (; n < count && below[n] < 4; n++) {
-      const bwi_block_term *p = &g->table[a << 4 | below[n]];
-      bwi_vector *t = sum[place[node[below[n]]]].t, u = p->first * h[p->u] + p->second * h[p->w];
-      t[0] += u[0] * h[p->v];
-      t[1] += u[1] * h[p->v];
-      t[2] += u[2] * h[p->v];
-    }
-  for (; n < count; n++) {
-    bwi_vector *t = sum[place[node[below[n]]]].t;
-    if (curved)
-      add_curved(&g->frames, g->frames.curved[e], a, below[n], t);
+  for (; !curved && a < 4 && n < count; n++)
+    bwi_add_corner_row(&table[below[n]], h, sum[place[node[below[n]]]].t);
+  for (; !curved && n < count && below[n] < 4; n++)
+    bwi_add_corner_column(&table[below[n]], h, sum[place[node[below[n]]]].t);
+  for (; !curved && n < count; n++)
+    if (below[n] == a)
+      bwi_add_middle(a, h, sum[place[i]].t);
     else
-      bwi_add_contribution(g->table, h, a << 4 | below[n], a == below[n], t);
-  }
+      bwi_add_middles(&table[below[n]], h, sum[place[node[below[n]]]].t);
+  for (; n < count; n++)
+    add_curved(&g->frames, g->frames.curved[e], a, below[n], sum[place[node[below[n]]]].t);
   for (n = 0; !straight && g->mean_map && n < count; n++)
     add_mean(&g->frames, e, a, below[n], sum[g->longest + place[node[below[n]]]].t);
 }

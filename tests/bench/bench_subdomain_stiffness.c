@@ -101,13 +101,14 @@ int main(int count, char **argument) {
              "\"milliseconds_one_subdomain\": %.3f, \"milliseconds_one_gathered\": %.3f, "
              "\"ratio_all\": %.2f, \"ratio_one\": %.1f, \"ratio_gathered\": %.1f, "
              "\"ratio_all_processor\": %.2f, \"processor_direct\": %.2f, "
-             "\"processor_all\": %.2f, \"processor_one\": %.3f, \"bytes\": %zu, \"bytes_entries\": "
+             "\"processor_all\": %.2f, \"processor_one\": %.3f, \"processor_gathered\": %.3f, "
+             "\"bytes\": %zu, \"bytes_entries\": "
              "%lld}%s\n",
              m ? "orthotropic" : "isotropic", threads, 1e3 * create, 1e3 * direct.clock,
              1e3 * all.clock, 1e3 * one.clock, 1e3 * gathered.clock, direct.clock / all.clock,
              direct.clock / one.clock, direct.clock / gathered.clock,
              direct.processor / all.processor, 1e3 * direct.processor, 1e3 * all.processor,
-             1e3 * one.processor, bw_subdomain_stiffness_bytes(s),
+             1e3 * one.processor, 1e3 * gathered.processor, bw_subdomain_stiffness_bytes(s),
              (long long)pattern->block_count * 72, threads == 2 && m ? "" : ",");
       bw_release(s);
     }
