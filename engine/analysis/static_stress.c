@@ -1,13 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The stress of a static solution: that of its displacement, less what free expansion explains. */
 #include "barwright/analysis.h"
-
-static bool expands(const bw_model *model) {
-  for (int i = 0; i < model->load_count; i++)
-    if (model->load[i].kind == BW_LOAD_TEMPERATURE)
-      return true;
-  return false;
-}
+#include "model/internal.h"
 
 bw_status bw_static_stress(bw_context *context, const bw_static *result, bool on_nodes,
                            double *stress) {
@@ -19,7 +13,7 @@ bw_status bw_static_stress(bw_context *context, const bw_static *result, bool on
     BW_TRY(bw_nodal_stress(context, mesh, model->material, result->displacement, stress));
   else
     BW_TRY(bw_element_stress(context, mesh, model->material, result->displacement, stress));
-  if (!expands(model))
+  if (!bwi_model_expands(model))
     goto done;
   size_t count = 6 * (size_t)(on_nodes ? mesh->node_count : mesh->element_count);
   thermal = BW_NEW(context, double, count);

@@ -7,13 +7,18 @@
 
 static bwd_system *current;
 
-static void destroy(bwd_system *system) {
-  if (!system)
-    return;
+/* What takes most of the memory. */
+static void release_matrices(bwd_system *system) {
   KSPDestroy(&system->solver);
   MatDestroy(&system->K);
   MatDestroy(&system->M);
   MatDestroy(&system->isostatic);
+}
+
+static void destroy(bwd_system *system) {
+  if (!system)
+    return;
+  release_matrices(system);
   VecDestroy(&system->force);
   VecDestroy(&system->displacement);
   VecDestroy(&system->mask);
@@ -82,6 +87,7 @@ bw_status bwd_run_solve(bw_context *context, int count, const double *force, dou
   for (int k = 0; k < count; k++) {
     BW_TRY(bwd_scatter(context, current, force ? force + k * size : NULL, current->force));
     BW_TRY(bwd_solver_apply(context, current, current->force, current->displacement));
+    BW_TRY(bwd_energy_error(context, current));
     BW_TRY(bwd_gather(context, current, current->displacement,
                       displacement ? displacement + k * size : NULL));
     if (bwd_cancelled(context)) {
@@ -98,6 +104,11 @@ bw_status bwd_run_modes(bw_context *context, const bw_modes_options *options,
   return ended(context, bwd_modes(context, current, options, modes));
 }
 
+bw_status bwd_run_write(bw_context *context, const bw_external_output *output) {
+  release_matrices(current);
+  return ended(context, bwd_write(context, current, output));
+}
+
 void bwd_run_report(bw_external_report *report) {
   struct rusage usage;
   getrusage(RUSAGE_SELF, &usage);
@@ -110,6 +121,7 @@ void bwd_run_report(bw_external_report *report) {
   if (report && current)
     *report = (bw_external_report){.ranks = current->ranks,
                                    .iterations = current->iterations,
+                                   .energy_error = current->energy_error,
                                    .send = current->seconds_send,
                                    .assembly = current->seconds_assembly,
                                    .setup = current->seconds_setup,
@@ -150,6 +162,11 @@ static bw_status external_modes(bw_context *context, const bw_modes_options *opt
   return status == BW_OK ? bwd_run_modes(context, options, modes) : status;
 }
 
+static bw_status external_write(bw_context *context, const bw_external_output *output) {
+  bw_status status = bwd_command(context, BWD_WRITE);
+  return status == BW_OK ? bwd_run_write(context, output) : status;
+}
+
 static void external_report(bw_context *context, bw_external_report *report) {
   if (bwd_command(context, BWD_REPORT) == BW_OK)
     bwd_run_report(report);
@@ -164,5 +181,6 @@ const bw_external bwd_external = {.open = external_open,
                                   .multiply = external_multiply,
                                   .solve = external_solve,
                                   .modes = external_modes,
+                                  .write = external_write,
                                   .report = external_report,
                                   .close = external_close};

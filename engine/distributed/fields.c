@@ -23,8 +23,7 @@ void bwd_out_of_frame(const double *frame, const double *own, double *global) {
     global[c] = frame ? frame[c] * own[0] + frame[3 + c] * own[1] + frame[6 + c] * own[2] : own[c];
 }
 
-/* The numbers in `system->field`, already by row, to a vector. */
-static bw_status spread(bw_context *context, bwd_system *system, Vec vector) {
+bw_status bwd_spread(bw_context *context, bwd_system *system, Vec vector) {
   bw_status status = BW_OK;
   double *own = NULL;
   BWD_TRY(VecGetArray(vector, &own));
@@ -42,7 +41,7 @@ bw_status bwd_scatter(bw_context *context, bwd_system *system, const double *fie
       bwd_into_frame(bwd_frame_at(dof_map, i), field + 3 * i,
                      system->field + 3 * (int64_t)system->row_of[i]);
   }
-  return spread(context, system, vector);
+  return bwd_spread(context, system, vector);
 }
 
 bw_status bwd_gather(bw_context *context, bwd_system *system, Vec vector, double *field) {
@@ -62,7 +61,7 @@ done:
   return status;
 }
 
-bw_status bwd_ghosted(bw_context *context, bwd_system *system, Vec vector, double *field) {
+bw_status bwd_local_values(bw_context *context, bwd_system *system, Vec vector, double *field) {
   bw_status status = BW_OK;
   const double *own = NULL;
   BWD_TRY(
@@ -70,10 +69,18 @@ bw_status bwd_ghosted(bw_context *context, bwd_system *system, Vec vector, doubl
   BWD_TRY(
       VecScatterEnd(system->to_ghosted, vector, system->ghosted, INSERT_VALUES, SCATTER_FORWARD));
   BWD_TRY(VecGetArrayRead(system->ghosted, &own));
-  for (int32_t i = 0; i < system->mesh.count.nodes; i++)
-    bwd_out_of_frame(bwd_local_frame(&system->mesh, i), own + 3 * (int64_t)i,
-                     field + 3 * (int64_t)i);
+  memcpy(field, own, 3 * (size_t)system->mesh.count.nodes * sizeof *own);
   BWD_TRY(VecRestoreArrayRead(system->ghosted, &own));
 done:
+  return status;
+}
+
+bw_status bwd_ghosted(bw_context *context, bwd_system *system, Vec vector, double *field) {
+  bw_status status = bwd_local_values(context, system, vector, field);
+  for (int64_t i = 0; status == BW_OK && i < system->mesh.count.nodes; i++) {
+    double own[3];
+    memcpy(own, field + 3 * i, sizeof own);
+    bwd_out_of_frame(bwd_local_frame(&system->mesh, (int32_t)i), own, field + 3 * i);
+  }
   return status;
 }

@@ -26,6 +26,7 @@ typedef enum bwd_operation {
   BWD_MULTIPLY,
   BWD_SOLVE,
   BWD_MODES,
+  BWD_WRITE,
   BWD_REPORT,
   BWD_CLOSE,
   BWD_END
@@ -143,6 +144,7 @@ typedef struct bwd_system {
   KSP solver;
   bool ready; /* the solver is complete, from its first use on, which gives the tolerance */
   int iterations;
+  double energy_error; /* (-) the largest of bwd_energy_error */
   double seconds_send, seconds_assembly, seconds_setup, seconds_solve;
   double processor; /* of this process when the system was opened */
   int32_t *start;   /* ranks + 1: first row of each rank */
@@ -208,8 +210,11 @@ bw_status bwd_gather(bw_context *context, bwd_system *system, Vec vector, double
 const double *bwd_frame_at(const bw_dof_map *dof_map, int64_t node);
 void bwd_into_frame(const double *frame, const double *global, double *own);
 void bwd_out_of_frame(const double *frame, const double *own, double *global);
-/* A vector as it is at the rank's own nodes and ghost nodes: (local->count.nodes x 3) in global
- * directions. */
+/* Numbers that stand by row in `field` of rank 0's system, as they are, to a vector. */
+bw_status bwd_spread(bw_context *context, bwd_system *system, Vec vector);
+/* A vector as it is at the rank's own nodes and ghost nodes: (local->count.nodes x 3), as it is,
+ * and in global directions. */
+bw_status bwd_local_values(bw_context *context, bwd_system *system, Vec vector, double *field);
 bw_status bwd_ghosted(bw_context *context, bwd_system *system, Vec vector, double *field);
 
 /* linear.c: the multigrid of the linear elements, before there is K. */
@@ -219,6 +224,9 @@ bw_status bwd_solver_create(bw_context *context, bwd_system *system, double rtol
 /* displacement = K^-1 force in the system's vectors or others of their shape; the force is masked
  * in place. */
 bw_status bwd_solver_apply(bw_context *context, bwd_system *system, Vec force, Vec displacement);
+/* After a solution by conjugate gradients for the system's own vectors: an estimate of its relative
+ * error in energy. The force becomes the residual. Nothing after a factor. */
+bw_status bwd_energy_error(bw_context *context, bwd_system *system);
 /* Eigenvalues of K x = lambda M x below sigma, without the rigid-body motions; *trusted: no pivot
  * was in doubt. */
 bw_status bwd_count_below(bw_context *context, bwd_system *system, double sigma, int64_t *count,
@@ -228,6 +236,9 @@ bw_status bwd_count_below(bw_context *context, bwd_system *system, double sigma,
 bw_status bwd_modes(bw_context *context, bwd_system *system, const bw_modes_options *options,
                     bw_external_modes *modes);
 
+/* write.c: bw_external.write; `output` on rank 0, NULL elsewhere. */
+bw_status bwd_write(bw_context *context, bwd_system *system, const bw_external_output *output);
+
 /* external.c: one operation on this rank; arguments on rank 0, NULL elsewhere. */
 bw_status bwd_run_open(bw_context *context, const bw_external_problem *problem,
                        const bw_solver *solver);
@@ -236,6 +247,7 @@ bw_status bwd_run_multiply(bw_context *context, int count, const double *x, doub
 bw_status bwd_run_solve(bw_context *context, int count, const double *force, double *displacement);
 bw_status bwd_run_modes(bw_context *context, const bw_modes_options *options,
                         bw_external_modes *modes);
+bw_status bwd_run_write(bw_context *context, const bw_external_output *output);
 void bwd_run_report(bw_external_report *report);
 void bwd_run_close(void);
 extern const bw_external bwd_external;

@@ -275,6 +275,7 @@ static bw_status with_multigrid(bw_context *context, bwd_system *system, double 
   BWD_TRY(KSPSetOperators(system->solver, system->K, system->K));
   BWD_TRY(KSPSetType(system->solver, KSPCG));
   BWD_TRY(KSPSetNormType(system->solver, KSP_NORM_UNPRECONDITIONED));
+  BWD_TRY(KSPSetComputeEigenvalues(system->solver, PETSC_TRUE)); /* for bwd_energy_error */
   BWD_TRY(KSPSetTolerances(system->solver, rtol, 0, 1e10, system->max_iterations));
   BWD_TRY(KSPConvergedDefaultCreate(&w->test));
   BWD_TRY(KSPSetConvergenceTest(system->solver, converged, w, watch_destroy));
@@ -425,6 +426,35 @@ bw_status bwd_solver_apply(bw_context *context, bwd_system *system, Vec force, V
   }
 done:
   system->seconds_solve += bw_seconds() - begin;
+  return status;
+}
+
+/* With the residual r, the preconditioner B and the lowest eigenvalue of B K, of which the
+ * coefficients of conjugate gradients give an estimate, the error e has
+ *     e . K e = r . K^-1 r <= r . B r / lowest. */
+bw_status bwd_energy_error(bw_context *context, bwd_system *system) {
+  bw_status status = BW_OK;
+  PC pc;
+  Vec preconditioned = NULL, residual = system->force, displacement = system->displacement;
+  PetscScalar work = 0, energy = 0;
+  PetscReal largest = 0, lowest = 0;
+  PetscInt iterations = 0;
+  BWD_TRY(KSPGetIterationNumber(system->solver, &iterations));
+  if (system->direct || iterations == 0)
+    return status;
+  BWD_TRY(KSPComputeExtremeSingularValues(system->solver, &largest, &lowest));
+  BWD_TRY(VecDot(system->force, displacement, &work));
+  BWD_TRY(VecScale(displacement, -1));
+  BWD_TRY(MatMultAdd(system->K, displacement, system->force, residual));
+  BWD_TRY(VecScale(displacement, -1));
+  BWD_TRY(VecDuplicate(residual, &preconditioned));
+  BWD_TRY(KSPGetPC(system->solver, &pc));
+  BWD_TRY(PCApply(pc, residual, preconditioned));
+  BWD_TRY(VecDot(residual, preconditioned, &energy));
+  if (work > 0 && lowest > 0)
+    system->energy_error = fmax(system->energy_error, sqrt(fmax(0, energy) / lowest / work));
+done:
+  VecDestroy(&preconditioned);
   return status;
 }
 

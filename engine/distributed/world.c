@@ -254,6 +254,8 @@ bw_status bw_world_serve(bw_context *context) {
       bwd_run_solve(context, 0, NULL, NULL);
     else if (operation == BWD_MODES)
       bwd_run_modes(context, NULL, NULL);
+    else if (operation == BWD_WRITE)
+      bwd_run_write(context, NULL);
     else if (operation == BWD_REPORT)
       bwd_run_report(NULL);
     else if (operation == BWD_CLOSE)

@@ -20,7 +20,7 @@ enum { DUPLICATE_CELL = 1 };
 #define PLACE_ROUNDING 1e-6
 
 bool bwi_pvtu_joins(const char *name) {
-  return !strcmp(name, BWI_PVTU_NODE) || !strcmp(name, BWI_PVTU_ELEMENT) ||
+  return !strcmp(name, BW_PVTU_NODE) || !strcmp(name, BW_PVTU_ELEMENT) ||
          !strcmp(name, BWI_PVTU_GHOST);
 }
 
@@ -109,7 +109,12 @@ static bw_status read_piece(bwi_cursor *cursor, joining *j, bwi_word source) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bw_read_file(j->context, name, &bytes, &count));
+  status = bw_read_file(j->context, name, &bytes, &count);
+  if (status == BW_IO) {
+    refuse(j, status, "a piece that it names cannot be read: %s", bw_message(j->context));
+    bw_detail_text(j->context, "piece", name);
+  }
+  BW_TRY(status);
   BW_TRY(parse_piece(j, name, bytes, count));
   if (j->count > 0 && j->piece[j->count - 1].mesh->order != j->piece[0].mesh->order)
     status = refuse(j, BW_FORMAT, "elements of %d nodes in %s, but of %d in the first piece",
@@ -211,7 +216,7 @@ static int by_number(const void *a, const void *b) {
 
 static void list_nodes(joining *j, size_t k) {
   const bw_mesh_file *file = &j->piece[k];
-  const bw_array *number = find(file, BW_ON_NODES, BWI_PVTU_NODE);
+  const bw_array *number = find(file, BW_ON_NODES, BW_PVTU_NODE);
   for (int32_t i = 0; i < file->mesh->node_count; i++) {
     item *n = &j->node[j->nodes];
     *n = (item){.piece = (int32_t)k, .local = i, .at = (int32_t)j->nodes};
@@ -225,7 +230,7 @@ static void list_nodes(joining *j, size_t k) {
 
 static void list_elements(joining *j, size_t k) {
   const bw_mesh_file *file = &j->piece[k];
-  const bw_array *number = find(file, BW_ON_ELEMENTS, BWI_PVTU_ELEMENT);
+  const bw_array *number = find(file, BW_ON_ELEMENTS, BW_PVTU_ELEMENT);
   const bw_array *ghost = find(file, BW_ON_ELEMENTS, BWI_PVTU_GHOST);
   for (int32_t e = 0; e < file->mesh->element_count; e++)
     if (!ghost || !(integer(ghost, e) & DUPLICATE_CELL)) {
@@ -239,8 +244,8 @@ static void list_elements(joining *j, size_t k) {
 
 static bw_status list_items(joining *j) {
   int64_t nodes = 0, elements = 0;
-  j->elements_numbered = all_have(j, BW_ON_ELEMENTS, BWI_PVTU_ELEMENT);
-  j->numbered = all_have(j, BW_ON_NODES, BWI_PVTU_NODE);
+  j->elements_numbered = all_have(j, BW_ON_ELEMENTS, BW_PVTU_ELEMENT);
+  j->numbered = all_have(j, BW_ON_NODES, BW_PVTU_NODE);
   for (size_t k = 0; k < j->count; k++) {
     nodes += j->piece[k].mesh->node_count;
     elements += j->piece[k].mesh->element_count;
@@ -273,7 +278,7 @@ static bw_status check_places(const joining *j) {
       if (fabs(p->x[c] - q->x[c]) > PLACE_ROUNDING * largest)
         return refuse(j, BW_FORMAT,
                       "node number %lld lies at (%g, %g, %g) in one piece and at (%g, %g, %g) in "
-                      "another: " BWI_PVTU_NODE " must number the nodes of all pieces together",
+                      "another: " BW_PVTU_NODE " must number the nodes of all pieces together",
                       (long long)q->number, p->x[0], p->x[1], p->x[2], q->x[0], q->x[1], q->x[2]);
   }
   return BW_OK;

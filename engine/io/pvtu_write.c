@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 enum { PIECE_ELEMENTS = 100000 };
@@ -32,13 +33,17 @@ static int64_t begin_of(const pieces *p, int k) {
   return (int64_t)p->mesh->element_count * k / p->count;
 }
 
-/* PATH without its ending, _K.vtu; to be released with bw_free. */
-static char *name_of(const pieces *p, int k) {
-  size_t stem = strlen(p->path) - strlen(".pvtu"), size = stem + 24;
-  char *name = BW_NEW(p->context, char, size);
-  if (name)
-    snprintf(name, size, "%.*s_%d.vtu", (int)stem, p->path, k);
-  return name;
+bw_status bw_pvtu_piece_path(bw_context *context, const char *path, int piece, char **piece_path) {
+  static const char ending[] = ".pvtu";
+  size_t length = strlen(path), size = length + 24;
+  if (length < strlen(ending) || strcasecmp(path + length - strlen(ending), ending) != 0)
+    return bw_fail(context, BW_INVALID, "%s: the path of a file in pieces ends in %s", path,
+                   ending);
+  char *name = *piece_path = BW_NEW(context, char, size);
+  if (!name)
+    return BW_MEMORY;
+  snprintf(name, size, "%.*s_%d.vtu", (int)(length - strlen(ending)), path, piece);
+  return BW_OK;
 }
 
 static void find_nodes(pieces *p, int k) {
@@ -75,9 +80,9 @@ static bw_status cut_fields(pieces *p, bw_field *field, bw_array **array) {
     field[i] = (bw_field){p->fields[i].name, p->fields[i].place, array[i]};
   }
   BW_TRY(numbers(p->context, p->node_count, p->node, &array[n]));
-  field[n] = (bw_field){BWI_PVTU_NODE, BW_ON_NODES, array[n]};
+  field[n] = (bw_field){BW_PVTU_NODE, BW_ON_NODES, array[n]};
   BW_TRY(numbers(p->context, p->element_count, p->element, &array[n + 1]));
-  field[n + 1] = (bw_field){BWI_PVTU_ELEMENT, BW_ON_ELEMENTS, array[n + 1]};
+  field[n + 1] = (bw_field){BW_PVTU_ELEMENT, BW_ON_ELEMENTS, array[n + 1]};
 done:
   return status;
 }
@@ -86,17 +91,18 @@ static bw_status write_piece(pieces *p, int k) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = p->mesh;
   int width = mesh->nodes_per_element, fields = p->field_count + 2;
-  char *name = name_of(p, k);
+  char *name = NULL;
   find_nodes(p, k);
   double *point = BW_NEW(p->context, double, 3 * (int64_t)p->node_count);
   int32_t *cell = BW_NEW(p->context, int32_t, p->element_count * width);
   int32_t *region = mesh->region ? BW_NEW(p->context, int32_t, p->element_count) : NULL;
   bw_field *field = BW_NEW0(p->context, bw_field, fields);
   bw_array **array = BW_NEW0(p->context, bw_array *, fields);
-  if (!name || !point || !cell || (mesh->region && !region) || !field || !array) {
+  if (!point || !cell || (mesh->region && !region) || !field || !array) {
     status = BW_MEMORY;
     goto done;
   }
+  BW_TRY(bw_pvtu_piece_path(p->context, p->path, k, &name));
   for (int32_t i = 0; i < p->node_count; i++)
     memcpy(point + 3 * (int64_t)i, mesh->node + 3 * (int64_t)p->node[i], 3 * sizeof *point);
   for (int64_t e = 0; e < p->element_count; e++) {
@@ -131,11 +137,12 @@ done:
   return status;
 }
 
-static void print_fields(bw_writer *writer, const pieces *p, bw_field_place place) {
-  for (int i = 0; i < p->field_count; i++)
-    if (p->fields[i].place == place) {
+static void print_fields(bw_writer *writer, int count, const bw_field *fields,
+                         bw_field_place place) {
+  for (int i = 0; i < count; i++)
+    if (fields[i].place == place) {
       bw_writer_print(writer, "<PDataArray ");
-      bwi_vtu_print_field(writer, &p->fields[i]);
+      bwi_vtu_print_field(writer, &fields[i]);
       bw_writer_print(writer, "/>\n");
     }
 }
@@ -146,10 +153,11 @@ static void print_array(bw_writer *writer, const char *type, const char *name, i
   bw_writer_print(writer, "/>\n");
 }
 
-/* The file that names the pieces, by paths relative to its own. */
-static bw_status write_index(const pieces *p) {
+/* Pieces are named by paths relative to that of the file. */
+bw_status bw_pvtu_write_index(bw_context *context, const char *path, int piece_count, bool regions,
+                              int field_count, const bw_field *fields) {
   bw_writer *writer;
-  bw_status status = bw_writer_open(p->context, p->path, &writer);
+  bw_status status = bw_writer_open(context, path, &writer);
   if (status != BW_OK)
     return status;
   const bool big = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
@@ -160,20 +168,21 @@ static bw_status write_index(const pieces *p) {
                   "<PUnstructuredGrid GhostLevel=\"0\">\n<PPoints>\n",
                   big ? "BigEndian" : "LittleEndian");
   print_array(writer, "Float64", "Points", 3);
-  bw_writer_print(writer, "</PPoints>\n<PPointData GlobalIds=\"" BWI_PVTU_NODE "\">\n");
-  print_fields(writer, p, BW_ON_NODES);
-  print_array(writer, "Int64", BWI_PVTU_NODE, 1);
-  bw_writer_print(writer, "</PPointData>\n<PCellData GlobalIds=\"" BWI_PVTU_ELEMENT "\">\n");
-  if (p->mesh->region)
+  bw_writer_print(writer, "</PPoints>\n<PPointData GlobalIds=\"" BW_PVTU_NODE "\">\n");
+  print_fields(writer, field_count, fields, BW_ON_NODES);
+  print_array(writer, "Int64", BW_PVTU_NODE, 1);
+  bw_writer_print(writer, "</PPointData>\n<PCellData GlobalIds=\"" BW_PVTU_ELEMENT "\">\n");
+  if (regions)
     print_array(writer, "Int32", "region", 1);
-  print_fields(writer, p, BW_ON_ELEMENTS);
-  print_array(writer, "Int64", BWI_PVTU_ELEMENT, 1);
+  print_fields(writer, field_count, fields, BW_ON_ELEMENTS);
+  print_array(writer, "Int64", BW_PVTU_ELEMENT, 1);
   bw_writer_print(writer, "</PCellData>\n");
-  for (int k = 0; k < p->count; k++) {
-    char *name = name_of(p, k);
-    if (!name) {
+  for (int k = 0; k < piece_count; k++) {
+    char *name = NULL;
+    status = bw_pvtu_piece_path(context, path, k, &name);
+    if (status != BW_OK) {
       bw_writer_discard(writer);
-      return BW_MEMORY;
+      return status;
     }
     const char *slash = strrchr(name, '/');
     bw_writer_print(writer, "<Piece Source=\"");
@@ -185,13 +194,11 @@ static bw_status write_index(const pieces *p) {
   return bw_writer_commit(writer);
 }
 
-/* An older file of this name names no pieces from now on, so that it does not join old and new ones
- * where writing fails. */
-static bw_status empty_old(const pieces *p) {
+bw_status bw_pvtu_empty(bw_context *context, const char *path) {
   struct stat old;
-  if (stat(p->path, &old) != 0 || !S_ISREG(old.st_mode))
+  if (stat(path, &old) != 0 || !S_ISREG(old.st_mode))
     return BW_OK;
-  return write_index(&(pieces){.context = p->context, .mesh = p->mesh, .path = p->path});
+  return bw_pvtu_write_index(context, path, 0, false, 0, NULL);
 }
 
 bw_status bwi_pvtu_write(bw_context *context, const bw_mesh *mesh, const char *path,
@@ -217,13 +224,13 @@ bw_status bwi_pvtu_write(bw_context *context, const bw_mesh *mesh, const char *p
     goto done;
   }
   memset(p.local, 0xff, (size_t)mesh->node_count * sizeof *p.local);
-  BW_TRY(empty_old(&p));
+  BW_TRY(bw_pvtu_empty(context, path));
   for (int k = 0; k < p.count; k++) {
     BW_TRY(bw_check_cancel(context));
     bw_progress(context, "writing", (double)k / p.count);
     BW_TRY(write_piece(&p, k));
   }
-  BW_TRY(write_index(&p));
+  BW_TRY(bw_pvtu_write_index(context, path, p.count, mesh->region != NULL, field_count, fields));
 done:
   bw_free(p.along);
   bw_free(p.local);

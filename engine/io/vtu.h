@@ -99,8 +99,6 @@ bw_status bwi_pvtu_write(bw_context *context, const bw_mesh *mesh, const char *p
  * left out. Fields are those that all pieces have. */
 bw_status bwi_pvtu_read(bw_context *context, const char *path, const unsigned char *bytes,
                         size_t count, bw_mesh_file *file);
-#define BWI_PVTU_NODE "GlobalNodeId"
-#define BWI_PVTU_ELEMENT "GlobalElementId"
 #define BWI_PVTU_GHOST "vtkGhostType" /* of nodes and elements that belong to another piece */
 /* Whether a field of this name says how pieces belong together. */
 bool bwi_pvtu_joins(const char *name);

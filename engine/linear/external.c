@@ -2,6 +2,7 @@
 #include "linear/external.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 
 #include "linear/internal.h"
@@ -62,14 +63,16 @@ bw_status bwi_external_create(bw_context *context, const bw_material *material,
 /* The solver has this system, with the mass where it is wanted. */
 static bw_status acquire(bw_context *context, bwi_external *external, bool mass) {
   bw_status status = BW_OK;
-  if (open_system == external && (!mass || external->problem.mass))
+  if (open_system == external && !external->written && (!mass || external->problem.mass))
     return BW_OK;
   close_system();
   if (!registered)
     return bw_fail(context, BW_UNSUPPORTED, "the external solver is not loaded any more");
   external->problem.mass |= mass;
+  external->former = external->report; /* of the system that was closed */
   BW_TRY(registered->open(context, &external->problem, external->solver));
   open_system = external;
+  external->written = false;
 done:
   return status;
 }
@@ -108,14 +111,32 @@ bw_status bwi_external_modes(bw_context *context, bwi_external *external,
   return status == BW_OK ? used(registered->modes(context, options, modes)) : status;
 }
 
-void bwi_external_update(bw_context *context, bwi_external *external) {
-  if (open_system == external)
-    registered->report(context, &external->report);
+bw_status bwi_external_write(bw_context *context, bwi_external *external,
+                             const bw_external_output *output) {
+  bw_status status = BW_OK;
+  BW_TRY(acquire(context, external, false));
+  BW_TRY(used(registered->write(context, output)));
+  external->written = true;
+done:
+  return status;
 }
 
-double bwi_external_tolerance(const bw_solver *solver) {
-  const bw_solver_options *o = &solver->options;
-  return o->kind != BW_SOLVER_PCG ? 0 : o->tolerance > 0 ? o->tolerance : BW_EXTERNAL_TOLERANCE;
+/* Work of all the times that the system was open; memory at its largest. */
+void bwi_external_update(bw_context *context, bwi_external *external) {
+  bw_external_report *now = &external->report;
+  const bw_external_report *former = &external->former;
+  if (open_system != external)
+    return;
+  registered->report(context, now);
+  now->iterations += former->iterations;
+  now->send += former->send;
+  now->assembly += former->assembly;
+  now->setup += former->setup;
+  now->solve += former->solve;
+  now->processor += former->processor;
+  now->bytes = fmax(now->bytes, former->bytes);
+  now->largest = fmax(now->largest, former->largest);
+  now->energy_error = fmax(now->energy_error, former->energy_error);
 }
 
 void bwi_external_fill_report(const bwi_external *external, bw_solver_report *report) {

@@ -11,7 +11,9 @@ typedef struct bwi_external {
   bw_object object;
   bw_external_problem problem; /* material and DOF map are retained */
   const bw_solver *solver;     /* retained */
-  bw_external_report report;   /* since it was opened, as of the last bwi_external_update */
+  bw_external_report report;   /* of all the times it was open, as of bwi_external_update */
+  bool written;                /* the solver has released its matrices */
+  bw_external_report former;   /* of the times before the last opening */
 } bwi_external;
 /* BW_UNSUPPORTED where no solver is registered. */
 bw_status bwi_external_create(bw_context *context, const bw_material *material,
@@ -24,10 +26,11 @@ bw_status bwi_external_solve(bw_context *context, bwi_external *external, int64_
                              const double *force, double *displacement);
 bw_status bwi_external_modes(bw_context *context, bwi_external *external,
                              const struct bw_modes_options *options, bw_external_modes *modes);
+/* The next use opens the system again. */
+bw_status bwi_external_write(bw_context *context, bwi_external *external,
+                             const bw_external_output *output);
 /* Asks for the report. */
 void bwi_external_update(bw_context *context, bwi_external *external);
-/* (-) Relative residual that its solutions have at most; 0 by a factor. */
-double bwi_external_tolerance(const bw_solver *solver);
 /* Solver, iterations and memory of its report; other fields are left. */
 void bwi_external_fill_report(const bwi_external *external, bw_solver_report *report);
 

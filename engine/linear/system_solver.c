@@ -105,7 +105,7 @@ bool bwi_factor_replaces(bw_context *context, const bw_system *system, bw_status
 double bwi_solve_tolerance(const bw_system *system) {
   double given = system->solver ? system->solver->options.tolerance : 0;
   if (system->external)
-    return bwi_external_tolerance(system->external->solver);
+    return system->external->report.energy_error;
   return !system->iterative ? 0 : given > 0 ? given : BWI_SOLVE_TO;
 }
 

@@ -43,8 +43,8 @@ static bw_status check_time(repairer *r) {
   bw_status status = bw_check_cancel(r->context);
   if (status == BW_OK && seconds_left(r) <= 0) {
     status = bw_fail(r->context, BW_LIMIT,
-                     "repair took more than the %.3g seconds it may use; give it more time, or "
-                     "repair the surface in the program it comes from",
+                     "repair took more than the %.3g seconds it may use: repair the surface before "
+                     "it is used, with a larger time_limit, or in the program it comes from",
                      r->options.time_limit);
     bw_detail_text(r->context, "limit", "time");
   }

@@ -135,6 +135,8 @@ bw_status bwi_load_force(bw_context *context, const bw_model *model, const bw_lo
 
 /* ---- thermal.c ------------------------------------------------------------------------------- */
 
+/* Whether it has loads of temperature. */
+bool bwi_model_expands(const bw_model *model);
 /* Nodal forces of one element that expands. */
 void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t element,
                        double (*force)[3]);

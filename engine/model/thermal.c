@@ -6,6 +6,13 @@
 
 #include "model/internal.h"
 
+bool bwi_model_expands(const bw_model *model) {
+  for (int i = 0; i < model->load_count; i++)
+    if (model->load[i].kind == BW_LOAD_TEMPERATURE)
+      return true;
+  return false;
+}
+
 /* C : 1, the stress per unit of expansion. */
 static void unit_stress(const bw_material *material, int64_t element, double stress[6]) {
   for (int i = 0; i < 6; i++) {

@@ -5,7 +5,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "barwright/io.h"
 #include "linear/external.h"
+#include "model/internal.h"
 #include "statics/internal.h"
 
 /* (-) relative residual that a solver is to reach. */
@@ -76,6 +78,29 @@ done:
   return status;
 }
 
+/* Before anything is solved. */
+static bw_status check_output(bw_context *context, const bw_model *model, const char *path) {
+  char *piece = NULL;
+  if (path && bwi_model_expands(model))
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "the processes do not know the temperatures of the body, and so not its "
+                   "stresses: write the static solution in place of the option write");
+  bw_status status = path ? bw_pvtu_piece_path(context, path, 0, &piece) : BW_OK;
+  bw_free(piece);
+  return status;
+}
+
+static bw_status write_output(bw_context *context, bwi_external *external, const char *path,
+                              const bw_static *result) {
+  const bw_external_output output = {
+      .path = path,
+      .count = 3,
+      .name = (const char *[]){"displacement", "force", "reaction"},
+      .field = (const double *[]){result->displacement, result->force, result->reaction},
+      .displacement = 0};
+  return bwi_external_write(context, external, &output);
+}
+
 bw_status bwi_statics_external(bw_context *context, const bw_model *model,
                                const bw_statics_options *statics, bw_static **out) {
   bw_status status = BW_OK;
@@ -84,6 +109,7 @@ bw_status bwi_statics_external(bw_context *context, const bw_model *model,
   bwi_external *external = NULL;
   bw_static *result = NULL;
   double start = bw_seconds();
+  BW_TRY(check_output(context, model, statics->output));
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
   BW_TRY(bwi_external_create(context, model->material, dof_map, statics->solver, &external));
   BW_TRY(bwi_static_begin(context, model, statics, dof_map, &result));
@@ -97,6 +123,8 @@ bw_status bwi_statics_external(bw_context *context, const bw_model *model,
   BW_TRY(bwi_static_solve(context, dof_map, NULL, NULL, &solver, result));
   if (result->residual > tolerance)
     BW_TRY(check(context, external, result));
+  if (statics->output)
+    BW_TRY(write_output(context, external, statics->output, result));
   bwi_external_update(context, external);
   *result->external = external->report;
   bwi_external_fill_report(external, &result->report);

@@ -311,13 +311,14 @@ static bool external_ready(lua_State *L) {
   return false;
 }
 
-/* model:solve{inertia_relief, balance_tolerance, solver, memory_limit} */
+/* model:solve{inertia_relief, balance_tolerance, solver, memory_limit, write} */
 static int model_solve(lua_State *L) {
   static const lbw_option list[] = {
       {"inertia_relief", LBW_BOOLEAN, offsetof(bw_statics_options, inertia_relief)},
       {"balance_tolerance", LBW_REAL, offsetof(bw_statics_options, tolerance)},
       {"memory_limit", LBW_REAL, offsetof(bw_statics_options, memory)},
       {"solver", LBW_OTHER, 0},
+      {"write", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   bw_statics_options options = {.tolerance = 1e-6};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
@@ -328,6 +329,13 @@ static int model_solve(lua_State *L) {
   bool factor = options.solver && options.solver->options.kind == BW_SOLVER_CHOLESKY && !external;
   check_belongs(L, "solve", "memory_limit", !options.solver || factor,
                 "a factor on this machine (bw.solver.cholesky), or no solver");
+  check_belongs(L, "solve", "write", external,
+                "a solver of the backend petsc; others: static:write");
+  if (external && lbw_option_get(L, 2, "write") != LUA_TNIL) {
+    if (lua_type(L, -1) != LUA_TSTRING)
+      lbw_option_refused(L, "solve", "write", "the path of a .pvtu file");
+    options.output = lua_tostring(L, -1); /* the table of options keeps it */
+  }
   if (external && !external_ready(L))
     return 3;
   lbw_box *box = lbw_box_new(L, &lbw_static_class);

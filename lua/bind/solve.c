@@ -216,6 +216,10 @@ static void add_external(lua_State *L, const bw_external_report *report) {
   lua_setfield(L, -2, "processor_seconds");
   lua_pushnumber(L, report->largest);
   lua_setfield(L, -2, "largest_rank_bytes");
+  if (report->energy_error > 0) {
+    lua_pushnumber(L, report->energy_error);
+    lua_setfield(L, -2, "energy_error");
+  }
 }
 
 static int static_report(lua_State *L) {

@@ -190,6 +190,7 @@ function Model:solve(options) end
 ---@field balance_tolerance? number (-) a load is balanced when its part along free motions is below this fraction of its size. Default: 1e-6
 ---@field solver? bw.Solver|"auto" the solver, of `bw.solver`. Default: "auto", chosen by counted costs
 ---@field memory_limit? number (bytes) that a factor may take; without a solver, and with `bw.solver.cholesky`. Default: the free memory
+---@field write? string path of a .pvtu file, with a solver of the backend "petsc": each process writes a piece of what `static:write` writes, and computes its stresses. The matrices are released before. Default: none
 ---@field error? number (-) relative error to be reached. Range: above 0 to 1. Default: none, one mesh
 ---@field of? string|bw.Vector|bw.PointGoal|bw.ReactionGoal|bw.Selection|fun(static: bw.Static): number (m, of a point) with `error`: the quantity. A word means the largest value at nodes: "von_mises", "max_principal" or "displacement". A point means the von Mises stress there, a selection the reaction on it, a function the number that it returns. Default: "von_mises"
 ---@field max_elements? integer (count) with `error`: elements at most. Range: 1 to 100000000. Default: 200000

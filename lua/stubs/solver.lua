@@ -193,6 +193,7 @@ local Solver = {}
 ---@field solve_seconds number? (s) of PETSc and SLEPc: solving
 ---@field processor_seconds number? (s) of PETSc and SLEPc: processor time of all processes
 ---@field largest_rank_bytes number? (bytes) of PETSc and SLEPc: memory of the largest process
+---@field energy_error number? (-) of PETSc's conjugate gradients: estimated error of a solution in energy, over that of the solution
 
 ---Releases the solver at once. What it was handed to keeps it.
 function Solver:close() end

@@ -105,7 +105,7 @@ function bw.worst_case(part, options) end
 ---@field weak_regions bw.WeakRegions? nil with `places`
 ---@field basis bw.PressureBasis of the pressures
 ---@field options bw.WorstCaseOptions as they were given, with defaults
----@field solve_error number (-) estimate of what the error of the linear solve does to `max_principal`, as a fraction of it; 0 by a factor. With "petsc" the relative residual stands for the error in energy
+---@field solve_error number (-) estimate of what the error of the linear solve does to `max_principal`, as a fraction of it; 0 by a factor
 ---@field reports table<string, bw.SolverReport> of solvers: `lp`, all linear programs together; `solver`, all linear systems (`modes.report` is of the modes)
 ---@field seconds table<string, number> by stage: system, assemble, factor, modes, regions, linear_programs, search, bound
 local WorstCase = {}

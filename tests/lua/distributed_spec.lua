@@ -32,6 +32,7 @@ local CASES = {"static tet4 cg", "static tet10 cg", "static tet4 cholesky", "sta
   "few iterations",
   "modes tet4", "modes tet10", "free modes tet4", "free modes tet10", "modes by conjugate gradients",
   "rotated modes", "worst case cg", "worst case cholesky", "breaking force", "many right-hand sides",
+  "results by pieces", "results that cannot be written", "the error in energy",
   "failures come back, and work goes on", "a body that is nearly a mechanism is refused",
   "misuse", "a forked job has no ranks", "the same numbers again"}
 
@@ -112,6 +113,20 @@ describe("ranks", function()
       part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {1, 0, 0}}
       print(assert(part:solve {solver = bw.solver.cholesky {backend = "petsc"}}).report.ranks)]])
     assert.equal("2\n2\n", text)
+  end)
+end)
+
+describe("the command worst", function()
+  it("solves on one process and on several", function()
+    local path, numbers = check.folder() .. "/bar.vtu", {}
+    assert(check.beam({6, 2, 2}, 2):write(path))
+    local words = (" worst %s --force 10N --modes 2 --regions 1 --elements 200 --json --solver "):format(path)
+    for _, command in ipairs {check.program .. words .. "multifrontal", check.program .. words .. "petsc",
+      MPIRUN:format(600, 2) .. check.program .. " --mpi" .. words .. "petsc"} do
+      local text = io.popen("BARWRIGHT_QUIET=1 " .. command .. " 2>/dev/null"):read "a"
+      numbers[#numbers + 1] = tonumber(text:match '"breaking_force_n": ([%d.e+-]+)') or error(text)
+    end
+    for k = 2, 3 do check.near(numbers[1], numbers[k], 1e-6) end
   end)
 end)
 

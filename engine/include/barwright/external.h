@@ -19,8 +19,10 @@ enum { BW_EXTERNAL_ITERATIONS = 2000 /* of conjugate gradients at most, likewise
 
 /* What an external solver did. */
 typedef struct bw_external_report {
-  int ranks;                           /* processes */
-  int iterations;                      /* of conjugate gradients, in all solves */
+  int ranks;           /* processes */
+  int iterations;      /* of conjugate gradients, in all solves */
+  double energy_error; /* (-) estimated error of a solution over the solution, both in
+                          energy, the largest of all solves; 0: by a factor */
   double send, assembly, setup, solve; /* (s) mesh to the ranks; matrices; multigrid or factor;
                                           solves */
   double processor; /* (s) of all processes while the system was open, waiting in MPI included */
@@ -47,6 +49,18 @@ typedef struct bw_external_modes {
   bool counted;          /* as in bw_modes */
 } bw_external_modes;
 
+/* Fields of a body that the processes of an external solver write. */
+typedef struct bw_external_output {
+  const char *path;           /* of the .pvtu file, borrowed */
+  int count;                  /* of fields */
+  const char *const *name;    /* (count) of at most BW_EXTERNAL_NAME - 1 bytes, borrowed */
+  const double *const *field; /* (any, count of node_count x 3) global directions, borrowed */
+  /* Which of the fields has stresses, which are written too: at nodes (stress, von_mises,
+   * max_principal) and of elements (element_stress); -1: none. */
+  int displacement;
+} bw_external_output;
+enum { BW_EXTERNAL_NAME = 64 /* bytes of a name, its end included */ };
+
 /* An external solver. One system is open at a time. After a failure of any of these the system is
  * closed. */
 typedef struct bw_external {
@@ -67,6 +81,10 @@ typedef struct bw_external {
   /* The lowest elastic modes. */
   bw_status (*modes)(bw_context *context, const struct bw_modes_options *options,
                      bw_external_modes *modes);
+  /* Each process writes a piece of a .pvtu file, of the elements and fields that it has, and the
+   * one that calls the file that names the pieces. Where one fails, no file of the result is left.
+   * The matrices are released before: the system has only `report` and `close` after it. */
+  bw_status (*write)(bw_context *context, const bw_external_output *output);
   /* What it did since it was opened. */
   void (*report)(bw_context *context, bw_external_report *report);
   /* Releases the system. */

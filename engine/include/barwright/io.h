@@ -139,6 +139,27 @@ BW_API bw_status bw_mesh_parse(bw_context *context, const char *name, const unsi
  * BW_INVALID, as is another ending. */
 BW_API bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *path,
                                int field_count, const bw_field *fields);
+
+/* ---- .pvtu whose pieces several processes write ----
+ *
+ * Each writes its piece as a mesh of its own by bw_mesh_write to bw_pvtu_piece_path, with integers
+ * that say which nodes and elements of the whole these are. The file that names the pieces is
+ * written after all of them. */
+#define BW_PVTU_NODE "GlobalNodeId"       /* field on nodes, BW_I64 */
+#define BW_PVTU_ELEMENT "GlobalElementId" /* field on elements, BW_I64 */
+/* The path of a `piece`, from 0, of the file in pieces at `path`: a.pvtu has a_0.vtu. Release
+ * *piece_path with bw_free. BW_INVALID where `path` does not end in .pvtu. */
+BW_API bw_status bw_pvtu_piece_path(bw_context *context, const char *path, int piece,
+                                    char **piece_path);
+/* Writes the file that names pieces 0 to piece_count - 1. Of `fields`, without the two above, names
+ * and types count, and no values. `regions`: the pieces' meshes have regions. BW_INVALID as above.
+ */
+BW_API bw_status bw_pvtu_write_index(bw_context *context, const char *path, int piece_count,
+                                     bool regions, int field_count, const bw_field *fields);
+/* Before pieces are written: an older file of this name names none from now on, so that it does not
+ * join old and new ones where writing fails. */
+BW_API bw_status bw_pvtu_empty(bw_context *context, const char *path);
+
 /* The same as .msh 2.2 (ascii), for programs that read no other. */
 BW_API bw_status bw_msh22_write(bw_context *context, const bw_mesh *mesh, const char *path,
                                 int field_count, const bw_field *fields);

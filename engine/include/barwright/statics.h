@@ -31,6 +31,8 @@ typedef struct bw_statics_options {
   const bw_solver *solver; /* of bw_statics alone, like what follows; borrowed; default NULL: chosen
                               by counted cost */
   double memory; /* (bytes) that a factor may take, 0 or more; default 0: bw_available_memory */
+  const char *output; /* path of a .pvtu file, of solvers over several processes: each writes a
+                         piece of the solution and its stresses; borrowed; default NULL: none */
 } bw_statics_options;
 /* The static solution of a model. `options` may be NULL. BW_UNCONSTRAINED names the unconstrained
  * rigid-body modes when the load is not balanced against them; BW_SINGULAR when the stiffness is
@@ -51,7 +53,8 @@ typedef struct bw_statics_options {
  *
  * Solvers of the backend BW_BACKEND_PETSC work on all processes: BW_UNSUPPORTED when none is
  * registered, BW_CONVERGENCE when the residual, computed with the engine's own K, is above the
- * tolerance, and the solver's own statuses; result->system is NULL. */
+ * tolerance, and the solver's own statuses; result->system is NULL. With `output` BW_UNSUPPORTED
+ * where temperatures act, and the statuses of bw_mesh_write and bw_pvtu_piece_path. */
 BW_API bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                             const bw_statics_options *options, bw_static **result);
 

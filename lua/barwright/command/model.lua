@@ -36,9 +36,10 @@ model.solver_option = {name = "solver", value = "NAME", default = "auto",
 
 --- The same of those that solve for many right-hand sides.
 model.many_solver_option = {name = "solver", value = "NAME", default = "auto",
-  one_of = {"auto", "cholesky", "multifrontal", "cholmod", "pcg"},
+  one_of = {"auto", "cholesky", "multifrontal", "cholmod", "pcg", "petsc"},
   what = "a sparse factor (cholesky; multifrontal and cholmod name its backend), two-level PCG without one, where "
-    .. "the modes are by LOBPCG (pcg), or a factor unless it is too large (auto)"}
+    .. "the modes are by LOBPCG (pcg), PCG on all processes of mpirun, where they are by SLEPc (petsc), or a "
+    .. "factor unless it is too large (auto)"}
 
 --- What a solver's report says, in the JSON object.
 function model.solver_words(report)

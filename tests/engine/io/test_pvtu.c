@@ -160,12 +160,12 @@ static void pieces_of_others(void **state) {
   bw_mesh_file_clear(&file);
 }
 
-/* The last failure names a file that ends so, in its details too. */
-static void check_file(bw_context *context, const char *end) {
+/* The last failure has this detail, and its text ends so. */
+static void check_detail(bw_context *context, const char *name, const char *end) {
   const char *key, *text = NULL, *file = "";
   double number;
   for (int i = 0; bw_detail(context, i, &key, &number, &text); i++)
-    if (strcmp(key, "file") == 0)
+    if (strcmp(key, name) == 0)
       file = text;
   assert_true(strlen(file) > strlen(end));
   assert_string_equal(file + strlen(file) - strlen(end), end);
@@ -192,7 +192,7 @@ static void numbers_of_other_places(void **state) {
     if (wrong) {
       check_fails(context, BW_FORMAT, "node number 4 lies at (1, 1, 1)",
                   bw_mesh_read(context, path, &file));
-      check_file(context, "n.pvtu");
+      check_detail(context, "file", "n.pvtu");
     } else {
       check_ok(context, bw_mesh_read(context, path, &file));
       assert_int_equal(file.mesh->node_count, 9);
@@ -219,14 +219,17 @@ static void refusals(void **state) {
        "<VTKFile type=\"PUnstructuredGrid\"><Piece Source=\"p.vtu\"/>"},
       {BW_FORMAT, "no Piece holds tetrahedra",
        "<VTKFile type=\"PUnstructuredGrid\"><Piece Source=\"e.vtu\"/></PUnstructuredGrid>"},
-      {BW_IO, "none.vtu", "<VTKFile type=\"PUnstructuredGrid\"><Piece Source=\"none.vtu\"/>"},
+      {BW_IO, "r.pvtu: a piece that it names cannot be read: ",
+       "<VTKFile type=\"PUnstructuredGrid\"><Piece Source=\"none.vtu\"/>"},
       {BW_FORMAT, "only UnstructuredGrid",
        "<VTKFile type=\"PUnstructuredGrid\"><Piece Source=\"r.pvtu\"/>"},
   };
   for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
     write_text("r.pvtu", bad[i].text);
     check_fails(context, bad[i].status, bad[i].message, bw_mesh_read(context, path, &file));
-    check_file(context, bad[i].status == BW_IO ? "none.vtu" : "r.pvtu");
+    check_detail(context, "file", "r.pvtu");
+    if (bad[i].status == BW_IO)
+      check_detail(context, "piece", "none.vtu");
   }
   write_text("p.vtu", PIECE("0 0 0 1 0 0 0 1 0 0 0 1 1 1 1", "0 1 2 3 1 2 3 4",
                             CELL_DATA("0 0", "<DataArray type=\"Int32\" "
@@ -235,7 +238,7 @@ static void refusals(void **state) {
                        "</PUnstructuredGrid>");
   check_fails(context, BW_FORMAT, "element number 3 occurs twice",
               bw_mesh_read(context, path, &file));
-  check_file(context, "r.pvtu");
+  check_detail(context, "file", "r.pvtu");
 }
 
 /* A file that names old pieces is not left beside new ones. */

@@ -88,8 +88,12 @@ static void fake_close(void) {
   fake.system = NULL;
 }
 
-static const bw_external outside = {fake_open,  fake_multiply, fake_solve,
-                                    fake_modes, fake_report,   fake_close};
+static const bw_external outside = {.open = fake_open,
+                                    .multiply = fake_multiply,
+                                    .solve = fake_solve,
+                                    .modes = fake_modes,
+                                    .report = fake_report,
+                                    .close = fake_close};
 
 /* By SLEPc, as it is registered. */
 static bw_status external_modes(bw_context *context, const bw_model *model,

@@ -216,11 +216,99 @@ case("many right-hand sides", function()
     local system = assert(part:system {solver = solver})
     local other = assert(system:solve(forces))
     for k = 1, 3 do same_field(own[k], other[k], 1e-8, "displacements") end
+    local iterations = system.report.iterations
     assert(assert(part:solve {solver = solver}).report.ranks == ranks) -- closes the system, which is opened again
     same_field(own[1], assert(system:solve(forces[1])), 1e-8, "displacements")
+    if solver == spread.cg then -- counted on, where it was opened again
+      assert(system.report.iterations > iterations and system.report.energy_error > 0)
+    end
     assert(tostring(system):find("petsc", 1, true))
     check.fails("unsupported", "spread over several processes", system:matrix "stiffness")
     check.raises("take slepc", system.modes, system, {solver = bw.eigensolver.lanczos {}})
+  end
+end)
+
+-- What is written has the mesh, and the fields that static:write would write from rank 0.
+local function same_pieces(part, options)
+  local path = check.folder() .. "/r.pvtu"
+  options.write = path
+  local static = assert(part:solve(options))
+  local mesh, file = assert(bw.mesh.read(path, {renumber = false}))
+  assert(largest(mesh.nodes - part.mesh.nodes) == 0 and largest(mesh.elements - part.mesh.elements) == 0)
+  assert((mesh.regions == nil) == (part.mesh.regions == nil))
+  if mesh.regions then assert(largest(mesh.regions - part.mesh.regions) == 0) end
+  for _, name in ipairs {"displacement", "force", "reaction", "stress", "von_mises", "max_principal",
+    "element_stress"} do
+    if largest(static[name]) > 0 then same_field(static[name], file.fields[name], 1e-12, name) end
+  end
+  local pieces = 0
+  for _ in check.read(path):gmatch "<Piece " do pieces = pieces + 1 end
+  assert(pieces == ranks, pieces)
+  return path
+end
+
+case("results by pieces", function()
+  for order = 1, 2 do
+    same_pieces(fixed(order), {solver = spread.cholesky})
+    local mesh = check.beam({8, 2, 2}, order)
+    local part = bw.model {mesh = mesh, material = steel}
+    part:slide(mesh.boundary:below(1, 0), {1, 0.4, 0.2}):slide(mesh.boundary:below(2, 0), {0, 1, 0})
+    part:load {on = mesh.boundary:above(3, 0.1), pressure = 1e5}
+    same_pieces(part, {solver = spread.cg, inertia_relief = true})
+  end
+  local mesh, regions = check.beam({8, 2, 2}, 2), {}
+  for e = 1, mesh.element_count do regions[e] = e % 3 + 1 end
+  mesh = assert(bw.mesh.new {nodes = mesh.nodes, elements = mesh.elements, regions = regions, order = 2})
+  local c, sine = math.cos(0.4), math.sin(0.4)
+  local material = bw.material.zp150:rotated {{c, -sine, 0}, {sine, c, 0}, {0, 0, 1}}
+  same_pieces(clamped(mesh, material), {solver = spread.cholesky})
+end)
+
+case("results that cannot be written", function()
+  local part, folder = fixed(2), check.folder()
+  local path, last = folder .. "/r.pvtu", ("%s/r_%d.vtu"):format(folder, ranks - 1)
+  local options = {solver = spread.cholesky, write = path}
+  assert(part:solve(options))
+  os.remove(last)
+  assert(os.execute("mkdir " .. check.quoted(last))) -- in the place of a file
+  check.fails("io", last, part:solve(options))
+  for _, name in ipairs {path, ranks > 1 and folder .. "/r_0.vtu" or path} do
+    assert(not io.open(name), name)
+  end
+  assert(os.execute("rmdir " .. check.quoted(last)))
+  assert(part:solve(options) and bw.mesh.read(path))
+  options.write = folder .. "/r.vtu"
+  check.raises("ends in .pvtu", part.solve, part, options)
+  part:temperature(10, 1e-5)
+  options.write = path
+  check.fails("unsupported", "temperatures", part:solve(options))
+end)
+
+case("the error in energy", function() -- of a residual that is far smaller
+  local mesh = check.beam({30, 2, 2}, 2)
+  local part = bw.model {mesh = mesh, material = steel}
+  part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {0, 0, 1e3}}
+  local k = assert(part:system():matrix("stiffness", {whole = true}))
+  local exact, f = assert(part:solve()).displacement, part:force_vector()
+  local function product(a, b)
+    local sum = 0
+    for i, row in ipairs(a:totable()) do
+      for c, x in ipairs(row) do sum = sum + x * b[3 * (i - 1) + c] end
+    end
+    return sum
+  end
+  local function flat(a)
+    local out = {}
+    for _, row in ipairs(a:totable()) do for _, x in ipairs(row) do out[#out + 1] = x end end
+    return out
+  end
+  local work = product(exact, flat(f))
+  for _, tolerance in ipairs {1e-2, 1e-4, 1e-6} do
+    local system = assert(part:system {solver = cg {tolerance = tolerance}})
+    local error = assert(system:solve(f)) - exact
+    local relative = math.sqrt(product(error, k:apply(flat(error)):column(1)) / work)
+    local said = system.report.energy_error
+    assert(said > 0.9 * relative and said < 5 * relative, ("%g for %g"):format(said, relative))
   end
 end)
 
@@ -271,6 +359,8 @@ end)
 
 case("misuse", function()
   local part = fixed(1)
+  check.raises("goes with a solver of the backend petsc", part.solve, part, {write = "a.pvtu"})
+  check.raises("path of a .pvtu", part.solve, part, {solver = cg(), write = 3})
   check.raises("goes with a factor on this machine", part.solve, part, {solver = cg(), memory_limit = 1e9})
   check.raises("Laplacian", part.modes, part, {solver = slepc, laplacian = true})
   check.raises("takes a model", assert(part:system()).modes, part:system(), {solver = slepc})
