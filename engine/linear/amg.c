@@ -35,16 +35,16 @@ static void amg_destroy(void *object) {
     bwi_amg_level *v = &g->level[l];
     bwi_amg_blocks_clear(&v->a);
     bwi_amg_blocks_clear(&v->p);
+    bwi_amg_blocks_clear(&v->pt);
     bw_free(v->inverse);
-    bw_free(v->child_start);
-    bw_free(v->child);
-    bw_free(v->child_row);
   }
   bw_release(g->smoother);
   bw_release(g->dof_map);
   bw_free(g->dense);
   bw_free(g->dense_x);
   bw_free(g->null);
+  bw_release(g->rigid);
+  bw_free(g->constrained);
   bw_free(g);
 }
 
@@ -58,23 +58,38 @@ static size_t blocks_bytes(const bwi_amg_blocks *b) {
 
 static size_t amg_bytes(const void *object) {
   const bwi_amg *g = object;
-  size_t bytes = sizeof *g + bw_bytes(g->smoother) +
-                 (size_t)g->size * (size_t)(g->size + 1 + g->null_count) * sizeof(double);
+  size_t bytes = sizeof *g + bw_bytes(g->smoother) + bw_bytes(g->rigid) +
+                 (size_t)g->constrained_count * sizeof *g->constrained +
+                 (size_t)g->size * (size_t)(g->size + SIDES + g->null_count) * sizeof(double);
   for (int l = 0; l < g->level_count; l++) {
     const bwi_amg_level *v = &g->level[l];
     size_t numbers = (size_t)v->rows * (size_t)v->unknowns;
-    bytes += blocks_bytes(&v->a) + blocks_bytes(&v->p) + 4 * numbers * (size_t)g->width * 4;
+    bytes += blocks_bytes(&v->a) + blocks_bytes(&v->p) + blocks_bytes(&v->pt) +
+             (l > 0 ? 4 : 3) * numbers * (size_t)g->width * sizeof(float);
     if (v->inverse)
       bytes += numbers * (size_t)v->unknowns * sizeof(float);
-    if (v->p.start)
-      bytes += (size_t)v->p.start[v->p.rows] * 12 + (size_t)(v->p.columns + 1) * 8;
   }
   return bytes;
 }
 
 static const bw_kind amg_kind = {"algebraic multigrid", amg_destroy, amg_bytes};
 
-bw_status bwi_amg_create(bw_context *context, const bwi_matrix *matrix, bwi_amg **out) {
+/* What solutions need beside the cycle. */
+static bw_status prepare_solutions(bw_context *context, bwi_amg *g) {
+  const bw_dof_map *dof_map = g->dof_map;
+  g->constrained = BW_NEW(context, int32_t, g->smoother->count);
+  if (!g->constrained)
+    return BW_MEMORY;
+  for (int32_t k = 0; k < g->smoother->count; k++)
+    if (memchr(dof_map->state + 3 * (int64_t)g->smoother->node[k], BW_DOF_PRESCRIBED, 3))
+      g->constrained[g->constrained_count++] = k;
+  return dof_map->rigid_mode_count == 0
+             ? BW_OK
+             : bwi_rigid_space_create(context, dof_map, g->smoother->row_of, &g->rigid);
+}
+
+bw_status bwi_amg_create(bw_context *context, const bwi_matrix *matrix, bool solves,
+                         bwi_amg **out) {
   bw_status status = BW_OK;
   bool usable = false;
   bwi_amg *g = BW_NEW0(context, bwi_amg, 1);
@@ -82,13 +97,16 @@ bw_status bwi_amg_create(bw_context *context, const bwi_matrix *matrix, bwi_amg 
     return BW_MEMORY;
   bw_object_init(g, &amg_kind);
   g->dof_map = bw_retain(matrix->dof_map);
-  BW_TRY(bwi_smoother_create(context, NULL, matrix->pattern, false, NULL, &g->smoother));
+  BW_TRY(bwi_smoother_create(context, solves ? matrix->dof_map->mesh : NULL, matrix->pattern,
+                             solves && matrix->even, NULL, &g->smoother));
   BW_TRY(bwi_smoother_follow(context, g->smoother, matrix->stiffness, matrix->dof_map, &usable));
   if (!usable) {
     status = bw_fail(context, BW_SINGULAR, "the block of a node is not positive definite");
     goto done;
   }
   BW_TRY(bwi_amg_set_up(context, g, matrix));
+  if (solves)
+    BW_TRY(prepare_solutions(context, g));
 done:
   if (status == BW_OK)
     *out = g;
@@ -97,7 +115,7 @@ done:
   return status;
 }
 
-static bw_status reserve(bw_context *context, bwi_amg *g, int width) {
+bw_status bwi_amg_reserve(bw_context *context, bwi_amg *g, int width) {
   if (g->width >= width)
     return BW_OK;
   free_fields(g);
@@ -108,8 +126,8 @@ static bw_status reserve(bw_context *context, bwi_amg *g, int width) {
     v->b = BW_NEW0(context, float, numbers);
     v->x = BW_NEW0(context, float, numbers);
     v->r = BW_NEW0(context, float, numbers);
-    v->d = BW_NEW0(context, float, numbers);
-    if (!v->b || !v->x || !v->r || !v->d) {
+    v->d = l > 0 ? BW_NEW0(context, float, numbers) : NULL;
+    if (!v->b || !v->x || !v->r || (l > 0 && !v->d)) {
       free_fields(g);
       return BW_MEMORY;
     }
@@ -124,61 +142,83 @@ static bw_status reserve(bw_context *context, bwi_amg *g, int width) {
 typedef float four __attribute__((vector_size(16), aligned(4), may_alias));
 typedef float eight __attribute__((vector_size(32), aligned(4), may_alias));
 
-/* y += A x of one block for the fields from `first` on that `all` holds, where A's entry of row i
- * and column j is at a[down i + across j]. */
-#define ADD_BLOCK(name, all)                                                                       \
-  static inline void name(const float *a, int rows, int columns, int down, int across, int fields, \
-                          int first, const float *x, float *y) {                                   \
-    for (int i = 0; i < rows; i++) {                                                               \
-      all sum = *(const all *)(y + i * fields + first);                                            \
-      for (int j = 0; j < columns; j++)                                                            \
-        sum += a[down * i + across * j] * *(const all *)(x + j * fields + first);                  \
-      *(all *)(y + i * fields + first) = sum;                                                      \
+/* Blocks of a row: `height` x `width` numbers each, by columns, the first at `value`. `column`:
+ * rows of x; NULL: the one block there is meets the first. */
+typedef struct row {
+  int height, width;
+  int64_t count;
+  const int32_t *column;
+  const float *value;
+} row;
+
+/* y += A x for the fields from `first` on that `all` holds. The sums stay in registers, for which
+ * the compiler has to know the sizes. */
+#define ADD_ROW(name, all)                                                                         \
+  static inline void name(const row *a, int height, int width, int fields, int first,              \
+                          const float *x, float *y) {                                              \
+    const float *value = a->value;                                                                 \
+    all sum[6];                                                                                    \
+    for (int i = 0; i < height; i++)                                                               \
+      sum[i] = *(const all *)(y + i * fields + first);                                             \
+    for (int64_t k = 0; k < a->count; k++) {                                                       \
+      const float *from = x + (a->column ? (int64_t)a->column[k] * width * fields : 0) + first;    \
+      for (int j = 0; j < width; j++) {                                                            \
+        all in = *(const all *)(from + j * fields);                                                \
+        for (int i = 0; i < height; i++)                                                           \
+          sum[i] += *value++ * in;                                                                 \
+      }                                                                                            \
     }                                                                                              \
+    for (int i = 0; i < height; i++)                                                               \
+      *(all *)(y + i * fields + first) = sum[i];                                                   \
   }
-ADD_BLOCK(add_to_one, float)
-ADD_BLOCK(add_to_four, four)
-ADD_BLOCK(add_to_eight, eight)
+ADD_ROW(add_to_four, four)
+ADD_ROW(add_to_eight, eight)
 
-static inline void add_any(const float *a, int rows, int columns, int down, int across, int fields,
-                           const float *x, float *y) {
-  int first = 0;
-  for (; first + 8 <= fields; first += 8)
-    add_to_eight(a, rows, columns, down, across, fields, first, x, y);
-  for (; first + 4 <= fields; first += 4)
-    add_to_four(a, rows, columns, down, across, fields, first, x, y);
-  for (; first < fields; first++)
-    add_to_one(a, rows, columns, down, across, fields, first, x, y);
+/* The same for one field: a column of a block is added at once. */
+static inline void add_to_one(const row *a, int height, int width, const float *x, float *y) {
+  const float *value = a->value;
+  eight sum = {0};
+  for (int i = 0; i < height; i++)
+    sum[i] = y[i];
+  for (int64_t k = 0; k < a->count; k++) {
+    const float *from = x + (a->column ? (int64_t)a->column[k] * width : 0);
+    for (int j = 0; j < width; j++, value += height)
+      sum += *(const eight *)value * from[j];
+  }
+  for (int i = 0; i < height; i++)
+    y[i] = sum[i];
 }
 
-/* y += A x of one block, for `fields` interleaved fields; y += A^T x. */
-static inline void add_block(const float *a, int height, int width, int fields, const float *x,
+static inline void add_sized(const row *a, int height, int width, int fields, const float *x,
                              float *y) {
-  add_any(a, height, width, width, 1, fields, x, y);
+  int first = 0;
+  if (fields == 1) {
+    add_to_one(a, height, width, x, y);
+    return;
+  }
+  for (; first + 8 <= fields; first += 8)
+    add_to_eight(a, height, width, fields, first, x, y);
+  if (first < fields)
+    add_to_four(a, height, width, fields, first, x, y);
 }
 
-static inline void add_transposed(const float *a, int height, int width, int fields, const float *x,
-                                  float *y) {
-  add_any(a, width, height, 1, width, fields, x, y);
+static void add_row(const row *a, int fields, const float *x, float *y) {
+  if (a->height == 3)
+    add_sized(a, 3, 6, fields, x, y);
+  else if (a->width == 3)
+    add_sized(a, 6, 3, fields, x, y);
+  else
+    add_sized(a, 6, 6, fields, x, y);
 }
 
-/* Compiled for the sizes that there are. */
-#define FOR_FIELDS(fields, call)                                                                   \
-  do {                                                                                             \
-    if ((fields) == 1) {                                                                           \
-      enum { F = 1 };                                                                              \
-      call;                                                                                        \
-    } else if ((fields) == 4) {                                                                    \
-      enum { F = 4 };                                                                              \
-      call;                                                                                        \
-    } else if ((fields) == 8) {                                                                    \
-      enum { F = 8 };                                                                              \
-      call;                                                                                        \
-    } else {                                                                                       \
-      enum { F = 12 };                                                                             \
-      call;                                                                                        \
-    }                                                                                              \
-  } while (0)
+static row row_of(const bwi_amg_blocks *b, int64_t k) {
+  int64_t start = b->start[k];
+  return (row){.height = b->height,
+               .width = b->width,
+               .count = b->start[k + 1] - start,
+               .column = b->column + start,
+               .value = b->value + start * b->height * b->width};
+}
 
 typedef struct cycle {
   bwi_amg *g;
@@ -197,9 +237,8 @@ static bw_status subtract_product(void *data, int64_t begin, int64_t end, int wo
   int u = 6 * c->width;
   for (int64_t i = begin; i < end; i++) {
     float sum[6 * SIDES] = {0};
-    for (int64_t k = v->a.start[i]; k < v->a.start[i + 1]; k++)
-      FOR_FIELDS(c->width,
-                 add_block(v->a.value + 36 * k, 6, 6, F, from + u * (int64_t)v->a.column[k], sum));
+    const row a = row_of(&v->a, i);
+    add_row(&a, c->width, from, sum);
     for (int j = 0; j < u; j++)
       v->r[u * i + j] = base[u * i + j] - sum[j];
   }
@@ -214,7 +253,8 @@ static bw_status step(void *data, int64_t begin, int64_t end, int worker) {
   int u = 6 * c->width;
   for (int64_t i = begin; i < end; i++) {
     float sum[6 * SIDES] = {0};
-    FOR_FIELDS(c->width, add_block(v->inverse + 36 * i, 6, 6, F, v->r + u * i, sum));
+    const row inverse = {.height = 6, .width = 6, .count = 1, .value = v->inverse + 36 * i};
+    add_row(&inverse, c->width, v->r + u * i, sum);
     for (int j = 0; j < u; j++) {
       float d = (float)c->second * sum[j];
       if (c->first != 0)
@@ -254,17 +294,11 @@ static bw_status restrict_residual(void *data, int64_t begin, int64_t end, int w
   (void)worker;
   const cycle *c = data;
   const bwi_amg_level *v = c->v, *next = v + 1;
-  int u = 6 * c->width, h = v->unknowns;
+  int u = 6 * c->width;
   for (int64_t i = begin; i < end; i++) {
     float sum[6 * SIDES] = {0};
-    for (int64_t k = v->child_start[i]; k < v->child_start[i + 1]; k++) {
-      const float *p = v->p.value + (int64_t)h * 6 * v->child[k];
-      const float *r = v->r + (int64_t)h * c->width * v->child_row[k];
-      if (h == 3)
-        FOR_FIELDS(c->width, add_transposed(p, 3, 6, F, r, sum));
-      else
-        FOR_FIELDS(c->width, add_transposed(p, 6, 6, F, r, sum));
-    }
+    const row pt = row_of(&v->pt, i);
+    add_row(&pt, c->width, v->r, sum);
     memcpy(next->b + u * i, sum, (size_t)u * sizeof *sum);
     memset(next->x + u * i, 0, (size_t)u * sizeof *sum);
     memcpy(next->r + u * i, sum, (size_t)u * sizeof *sum);
@@ -276,18 +310,10 @@ static bw_status restrict_residual(void *data, int64_t begin, int64_t end, int w
 static bw_status prolong(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const cycle *c = data;
-  const bwi_amg_level *v = c->v, *next = v + 1;
-  int u = 6 * c->width, h = v->unknowns;
+  const bwi_amg_level *v = c->v;
   for (int64_t i = begin; i < end; i++) {
-    float *x = v->x + (int64_t)h * c->width * i;
-    for (int64_t k = v->p.start[i]; k < v->p.start[i + 1]; k++) {
-      const float *p = v->p.value + (int64_t)h * 6 * k;
-      const float *from = next->x + u * (int64_t)v->p.column[k];
-      if (h == 3)
-        FOR_FIELDS(c->width, add_block(p, 3, 6, F, from, x));
-      else
-        FOR_FIELDS(c->width, add_block(p, 6, 6, F, from, x));
-    }
+    const row p = row_of(&v->p, i);
+    add_row(&p, c->width, v[1].x, v->x + (int64_t)v->unknowns * c->width * i);
   }
   return BW_OK;
 }
@@ -302,33 +328,40 @@ static void remove_null(const bwi_amg *g, double *x) {
   }
 }
 
-/* The coarsest level: x = A^-1 b, or by the pseudo-inverse. */
-static void solve_coarsest(cycle *c, const bwi_amg_level *v) {
-  bwi_amg *g = c->g;
-  for (int f = 0; f < c->width; f++) {
+/* The coarsest level, field by field: x = A^-1 b, or by the pseudo-inverse. */
+static bw_status solve_coarsest(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const cycle *c = data;
+  const bwi_amg *g = c->g;
+  const bwi_amg_level *v = c->v;
+  for (int64_t f = begin; f < end; f++) {
+    double *x = g->dense_x + f * g->size;
     for (int i = 0; i < g->size; i++)
-      g->dense_x[i] = (double)v->b[i * c->width + f];
-    remove_null(g, g->dense_x);
-    bwi_lower_solve(g->size, g->dense, g->dense_x);
-    bwi_upper_solve(g->size, g->dense, g->dense_x);
-    remove_null(g, g->dense_x);
+      x[i] = (double)v->b[i * c->width + f];
+    remove_null(g, x);
+    bwi_lower_solve(g->size, g->dense, x);
+    bwi_upper_solve(g->size, g->dense, x);
+    remove_null(g, x);
     for (int i = 0; i < g->size; i++)
-      v->x[i * c->width + f] = (float)g->dense_x[i];
+      v->x[i * c->width + f] = (float)x[i];
   }
+  return BW_OK;
 }
 
-static bw_status descend(bw_context *context, cycle *c, int from) {
+/* From the nodes to the coarsest level and back. */
+static bw_status descend(bw_context *context, cycle *c) {
   bw_status status = BW_OK;
   bwi_amg *g = c->g;
   int last = g->level_count - 1;
-  for (int l = from; l < last; l++) {
+  for (int l = 0; l < last; l++) {
     c->v = &g->level[l];
     if (l > 0)
       BW_TRY(chebyshev(context, c, true));
     BW_TRY(bw_parallel(context, c->v->p.columns, ROWS, restrict_residual, c));
   }
-  solve_coarsest(c, &g->level[last]);
-  for (int l = last - 1; l >= from; l--) {
+  c->v = &g->level[last];
+  BW_TRY(bw_parallel(context, c->width, 1, solve_coarsest, c));
+  for (int l = last - 1; l >= 0; l--) {
     c->v = &g->level[l];
     BW_TRY(bw_parallel(context, c->v->rows, ROWS, prolong, c));
     if (l > 0) {
@@ -337,6 +370,17 @@ static bw_status descend(bw_context *context, cycle *c, int from) {
       BW_TRY(chebyshev(context, c, false));
     }
   }
+done:
+  return status;
+}
+
+bw_status bwi_amg_cycle(bw_context *context, bwi_amg *g, int width) {
+  bw_status status = BW_OK;
+  const bwi_amg_level *v = &g->level[0];
+  cycle c = {.g = g, .width = width};
+  BW_TRY(bwi_smoother_forward(context, g->smoother, width, v->b, v->x, v->r));
+  BW_TRY(descend(context, &c));
+  BW_TRY(bwi_smoother_backward(context, g->smoother, width, v->b, v->x, v->r));
 done:
   return status;
 }
@@ -387,10 +431,8 @@ static bw_status unpack(void *data, int64_t begin, int64_t end, int worker) {
 static bw_status apply_some(bw_context *context, bwi_amg *g, int width, int used, const double *r,
                             double *z) {
   bw_status status = BW_OK;
-  bwi_amg_level *v = &g->level[0];
   int64_t size = 3 * (int64_t)g->smoother->count;
   packing p = {.g = g, .width = width, .used = used, .r = r, .z = z};
-  cycle c = {.g = g, .width = width, .v = v};
   for (int f = 0; f < used; f++) {
     double max = 0;
     int exponent = 0;
@@ -400,9 +442,7 @@ static bw_status apply_some(bw_context *context, bwi_amg *g, int width, int used
     p.unit[f] = ldexp(1, -exponent);
   }
   BW_TRY(bw_parallel(context, g->smoother->count, ROWS, pack, &p));
-  BW_TRY(bwi_smoother_forward(context, g->smoother, width, v->b, v->x, v->r));
-  BW_TRY(descend(context, &c, 0));
-  BW_TRY(bwi_smoother_backward(context, g->smoother, width, v->b, v->x, v->r));
+  BW_TRY(bwi_amg_cycle(context, g, width));
   BW_TRY(bw_parallel(context, g->smoother->count, ROWS, unpack, &p));
 done:
   return status;
@@ -413,7 +453,7 @@ bw_status bwi_amg_apply(bw_context *context, bwi_amg *g, int64_t count, const do
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)g->smoother->count;
   int width = bwi_smoother_width(count);
-  BW_TRY(reserve(context, g, width));
+  BW_TRY(bwi_amg_reserve(context, g, width));
   for (int64_t first = 0; first < count; first += width) {
     width = bwi_smoother_width(count - first); /* no more than before */
     int used = (int)(count - first < width ? count - first : width);
@@ -428,7 +468,7 @@ double bwi_amg_pass_bytes(const bwi_amg *g) {
   for (int l = 0; l < g->level_count; l++) {
     const bwi_amg_level *v = &g->level[l];
     if (v->p.start)
-      bytes += 2.0 * (double)blocks_bytes(&v->p);
+      bytes += (double)(blocks_bytes(&v->p) + blocks_bytes(&v->pt));
     if (l > 0 && v->a.start)
       bytes += 2.0 * DEGREE * (double)blocks_bytes(&v->a);
   }

@@ -56,7 +56,7 @@ static bw_status assemble(bwi_amg_setup *s) {
   g->size = n;
   g->null_count = n > 0 ? s->matrix->dof_map->rigid_mode_count : 0;
   g->dense = BW_NEW0(s->context, double, (int64_t)n *n);
-  g->dense_x = BW_NEW0(s->context, double, n);
+  g->dense_x = BW_NEW0(s->context, double, BWI_SMOOTHER_SIDES *n);
   g->null = BW_NEW0(s->context, double, (int64_t)n * g->null_count);
   if (!g->dense || !g->dense_x || !g->null)
     return BW_MEMORY;

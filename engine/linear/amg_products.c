@@ -97,9 +97,9 @@ static void galerkin_row(const making *m, int64_t k, int32_t *mark, int32_t *see
   int u = v->unknowns;
   int64_t numbers = (int64_t)u * MODES;
   double *out = m->fill ? m->out->exact + 36 * m->out->start[k] : NULL;
-  for (int64_t c = v->child_start[k]; c < v->child_start[k + 1]; c++) {
-    const double *p = v->p.exact + numbers * v->child[c];
-    int32_t i = v->child_row[c];
+  for (int64_t c = v->pt.start[k]; c < v->pt.start[k + 1]; c++) {
+    const double *p = v->p.exact + numbers * s->child[c];
+    int32_t i = v->pt.column[c];
     for (int64_t e = s->ap.start[i]; e < s->ap.start[i + 1] && *count < MOST_COLUMNS - 1; e++) {
       int64_t at = place(mark, s->ap.column[e], seen, count);
       if (out)
@@ -152,14 +152,17 @@ done:
   return status;
 }
 
-static bw_status list_children(bwi_amg_setup *s, bwi_amg_level *v) {
+/* The pattern of P^T, and which block of P each of its blocks is. */
+static bw_status transpose(bwi_amg_setup *s, bwi_amg_level *v) {
   int64_t count = v->p.start[v->rows];
-  v->child_start = BW_NEW0(s->context, int64_t, s->count + 2);
-  v->child = BW_NEW(s->context, int64_t, count + 1);
-  v->child_row = BW_NEW(s->context, int32_t, count + 1);
-  if (!v->child_start || !v->child || !v->child_row)
+  v->pt =
+      (bwi_amg_blocks){.rows = s->count, .columns = v->rows, .height = MODES, .width = v->unknowns};
+  v->pt.start = BW_NEW0(s->context, int64_t, s->count + 2);
+  v->pt.column = BW_NEW(s->context, int32_t, count + 1);
+  s->child = BW_NEW(s->context, int64_t, count + 1);
+  if (!v->pt.start || !v->pt.column || !s->child)
     return BW_MEMORY;
-  int64_t *next = v->child_start + 1; /* runs to where the next column starts */
+  int64_t *next = v->pt.start + 1; /* runs to where the next column starts */
   for (int64_t e = 0; e < count; e++)
     if (v->p.column[e] + 1 < s->count)
       next[v->p.column[e] + 1]++;
@@ -168,22 +171,37 @@ static bw_status list_children(bwi_amg_setup *s, bwi_amg_level *v) {
   for (int32_t k = 0; k < v->rows; k++)
     for (int64_t e = v->p.start[k]; e < v->p.start[k + 1]; e++) {
       int64_t at = next[v->p.column[e]]++;
-      v->child[at] = e;
-      v->child_row[at] = k;
+      s->child[at] = e;
+      v->pt.column[at] = k;
     }
   return BW_OK;
 }
 
+static bw_status reserve_floats(bw_context *context, bwi_amg_blocks *b) {
+  b->value = BW_NEW0(context, float, b->start[b->rows] * b->height * b->width + BWI_SMOOTHER_SPARE);
+  return b->value ? BW_OK : BW_MEMORY;
+}
+
+/* The columns of a block of P are the rows of that of P^T. */
+static bw_status transposed_floats(bwi_amg_setup *s, bwi_amg_level *v) {
+  int64_t numbers = (int64_t)v->unknowns * MODES;
+  bw_status status = reserve_floats(s->context, &v->pt);
+  for (int64_t e = 0; status == BW_OK && e < v->pt.start[v->pt.rows]; e++)
+    for (int64_t i = 0; i < numbers; i++)
+      v->pt.value[numbers * e + i] = (float)v->p.exact[numbers * s->child[e] + i];
+  return status;
+}
+
 bw_status bwi_amg_to_floats(bw_context *context, bwi_amg_blocks *b) {
-  int64_t count = b->start[b->rows] * b->height * b->width;
-  b->value = BW_NEW(context, float, count + 1);
-  if (!b->value)
-    return BW_MEMORY;
-  for (int64_t i = 0; i < count; i++)
-    b->value[i] = (float)b->exact[i];
+  int h = b->height, w = b->width;
+  bw_status status = reserve_floats(context, b);
+  for (int64_t e = 0; status == BW_OK && e < b->start[b->rows]; e++)
+    for (int i = 0; i < h; i++)
+      for (int j = 0; j < w; j++)
+        b->value[(e * w + j) * h + i] = (float)b->exact[(e * h + i) * w + j];
   bw_free(b->exact);
   b->exact = NULL;
-  return BW_OK;
+  return status;
 }
 
 bw_status bwi_amg_make_next(bwi_amg_setup *s) {
@@ -193,11 +211,12 @@ bw_status bwi_amg_make_next(bwi_amg_setup *s) {
   if (!s->mark)
     return BW_MEMORY;
   BW_TRY(make(s, v->rows, v->unknowns, smooth_rows, &v->p));
-  BW_TRY(list_children(s, v));
+  BW_TRY(transpose(s, v));
   BW_TRY(make(s, v->rows, v->unknowns, multiply_rows, &s->ap));
   v[1].rows = s->count;
   v[1].unknowns = MODES;
   BW_TRY(make(s, s->count, MODES, galerkin_rows, &v[1].a));
+  BW_TRY(transposed_floats(s, v));
   BW_TRY(bwi_amg_to_floats(s->context, &v->p));
 done:
   return status;

@@ -158,12 +158,14 @@ static void clear_level(bwi_amg_setup *s) {
   bw_free(s->of);
   bw_free(s->tentative);
   bw_free(s->mark);
+  bw_free(s->child);
   bw_free(s->x);
   bw_free(s->y);
   bw_free(s->norm);
   bw_free(s->inverse);
   bwi_amg_blocks_clear(&s->ap);
   s->of = s->mark = NULL;
+  s->child = NULL;
   s->tentative = s->x = s->y = s->norm = s->inverse = NULL;
 }
 
@@ -184,7 +186,7 @@ static bw_status begin_level(bwi_amg_setup *s) {
   BW_TRY(bw_parallel(s->context, v->rows, BWI_AMG_ROWS, find_diagonal, s));
   BW_TRY(estimate(s));
   if (s->at > 0) {
-    v->inverse = BW_NEW(s->context, float, size *u);
+    v->inverse = BW_NEW0(s->context, float, size *u + BWI_SMOOTHER_SPARE);
     if (!v->inverse) {
       status = BW_MEMORY;
       goto done;

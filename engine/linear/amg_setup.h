@@ -21,6 +21,7 @@ typedef struct bwi_amg_setup {
   int32_t count;          /* of aggregates */
   double *tentative;      /* rows x unknowns x BWI_AMG_MODES */
   bwi_amg_blocks ap;      /* A P */
+  int64_t *child;         /* the block of P that each of P^T is */
   int workers;
   int32_t *mark;   /* workers x aggregates: place in the row in work, + 1, or 0 */
   double *x, *y;   /* rows x unknowns */

@@ -436,7 +436,7 @@ static bw_status update_amg(bw_context *context, bwi_coarse *c) {
       .pattern = c->pattern, .stiffness = c->stiffness, .dof_map = &c->dof_map};
   bw_release(c->amg);
   c->amg = NULL;
-  bw_status status = bwi_amg_create(context, &matrix, &c->amg);
+  bw_status status = bwi_amg_create(context, &matrix, false, &c->amg);
   if (status == BW_OK) {
     bw_free(c->stiffness);
     c->stiffness = NULL;

@@ -5,7 +5,6 @@
 
 #include "linear/amg.h"
 #include "linear/internal.h"
-#include "linear/isostatic.h"
 
 typedef struct bwi_pcg {
   const bw_block_pattern *pattern;
@@ -45,7 +44,6 @@ typedef struct bwi_preconditioner {
   const bw_dof_map *dof_map; /* retained */
   bwi_factor *factor;        /* or NULL */
   bwi_amg *amg;              /* or NULL */
-  bwi_isostatic *isostatic;  /* of multigrid on a body that can move freely, or NULL */
   double *block;             /* node_count x 9: inverse blocks in global directions, or NULL */
 } bwi_preconditioner;
 /* Release with bw_release. `symbolic`: for BW_SOLVER_CHOLESKY. BW_SINGULAR with *bad_node as
@@ -55,7 +53,8 @@ bw_status bwi_preconditioner_create(bw_context *context, const bw_solver *solver
                                     bwi_preconditioner **preconditioner, int32_t *bad_node);
 /* Whether a preconditioner (or NULL) is what a solver asks for; NULL: multigrid. */
 bool bwi_preconditioner_serves(const bwi_preconditioner *preconditioner, const bw_solver *solver);
-/* bwi_pcg.precondition; `data` is a bwi_preconditioner. */
+/* bwi_pcg.precondition; `data` is a bwi_preconditioner. Multigrid as bwi_amg_apply has it: bodies
+ * that can move freely are for bwi_amg_solve. */
 bw_status bwi_preconditioner_apply(bw_context *context, void *data, int64_t count, const double *r,
                                    double *z);
 /* The same with a factor alone; `data` is one of these. */

@@ -11,7 +11,6 @@ static void preconditioner_destroy(void *object) {
   bw_release(m->dof_map);
   bw_release(m->factor);
   bw_release(m->amg);
-  bw_release(m->isostatic);
   bw_free(m->block);
   bw_free(m);
 }
@@ -19,8 +18,7 @@ static void preconditioner_destroy(void *object) {
 static size_t preconditioner_bytes(const void *object) {
   const bwi_preconditioner *m = object;
   size_t blocks = m->block ? 9 * (size_t)m->dof_map->mesh->node_count : 0;
-  return sizeof *m + bw_bytes(m->factor) + bw_bytes(m->amg) + bw_bytes(m->isostatic) +
-         blocks * sizeof(double);
+  return sizeof *m + bw_bytes(m->factor) + bw_bytes(m->amg) + blocks * sizeof(double);
 }
 
 static const bw_kind preconditioner_kind = {"preconditioner", preconditioner_destroy,
@@ -97,26 +95,6 @@ static bw_status apply_blocks(void *data, int64_t begin, int64_t end, int worker
   return BW_OK;
 }
 
-/* ---- multigrid ------------------------------------------------------------------------------- */
-
-/* S B S^T where rigid-body modes are free (isostatic.h). */
-static bw_status apply_amg(bw_context *context, const bwi_preconditioner *m, int64_t count,
-                           const double *r, double *z) {
-  bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)m->dof_map->mesh->node_count;
-  if (!m->isostatic)
-    return bwi_amg_apply(context, m->amg, count, r, z);
-  if (z != r)
-    memcpy(z, r, (size_t)(count * size) * sizeof *z);
-  BW_TRY(bwi_isostatic_balance(context, m->isostatic, count, z));
-  BW_TRY(bwi_amg_apply(context, m->amg, count, z, z));
-  BW_TRY(bwi_isostatic_remove(context, m->isostatic, count, z));
-  for (int64_t k = 0; k < count; k++)
-    bwi_keep_states(m->dof_map, 1u << BW_DOF_UNKNOWN, z + k * size);
-done:
-  return status;
-}
-
 /* ---- any of them ----------------------------------------------------------------------------- */
 
 bw_status bwi_preconditioner_create(bw_context *context, const bw_solver *solver,
@@ -131,11 +109,9 @@ bw_status bwi_preconditioner_create(bw_context *context, const bw_solver *solver
   m->dof_map = bw_retain(matrix->dof_map);
   if (solver->options.kind == BW_SOLVER_JACOBI)
     BW_TRY(make_blocks(context, matrix, m, bad_node));
-  else if (solver->options.kind == BW_SOLVER_AMG) {
-    BW_TRY(bwi_amg_create(context, matrix, &m->amg));
-    if (m->dof_map->rigid_mode_count > 0)
-      BW_TRY(bwi_isostatic_create(context, m->dof_map, &m->isostatic));
-  } else
+  else if (solver->options.kind == BW_SOLVER_AMG)
+    BW_TRY(bwi_amg_create(context, matrix, true, &m->amg));
+  else
     BW_TRY(bwi_factor_create_in(context, symbolic, matrix, NULL, bwi_kernels_of(solver), &m->factor,
                                 bad_node));
 done:
@@ -164,7 +140,7 @@ bw_status bwi_preconditioner_apply(bw_context *context, void *data, int64_t coun
   if (m->factor)
     return bwi_solve_fields(context, m->factor, m->dof_map, count, r, z);
   if (m->amg)
-    return apply_amg(context, m, count, r, z);
+    return bwi_amg_apply(context, m->amg, count, r, z);
   application a = {.m = m, .count = count, .size = 3 * nodes, .r = r, .z = z};
   return bw_parallel(context, nodes, GRAIN, apply_blocks, &a);
 }

@@ -264,6 +264,14 @@ bw_status bwi_system_iterate(bw_context *context, bw_system *system, bwi_system_
     problem->iterations = p.iterations;
     problem->converged = p.converged;
     problem->residual = p.reached;
+  } else if (system->preconditioner->amg) {
+    bwi_amg_problem p = {.tolerance = problem->tolerance,
+                         .energy_alone = problem->energy_alone,
+                         .limit = problem->limit};
+    BW_TRY(bwi_amg_solve(context, system->preconditioner->amg, &p, count, force, displacement));
+    problem->iterations = p.iterations;
+    problem->converged = p.converged;
+    problem->residual = p.residual;
   } else {
     bwi_pcg p = {.pattern = system->pattern,
                  .stiffness = system->stiffness,

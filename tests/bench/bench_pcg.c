@@ -59,14 +59,9 @@ static void measure(bw_context *context, const bw_model *model, bw_solver_kind k
                                force, displacement));
         iterations = problem.iterations;
       } else {
-        bwi_pcg problem = {.pattern = system->pattern,
-                           .stiffness = system->stiffness,
-                           .dof_map = system->dof_map,
-                           .precondition = bwi_preconditioner_apply,
-                           .data = system->preconditioner,
-                           .tolerance = 1e-10,
-                           .limit = 200};
-        OK(bwi_pcg_solve(context, &problem, counts[c], force, displacement));
+        bwi_amg_problem problem = {.tolerance = 1e-10, .limit = 200};
+        OK(bwi_amg_solve(context, system->preconditioner->amg, &problem, counts[c], force,
+                         displacement));
         iterations = problem.iterations;
       }
       least = fmin(least, processor_seconds() - start);

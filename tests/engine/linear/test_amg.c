@@ -1,8 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Algebraic multigrid as preconditioner: solutions as by a factor under every kind of support, of
  * linear and of quadratic elements; iterations that sizes do not change; a symmetric and positive
- * operator, in the same bits on any number of threads. */
+ * operator, in the same bits on any number of threads; and right-hand sides side by side on packed
+ * fields, as by the same operator on fields that are not. */
 #include "linear/pcg.h"
+#include "linear/pcg_space.h"
 #include "linear/system_two_level.h"
 
 #include "base/dense.h"
@@ -167,7 +169,7 @@ static bwi_amg *amg_of(bw_context *context, const bw_system *system) {
   bwi_amg *amg = NULL;
   const bwi_matrix matrix = {
       .pattern = system->pattern, .stiffness = system->stiffness, .dof_map = system->dof_map};
-  check_ok(context, bwi_amg_create(context, &matrix, &amg));
+  check_ok(context, bwi_amg_create(context, &matrix, true, &amg));
   return amg;
 }
 
@@ -219,6 +221,138 @@ static void operator_is_symmetric(void **state) {
   check_operator(check_context(state), true);
 }
 
+/* ---- right-hand sides side by side ----------------------------------------------------------- */
+
+/* What the unpacked iteration works with. */
+typedef struct plain {
+  const bw_system *system;
+  bwi_amg *amg;
+  bwi_rigid_space *rigid; /* or NULL */
+} plain;
+
+static bw_status plain_project(bw_context *context, void *data, int64_t count, double *x) {
+  const plain *p = data;
+  int64_t size = 3 * (int64_t)p->system->mesh->node_count;
+  const bwi_field_layout layout = {3, 1, size};
+  bw_status status = BW_OK;
+  for (int64_t k = 0; k < count && status == BW_OK; k++) {
+    bwi_keep_states(p->system->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC,
+                    x + k * size);
+    if (p->rigid)
+      status = bwi_rigid_space_project(context, p->rigid, &layout, 1, x + k * size);
+  }
+  return status;
+}
+
+static bw_status plain_multiply(bw_context *context, void *data, int64_t count, const double *x,
+                                double *y) {
+  const plain *p = data;
+  bw_status status =
+      bw_block_multiply(context, p->system->pattern, p->system->stiffness, 9, 3, count, x, y);
+  return status == BW_OK ? plain_project(context, data, count, y) : status;
+}
+
+static bw_status plain_precondition(bw_context *context, void *data, int64_t count, const double *r,
+                                    double *z) {
+  const plain *p = data;
+  bw_status status = bwi_amg_apply(context, p->amg, count, r, z);
+  return status == BW_OK ? plain_project(context, data, count, z) : status;
+}
+
+/* Iterations of `count` right-hand sides, unpacked. */
+static int solve_plain(bw_context *context, plain *p, int64_t count, const double *f, double *u) {
+  const bw_dof_map *dof_map = p->system->dof_map;
+  const bwi_pcg_fields fields = {.size = 3 * (int64_t)p->system->mesh->node_count,
+                                 .multiply = plain_multiply,
+                                 .multiply_data = p,
+                                 .precondition = plain_precondition,
+                                 .precondition_data = p,
+                                 .project = plain_project,
+                                 .project_data = p};
+  bwi_pcg_task task = {.columns = (int)count,
+                       .energy_tolerance = 1e-10,
+                       .residual_tolerance = 1e-10,
+                       .energy_fall = BWI_ENERGY_FALLS,
+                       .limit = 200};
+  int32_t *row_of = malloc((size_t)p->system->mesh->node_count * sizeof *row_of);
+  for (int32_t i = 0; i < p->system->mesh->node_count; i++)
+    row_of[i] = i;
+  if (dof_map->rigid_mode_count > 0)
+    check_ok(context, bwi_rigid_space_create(context, dof_map, row_of, &p->rigid));
+  check_ok(context, bwi_pcg_fields_run(context, &fields, &task, f, u));
+  assert_true(task.converged);
+  bw_release(p->rigid);
+  free(row_of);
+  return task.iterations;
+}
+
+static void cancel_at_once(void *data, const char *stage, double fraction) {
+  (void)stage;
+  (void)fraction;
+  bw_cancel(data);
+}
+
+/* Of each number of columns: 1, 4, 8, and 12 with 2 more. */
+static void check_packed(bw_context *context, int order, int scene) {
+  enum { MOST = 14 };
+  static const int counts[] = {1, 3, 8, MOST};
+  bar b;
+  bw_static *direct = NULL;
+  bw_solver *amg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_AMG});
+  bw_solver *pcg =
+      body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = amg});
+  const bw_statics_options options = {.inertia_relief = true, .solver = pcg};
+  bar_make(context, 3, order, &b);
+  load_bar(context, &b, scene);
+  check_ok(context, bw_statics(context, b.model, NULL, &options, &direct));
+  int64_t size = 3 * (int64_t)b.model->mesh->node_count;
+  plain p = {.system = direct->system, .amg = direct->system->preconditioner->amg};
+  double *f = numbers(MOST * size), *u = numbers(MOST * size), *reference = numbers(MOST * size);
+  double *same = numbers(MOST * size);
+  random_field(3, MOST * size, f);
+  check_ok(context, bwi_balance_fields(context, p.system->dof_map, MOST, f));
+  int iterations = solve_plain(context, &p, MOST, f, reference);
+  check_ok(context, bwi_steady_fields(context, p.system->dof_map, MOST, reference));
+  for (int c = 0; c < 4; c++) {
+    bwi_amg_problem problem = {.tolerance = 1e-10, .limit = 200};
+    check_ok(context, bwi_amg_solve(context, p.amg, &problem, counts[c], f, u));
+    assert_true(problem.converged);
+    assert_true(problem.iterations <= iterations + 2);
+    for (int threads = 1; threads <= 4; threads += 3) {
+      check_ok(context, bw_set_threads(context, threads));
+      check_ok(context, bwi_amg_solve(context, p.amg, &problem, counts[c], f, same));
+      assert_memory_equal(same, u, (size_t)(counts[c] * size) * sizeof *u);
+    }
+    check_ok(context, bwi_steady_fields(context, p.system->dof_map, counts[c], u));
+    for (int k = 0; k < counts[c]; k++)
+      check_near(difference(u + k * size, reference + k * size, size), 0, 1e-8);
+  }
+  bwi_amg_problem few = {.tolerance = 1e-10, .limit = 2};
+  check_ok(context, bwi_amg_solve(context, p.amg, &few, MOST, f, u));
+  assert_false(few.converged);
+  assert_true(few.residual > 1e-10);
+  bw_set_progress(context, cancel_at_once, context);
+  assert_int_equal(bwi_amg_solve(context, p.amg, &few, MOST, f, u), BW_CANCELLED);
+  bw_set_progress(context, NULL, NULL);
+  bw_clear_cancel(context);
+  bw_clear_failure(context);
+  free(f);
+  free(u);
+  free(reference);
+  free(same);
+  bw_release(direct);
+  bw_release(amg);
+  bw_release(pcg);
+  bar_clear(&b);
+}
+
+static void side_by_side(void **state) {
+  bw_context *context = check_context(state);
+  for (int order = 1; order <= 2; order++)
+    for (int scene = 0; scene < SCENES; scene++)
+      check_packed(context, order, scene);
+}
+
 static void no_memory(void **state) {
   bw_context *context = check_context(state);
   bw_model *model = cube(context, 1, 6, 1, true);
@@ -239,6 +373,9 @@ static void no_memory(void **state) {
     bw_status status = bwi_preconditioner_create(context, amg, &matrix, NULL, &made, &bad);
     if (status == BW_OK)
       status = bwi_preconditioner_apply(context, made, 1, r, z);
+    bwi_amg_problem problem = {.tolerance = 1e-2, .limit = 2};
+    if (status == BW_OK)
+      status = bwi_amg_solve(context, made->amg, &problem, 1, r, z);
     bw_fail_allocation(0, false);
     bw_release(made);
     if (status == BW_OK)
@@ -256,7 +393,8 @@ static void no_memory(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(as_a_factor),    check_test(sizes_do_not_matter),   check_test(of_several_bodies),
-      check_test(chosen_by_cost), check_test(operator_is_symmetric), check_test(no_memory),
+      check_test(chosen_by_cost), check_test(operator_is_symmetric), check_test(side_by_side),
+      check_test(no_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
