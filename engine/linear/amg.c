@@ -98,7 +98,7 @@ bw_status bwi_amg_create(bw_context *context, const bwi_matrix *matrix, bool sol
   bw_object_init(g, &amg_kind);
   g->dof_map = bw_retain(matrix->dof_map);
   BW_TRY(bwi_smoother_create(context, solves ? matrix->dof_map->mesh : NULL, matrix->pattern,
-                             solves && matrix->even, NULL, &g->smoother));
+                             solves && matrix->even, false, NULL, &g->smoother));
   BW_TRY(bwi_smoother_follow(context, g->smoother, matrix->stiffness, matrix->dof_map, &usable));
   if (!usable) {
     status = bw_fail(context, BW_SINGULAR, "the block of a node is not positive definite");

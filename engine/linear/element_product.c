@@ -225,12 +225,8 @@ done:
 
 bw_status bwi_element_product_serves(bw_context *context, const bw_mesh *mesh,
                                      const bw_material *material, bool *serves) {
-  int32_t *number = NULL;
-  int64_t curved = 0;
-  bw_status status = bwi_find_curved(context, mesh, &number, &curved);
-  *serves = mesh->order == 2 && curved == 0 && !material->orientations &&
-            !(bw_material_projected_bulk(material) > 0);
-  bw_free(number);
+  bw_status status = bwi_smoother_even(context, mesh, material, serves);
+  *serves = *serves && mesh->order == 2;
   return status;
 }
 

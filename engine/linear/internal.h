@@ -316,9 +316,6 @@ void bwi_report_way(const bw_system *system, bwi_way way, const bw_solver *solve
                     bw_solver_report *report);
 /* Begins the report of a system. */
 void bwi_system_report(bw_system *system, bwi_way way, const bw_solver *solver, const char *reason);
-/* Whether the block of two nodes with no facet of the boundary in common is symmetric in itself:
- * elements are straight, of one material, and displacements alone enter their energy. */
-bw_status bwi_system_even(bw_context *context, const bw_system *system, bool *even);
 /* Gives the system its preconditioner for PCG, block Jacobi, multigrid (NULL) or a factor, where it
  * is not what the system has. Statuses as there. */
 bw_status bwi_system_precondition(bw_context *context, bw_system *system, const bw_solver *solver,

@@ -437,12 +437,22 @@ typedef struct product {
 
 /* y of row k, to which only rows behind it have still to add, and what it adds to those before. */
 static inline void multiply_one(const product *m, int64_t k, double *energy) {
-  const bwi_smoother_part *odd = &m->s->odd;
+  const bwi_smoother_part *even = &m->s->even, *odd = &m->s->odd;
   const double *a = m->s->diagonal + 6 * k, *x = m->x + 3 * k;
   double add[3];
   quad2 column[3], own = {x[0], x[1], x[2], 0}, sum = {0};
   columns_of_six_d(*(const quad2 *)a, *(const quad2 *)(a + 2), column);
   quad2 diagonal = times_d(column, x);
+  for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {
+    int64_t at = 3 * (int64_t)even->column[e];
+    const float *value = even->value + 6 * e;
+    const uint32_t *rest = even->rest + 6 * e;
+    columns_of_six_d(whole_four(value, rest), whole_four(value + 2, rest + 2), column);
+    sum += times_d(column, m->x + at);
+    quad2 back = times_d(column, x);
+    for (int d = 0; d < 3; d++)
+      m->y[at + d] += back[d];
+  }
   for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {
     int64_t at = 3 * (int64_t)odd->column[e];
     for (int c = 0; c < 3; c++)
@@ -458,23 +468,33 @@ static inline void multiply_one(const product *m, int64_t k, double *energy) {
   }
 }
 
-static inline void whole_block(const bwi_smoother_part *part, int64_t e, double a[9]) {
-  for (int c = 0; c < 9; c++)
-    a[c] = bwi_smoother_whole(part->value[9 * e + c], part->rest[9 * e + c]);
+static inline void whole_block(const bwi_smoother_part *part, int numbers, int64_t e, double *a) {
+  for (int c = 0; c < numbers; c++)
+    a[c] = bwi_smoother_whole(part->value[numbers * e + c], part->rest[numbers * e + c]);
 }
 
 /* The same for four or eight fields from `first` on. */
 #define MULTIPLY(suffix, all)                                                                      \
   static inline void multiply##suffix(const product *m, int64_t k, int first, double *energy) {    \
-    const bwi_smoother_part *odd = &m->s->odd;                                                     \
+    const bwi_smoother_part *even = &m->s->even, *odd = &m->s->odd;                                \
     int64_t stride = m->width;                                                                     \
     double *y = m->y + 3 * stride * k + first, block[9];                                           \
     all own[3], in[3], add[3], diagonal[3], sum[3] = {{0}}, part = at##suffix(energy + first);     \
     take##suffix(m->x + 3 * stride * k + first, stride, own);                                      \
     six_times##suffix(m->s->diagonal + 6 * k, own, diagonal);                                      \
+    for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
+      int64_t at = 3 * stride * even->column[e] + first;                                           \
+      whole_block(even, 6, e, block);                                                              \
+      take##suffix(m->x + at, stride, in);                                                         \
+      six_times##suffix(block, in, add);                                                           \
+      for (int d = 0; d < 3; d++)                                                                  \
+        sum[d] += add[d];                                                                          \
+      six_times##suffix(block, own, add);                                                          \
+      add##suffix(m->y + at, stride, add);                                                         \
+    }                                                                                              \
     for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {                                  \
       int64_t at = 3 * stride * odd->column[e] + first;                                            \
-      whole_block(odd, e, block);                                                                  \
+      whole_block(odd, 9, e, block);                                                               \
       take##suffix(m->x + at, stride, in);                                                         \
       nine_times##suffix(block, in, add);                                                          \
       for (int d = 0; d < 3; d++)                                                                  \

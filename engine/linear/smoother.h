@@ -11,8 +11,8 @@
  * are a preconditioner, which need not be exact: they read the upper half of each double, which is
  * a float. Products read the lower half too. Where elements are straight and of one material, the
  * block of two nodes with no facet of the boundary in common is symmetric in itself
- * (docs/theory/edit.md): six numbers in place of nine. Products go by elements there
- * (element_product.h). So that no unit leaves the range of floats,
+ * (docs/theory/edit.md): six numbers in place of nine. Products of quadratic
+ * elements go by elements there (element_product.h). So that no unit leaves the range of floats,
  * the matrix is taken times one power of two, `unit`, that brings its largest diagonal entry
  * near 1.
  *
@@ -109,13 +109,18 @@ static inline int bwi_smoother_width(int64_t count) {
          : count >= BWI_SMOOTHER_SIDES ? BWI_SMOOTHER_SIDES
                                        : (int)(count + 3) / 4 * 4;
 }
+/* Whether the block of two nodes with no facet of the boundary in common is symmetric in itself:
+ * elements are straight, of one material, and displacements alone enter their energy. */
+bw_status bwi_smoother_even(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                            bool *even);
 /* For matrices on the pattern of a mesh, none of whose nodes has 2^16 neighbours (BW_LIMIT).
- * `even`: what bwi_element_product_serves, so that most blocks are symmetric. `stiffness`: nodes
- * that it couples strongly are swept together; NULL: each by itself. `mesh` NULL: not `even`, and
- * for sweeps alone, without products. Release with bw_release. */
+ * `even`: bwi_smoother_even. `by_elements`: it is what bwi_element_product_serves, and
+ * bwi_smoother_follow_elements comes before products. `stiffness`: nodes that it couples strongly
+ * are swept together; NULL: each by itself. `mesh` NULL: not `even`, and for sweeps alone, without
+ * products. Release with bw_release. */
 bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
-                              const bw_block_pattern *pattern, bool even, const double *stiffness,
-                              bwi_smoother **out);
+                              const bw_block_pattern *pattern, bool even, bool by_elements,
+                              const double *stiffness, bwi_smoother **out);
 /* Take over a stiffness (9 numbers per block) at the unknowns of a DOF map; isostatic constraints
  * are unknowns here: K is singular where there are any. *usable is false where
  * a node's own block is not positive definite. */

@@ -27,7 +27,8 @@ static void take_even(const taking *t, int64_t k, int64_t e) {
     int n = of_six[c];
     uint32_t rest;
     double number = 0.5 * t->s->unit * (block[n] + block[3 * (n % 3) + n / 3]);
-    even->value[6 * e + c] = bwi_smoother_halves(number, &rest);
+    even->value[6 * e + c] =
+        bwi_smoother_halves(number, even->rest ? &even->rest[6 * e + c] : &rest);
   }
 }
 
@@ -86,6 +87,17 @@ bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *s, const double
   for (int64_t k = 0; k < s->count; k++)
     *usable &= isfinite(s->inverse[9 * k]) != 0;
 done:
+  return status;
+}
+
+/* The mean volumetric strain couples a node's x with another's y, and not y with x. */
+bw_status bwi_smoother_even(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                            bool *even) {
+  int32_t *number = NULL;
+  int64_t curved = 0;
+  bw_status status = bwi_find_curved(context, mesh, &number, &curved);
+  *even = curved == 0 && !material->orientations && !(bw_material_projected_bulk(material) > 0);
+  bw_free(number);
   return status;
 }
 
@@ -307,8 +319,8 @@ static bw_status make_rows(bw_context *context, bwi_smoother *s, const bw_mesh *
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(make_part(context, &s->even, s->count, entries[0], 6, false));
-  BW_TRY(make_part(context, &s->odd, s->count, entries[1], 9, mesh && !even));
+  BW_TRY(make_part(context, &s->even, s->count, entries[0], 6, mesh && !s->by_elements));
+  BW_TRY(make_part(context, &s->odd, s->count, entries[1], 9, mesh && !s->by_elements));
   list_rows(s, odd, row);
 done:
   bw_free(odd);
@@ -357,8 +369,8 @@ static size_t smoother_bytes(const void *object) {
 static const bw_kind smoother_kind = {"smoother", smoother_destroy, smoother_bytes};
 
 bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
-                              const bw_block_pattern *pattern, bool even, const double *stiffness,
-                              bwi_smoother **out) {
+                              const bw_block_pattern *pattern, bool even, bool by_elements,
+                              const double *stiffness, bwi_smoother **out) {
   bw_status status = BW_OK;
   ordering o = {0};
   bwi_smoother *s = BW_NEW0(context, bwi_smoother, 1);
@@ -367,7 +379,7 @@ bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
   bw_object_init(s, &smoother_kind);
   s->pattern = bw_retain(pattern);
   s->count = pattern->node_count;
-  s->by_elements = even;
+  s->by_elements = by_elements;
   s->node = BW_NEW(context, int32_t, s->count);
   s->row_of = BW_NEW(context, int32_t, s->count);
   s->inverse = BW_NEW0(context, float, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);

@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "assemble/internal.h"
 #include "barwright/job.h"
 #include "linear/external.h"
 #include "linear/pcg.h"
@@ -342,17 +341,6 @@ done:
   return status;
 }
 
-/* The mean volumetric strain couples a node's x with another's y, and not y with x. */
-bw_status bwi_system_even(bw_context *context, const bw_system *system, bool *even) {
-  int32_t *number = NULL;
-  int64_t curved = 0;
-  bw_status status = bwi_find_curved(context, system->mesh, &number, &curved);
-  *even = curved == 0 && !system->material->orientations &&
-          !(bw_material_projected_bulk(system->material) > 0);
-  bw_free(number);
-  return status;
-}
-
 bw_status bwi_system_precondition(bw_context *context, bw_system *system, const bw_solver *solver,
                                   bwi_symbolic *old, double available) {
   bw_status status = BW_OK;
@@ -377,7 +365,7 @@ bw_status bwi_system_precondition(bw_context *context, bw_system *system, const 
   double start = bw_seconds();
   bw_progress(context, "factorisation", 0);
   if (solver->options.kind == BW_SOLVER_AMG)
-    BW_TRY(bwi_system_even(context, system, &matrix.even));
+    BW_TRY(bwi_smoother_even(context, system->mesh, system->material, &matrix.even));
   status = bwi_preconditioner_create(context, solver, &matrix, symbolic, &made, &bad);
   if (status == BW_SINGULAR && solver->options.kind != BW_SOLVER_AMG)
     status = bwi_fail_singular(context, system->mesh, bad);

@@ -172,7 +172,7 @@ bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, con
     return BW_MEMORY;
   bw_object_init(l, &two_level_kind);
   l->coarse = bw_retain(coarse);
-  BW_TRY(bwi_smoother_create(context, mesh, pattern, even, stiffness, &l->smoother));
+  BW_TRY(bwi_smoother_create(context, mesh, pattern, even, even, stiffness, &l->smoother));
   BW_TRY(join_levels(context, l));
 done:
   if (status == BW_OK)

@@ -32,7 +32,7 @@ int main(int argc, char **argv) {
   OK(bw_dof_map_unconstrained(context, mesh, &dof_map));
   double *stiffness = malloc(9 * (size_t)pattern->block_count * sizeof *stiffness);
   OK(bw_stiffness(context, pattern, mesh, material, stiffness));
-  OK(bwi_smoother_create(context, mesh, pattern, false, NULL, &s));
+  OK(bwi_smoother_create(context, mesh, pattern, false, false, NULL, &s));
   OK(bwi_smoother_follow(context, s, stiffness, dof_map, &usable));
   OK(bwi_element_product_create(context, s, mesh, material, &product));
   size_t size = 3 * (size_t)mesh->node_count;

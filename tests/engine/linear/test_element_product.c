@@ -54,7 +54,8 @@ static void scene_make(bw_context *context, bw_mesh *mesh, const bw_material *ma
   check_ok(context, bw_dof_map_unconstrained(context, mesh, &s->dof_map));
   s->stiffness = numbers(9 * s->pattern->block_count);
   check_ok(context, bw_stiffness(context, s->pattern, mesh, material, s->stiffness));
-  check_ok(context, bwi_smoother_create(context, mesh, s->pattern, false, NULL, &s->smoother));
+  check_ok(context,
+           bwi_smoother_create(context, mesh, s->pattern, false, false, NULL, &s->smoother));
   check_ok(context, bwi_smoother_follow(context, s->smoother, s->stiffness, s->dof_map, &usable));
   assert_true(usable);
   check_ok(context, bwi_element_product_create(context, s->smoother, mesh, material, &s->product));

@@ -34,7 +34,8 @@ static void scene_clear(scene *s) {
 static bwi_smoother *smoother_of(bw_context *context, const scene *s, bool even) {
   bwi_smoother *smoother = NULL;
   bool usable = false;
-  check_ok(context, bwi_smoother_create(context, s->b.mesh, s->pattern, even, NULL, &smoother));
+  check_ok(context,
+           bwi_smoother_create(context, s->b.mesh, s->pattern, even, even, NULL, &smoother));
   check_ok(context, bwi_smoother_follow(context, smoother, s->stiffness, s->dof_map, &usable));
   assert_true(usable);
   check_ok(context,
@@ -142,7 +143,7 @@ static void upper_halves_alone(void **state) {
   scene_make(context, 2, 0, &s);
   bwi_smoother *whole = smoother_of(context, &s, false), *sweeps = NULL;
   bool usable = false;
-  check_ok(context, bwi_smoother_create(context, NULL, s.pattern, false, NULL, &sweeps));
+  check_ok(context, bwi_smoother_create(context, NULL, s.pattern, false, false, NULL, &sweeps));
   check_ok(context, bwi_smoother_follow(context, sweeps, s.stiffness, s.dof_map, &usable));
   assert_true(usable);
   int64_t numbers = 9 * whole->odd.start[whole->count];
@@ -333,7 +334,7 @@ static bwi_smoother *pressed_smoother(bw_context *context, scene *s, pressed how
   }
   check_ok(context, bw_mesh_moved(context, s->b.mesh, node, &flat));
   check_ok(context, bw_stiffness(context, s->pattern, flat, s->b.material, s->stiffness));
-  check_ok(context, bwi_smoother_create(context, flat, s->pattern, true, s->stiffness, &w));
+  check_ok(context, bwi_smoother_create(context, flat, s->pattern, true, true, s->stiffness, &w));
   check_ok(context, bwi_smoother_follow(context, w, s->stiffness, s->dof_map, &usable));
   assert_true(usable);
   assert_non_null(w->block_start);
@@ -412,7 +413,8 @@ static void too_many_neighbours(void **state) {
   for (int k = 0; k < 4 * ELEMENTS; k++)
     element[k] = k % 4 == 0 ? 0 : next++;
   check_ok(context, bw_block_pattern_of_elements(context, next, ELEMENTS, 4, element, &pattern));
-  assert_int_equal(bwi_smoother_create(context, NULL, pattern, false, NULL, &smoother), BW_LIMIT);
+  assert_int_equal(bwi_smoother_create(context, NULL, pattern, false, false, NULL, &smoother),
+                   BW_LIMIT);
   assert_null(smoother);
   bw_clear_failure(context);
   bw_release(pattern);
@@ -426,7 +428,8 @@ static void no_memory(void **state) {
   for (int64_t n = 1;; n++) {
     bwi_smoother *w = NULL;
     bw_fail_allocation(n, true);
-    bw_status status = bwi_smoother_create(context, s.b.mesh, s.pattern, true, s.stiffness, &w);
+    bw_status status =
+        bwi_smoother_create(context, s.b.mesh, s.pattern, true, true, s.stiffness, &w);
     bw_fail_allocation(0, false);
     bw_release(w);
     if (status == BW_OK)
