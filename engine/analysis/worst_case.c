@@ -12,7 +12,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { STANDARD_BATCH = 16 };
+/* Regions at once: multiples of what a factor, and what iterations, solve for side by side. */
+enum { FACTOR_BATCH = BWI_MAX_WIDTH, ITERATIVE_BATCH = 2 * BWI_SMOOTHER_SIDES };
 /* Stresses of several regions are worked on side by side while they fit in this many bytes; of
  * bigger meshes one at a time, with all threads. */
 static const size_t side_by_side = (size_t)64 << 20;
@@ -175,7 +176,7 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
   if (batch < 0)
     return bw_fail(context, BW_INVALID, "a batch of %d regions", batch);
   if (batch == 0)
-    batch = STANDARD_BATCH;
+    batch = system->iterative ? ITERATIVE_BATCH : FACTOR_BATCH;
   if (batch > regions->count)
     batch = regions->count;
   r.signs = options->one_sign ? 1 : 2;

@@ -149,16 +149,24 @@ static bw_status elastic_stiffness(bw_context *context, void *data, int64_t coun
   return multiply(context, data, false, count, x, y);
 }
 
-static bw_status elastic_project(bw_context *context, void *data, int64_t count, double *x) {
-  (void)context;
-  const bw_dof_map *dof_map = ((elastic *)data)->system->dof_map;
-  for (int64_t k = 0; k < count; k++) {
-    double *field = x + k * 3 * (int64_t)dof_map->mesh->node_count;
-    bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, field);
-    if (dof_map->rigid_mode_count > 0)
-      bw_rigid_modes_remove(dof_map, field);
-  }
+typedef struct unknowns {
+  const bw_dof_map *dof_map;
+  double *x;
+} unknowns;
+
+static bw_status keep_unknowns(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const unknowns *u = data;
+  int64_t size = 3 * (int64_t)u->dof_map->mesh->node_count;
+  for (int64_t k = begin; k < end; k++)
+    bwi_keep_states(u->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, u->x + k * size);
   return BW_OK;
+}
+
+static bw_status elastic_project(bw_context *context, void *data, int64_t count, double *x) {
+  unknowns u = {((elastic *)data)->system->dof_map, x};
+  bw_status status = bw_parallel(context, count, 1, keep_unknowns, &u);
+  return status == BW_OK ? bwi_steady_fields(context, u.dof_map, count, x) : status;
 }
 
 static bw_status elastic_below(bw_context *context, void *data, double sigma, int64_t *count,

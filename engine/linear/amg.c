@@ -74,18 +74,14 @@ static size_t amg_bytes(const void *object) {
 
 static const bw_kind amg_kind = {"algebraic multigrid", amg_destroy, amg_bytes};
 
-/* What solutions need beside the cycle. */
-static bw_status prepare_solutions(bw_context *context, bwi_amg *g) {
-  const bw_dof_map *dof_map = g->dof_map;
+static bw_status list_constrained(bw_context *context, bwi_amg *g) {
   g->constrained = BW_NEW(context, int32_t, g->smoother->count);
   if (!g->constrained)
     return BW_MEMORY;
   for (int32_t k = 0; k < g->smoother->count; k++)
-    if (memchr(dof_map->state + 3 * (int64_t)g->smoother->node[k], BW_DOF_PRESCRIBED, 3))
+    if (memchr(g->dof_map->state + 3 * (int64_t)g->smoother->node[k], BW_DOF_PRESCRIBED, 3))
       g->constrained[g->constrained_count++] = k;
-  return dof_map->rigid_mode_count == 0
-             ? BW_OK
-             : bwi_rigid_space_create(context, dof_map, g->smoother->row_of, &g->rigid);
+  return BW_OK;
 }
 
 bw_status bwi_amg_create(bw_context *context, const bwi_matrix *matrix, bool solves,
@@ -105,8 +101,9 @@ bw_status bwi_amg_create(bw_context *context, const bwi_matrix *matrix, bool sol
     goto done;
   }
   BW_TRY(bwi_amg_set_up(context, g, matrix));
-  if (solves)
-    BW_TRY(prepare_solutions(context, g));
+  BW_TRY(list_constrained(context, g));
+  if (solves && matrix->dof_map->rigid_mode_count > 0)
+    BW_TRY(bwi_rigid_space_create(context, matrix->dof_map, g->smoother->row_of, &g->rigid));
 done:
   if (status == BW_OK)
     *out = g;
@@ -395,6 +392,25 @@ typedef struct packing {
   double unit[SIDES]; /* each field times a power of two, so that floats hold it */
 } packing;
 
+/* The power of two that brings the largest number of a field between 1/2 and 1. */
+static bw_status find_units(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  packing *p = data;
+  int64_t size = 3 * (int64_t)p->g->smoother->count;
+  for (int64_t f = begin; f < end; f++) {
+    const double *r = p->r + f * size;
+    double max = 0;
+    int exponent = 0;
+    for (int64_t i = 0; i < size; i++) {
+      double number = fabs(r[i]);
+      max = number > max ? number : max;
+    }
+    frexp(max, &exponent);
+    p->unit[f] = ldexp(1, -exponent);
+  }
+  return BW_OK;
+}
+
 static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const packing *p = data;
@@ -402,12 +418,10 @@ static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
   int64_t size = 3 * (int64_t)s->count;
   for (int64_t k = begin; k < end; k++)
     for (int f = 0; f < p->width; f++) {
-      double x[3] = {0, 0, 0};
-      for (int d = 0; d < 3 && f < p->used; d++)
-        x[d] = p->unit[f] * p->r[f * size + 3 * (int64_t)s->node[k] + d];
-      bwi_project_unknowns(p->g->dof_map, s->node[k], x, x);
+      float *b = p->g->level[0].b + 3 * k * p->width + f;
+      const double *r = p->r + f * size + 3 * (int64_t)s->node[k];
       for (int d = 0; d < 3; d++)
-        p->g->level[0].b[(3 * k + d) * p->width + f] = (float)x[d];
+        b[d * p->width] = f < p->used ? (float)(p->unit[f] * r[d]) : 0;
     }
   return BW_OK;
 }
@@ -419,30 +433,36 @@ static bw_status unpack(void *data, int64_t begin, int64_t end, int worker) {
   int64_t size = 3 * (int64_t)s->count;
   for (int64_t k = begin; k < end; k++)
     for (int f = 0; f < p->used; f++) {
-      double x[3];
+      const float *x = p->g->level[0].x + 3 * k * p->width + f;
+      double *z = p->z + f * size + 3 * (int64_t)s->node[k];
       for (int d = 0; d < 3; d++)
-        x[d] = (double)p->g->level[0].x[(3 * k + d) * p->width + f] * (s->unit / p->unit[f]);
-      bwi_project_unknowns(p->g->dof_map, s->node[k], x, x);
-      memcpy(p->z + f * size + 3 * (int64_t)s->node[k], x, sizeof x);
+        z[d] = (double)x[d * p->width] * (s->unit / p->unit[f]);
     }
   return BW_OK;
+}
+
+/* Packed fields of floats at the unknowns alone. */
+static void keep_unknowns(const bwi_amg *g, int width, float *field) {
+  for (int32_t h = 0; h < g->constrained_count; h++) {
+    float *x = field + 3 * (int64_t)width * g->constrained[h];
+    for (int f = 0; f < width; f++) {
+      double value[3] = {x[f], x[width + f], x[2 * width + f]};
+      bwi_project_unknowns(g->dof_map, g->smoother->node[g->constrained[h]], value, value);
+      for (int d = 0; d < 3; d++)
+        x[d * width + f] = (float)value[d];
+    }
+  }
 }
 
 static bw_status apply_some(bw_context *context, bwi_amg *g, int width, int used, const double *r,
                             double *z) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)g->smoother->count;
   packing p = {.g = g, .width = width, .used = used, .r = r, .z = z};
-  for (int f = 0; f < used; f++) {
-    double max = 0;
-    int exponent = 0;
-    for (int64_t i = 0; i < size; i++)
-      max = fmax(max, fabs(r[f * size + i]));
-    frexp(max, &exponent);
-    p.unit[f] = ldexp(1, -exponent);
-  }
+  BW_TRY(bw_parallel(context, used, 1, find_units, &p));
   BW_TRY(bw_parallel(context, g->smoother->count, ROWS, pack, &p));
+  keep_unknowns(g, width, g->level[0].b);
   BW_TRY(bwi_amg_cycle(context, g, width));
+  keep_unknowns(g, width, g->level[0].x);
   BW_TRY(bw_parallel(context, g->smoother->count, ROWS, unpack, &p));
 done:
   return status;

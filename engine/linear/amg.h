@@ -54,9 +54,8 @@ typedef struct bwi_amg {
   int null_count;          /* rigid-body modes that supports leave free */
   double *null;            /* null_count x size: on the coarsest level, orthonormal */
   int width;               /* there is room for */
-  /* Of those that solve: */
-  bwi_rigid_space *rigid; /* of the rows; NULL where the supports leave no mode free */
   int32_t constrained_count, *constrained; /* rows with a prescribed component */
+  bwi_rigid_space *rigid; /* of those that solve: of the rows; NULL where no mode is free */
 } bwi_amg;
 
 /* Of a matrix without mass; `solves`: for bwi_amg_solve, with numbers for products. BW_SINGULAR

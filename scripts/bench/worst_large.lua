@@ -32,7 +32,11 @@ local count, size = {}, {}
 for i, side in ipairs(sides) do count[i], size[i] = math.floor(side[1] * tonumber(cells)), side[2] end
 local mesh = assert(bw.mesh.box {max = size, cells = count, order = opts.order})
 local part = bw.model {mesh = mesh, material = bw.material.pla}
-local solver = opts.solver ~= "auto" and bw.solver[opts.solver]() or nil
+local solvers = {
+  pcg = bw.solver.pcg(opts.order == 1 and {preconditioner = bw.solver.amg()} or nil),
+  cholesky = bw.solver.cholesky(),
+}
+local solver = solvers[opts.solver]
 local seconds, spent = bw.seconds(), processor()
 local worst = assert(bw.worst_case(part, {method = opts.method, solver = solver}))
 seconds, spent = bw.seconds() - seconds, processor() - spent

@@ -344,9 +344,9 @@ typedef struct bw_worst_case_visit {
   double seconds;     /* the region's share of its batch */
 } bw_worst_case_visit;
 /* Regions -> right-hand sides -> solves -> linear programs -> solves -> stresses, in batches of
- * `batch` (0: 16) with progress "worst loads". `visit` is called in region order; a status other
- * than BW_OK ends the run. *report, which may be NULL: of the linear programs. Those of
- * bw_worst_loads. */
+ * `batch` (0: 16 by a factor, 24 by iterations) with progress "worst loads". `visit` is called in
+ * region order; a status other than BW_OK ends the run. *report, which may be NULL: of the linear
+ * programs. Those of bw_worst_loads. */
 BW_API bw_status bw_worst_case_run(bw_context *context, bw_system *system,
                                    const bw_pressure_basis *basis, const bw_weak_regions *regions,
                                    const bw_worst_load_options *options, int batch,
