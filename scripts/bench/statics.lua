@@ -9,7 +9,8 @@ local opts = script.read {
   summary = "static solutions by two-level conjugate gradients beside the factors",
   about = "Prints a Markdown table; each row is a process of its own that solves once.\n\n"
     .. "A BODY is SHAPE:CELLS or SHAPE:CELLS:SOLVER, of cubes of six tet10 each: block (N x N x N cells), bar "
-    .. "(8N x N x N) or plate (16N x 16N x N). SOLVER is pcg, multifrontal or cholmod; without it, all.",
+    .. "(8N x N x N) or plate (16N x 16N x N). SOLVER is pcg, multifrontal or cholmod; without it, all. With amg "
+    .. "elements are tet4.",
   arguments = {{name = "body", many = true, optional = true,
     what = "what to solve (default block:12 block:19 block:26 block:37:pcg)"}},
   options = {{name = "here", type = "flag",
@@ -18,6 +19,7 @@ local opts = script.read {
 
 local solvers = {
   pcg = function() return bw.solver.pcg() end,
+  amg = function() return bw.solver.pcg {preconditioner = bw.solver.amg()} end,
   multifrontal = function() return bw.solver.cholesky {backend = "multifrontal"} end,
   cholmod = function() return bw.solver.cholesky {backend = "cholmod"} end,
 }
@@ -33,7 +35,8 @@ end
 local function measure(body, cells, with)
   local n, size = {}, {}
   for i, k in ipairs(shapes[body]) do n[i], size[i] = k * cells, k end
-  local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = size, cells = n, order = 2})
+  local order = with == "amg" and 1 or 2
+  local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = size, cells = n, order = order})
   local part = bw.model {mesh = mesh, material = bw.material.steel}
   part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, size[1]), force = {1e3, 0, -1e3}}
   local function peak()
@@ -44,15 +47,15 @@ local function measure(body, cells, with)
   seconds, spent = bw.seconds() - seconds, processor() - spent
   local report = static.report
   local tip = static.displacement:column(3):min()
-  print(("| %s %d, %d tet10 | %d | %s | %.1f | %.1f | %s | %.2f | %.2f | %.1e | %.12g |"):format(body, cells,
-    mesh.element_count, mesh.node_count * 3, with, seconds, spent,
+  print(("| %s %d, %d tet%d | %d | %s | %.1f | %.1f | %s | %.2f | %.2f | %.1e | %.12g |"):format(body, cells,
+    mesh.element_count, order == 1 and 4 or 10, mesh.node_count * 3, with, seconds, spent,
     report.iterations or "", peak() / 1e9, report.bytes / 1e9, static.residual, tip))
 end
 
 local function parts_of(text)
   local body, cells, solver = text:match "^(%a+):(%d+):?(%a*)$"
   if not shapes[body] or (solver ~= "" and not solvers[solver]) then
-    script.refuse(("BODY: block:N, bar:N or plate:N, with :pcg, :multifrontal or :cholmod behind it or not, "
+    script.refuse(("BODY: block:N, bar:N or plate:N, with :pcg, :amg, :multifrontal or :cholmod behind it or not, "
       .. "expected, got '%s'"):format(text))
   end
   return body, tonumber(cells), solver
@@ -72,9 +75,7 @@ print("| body | unknowns | solved | seconds | processor seconds | iterations | p
 print "|---|---|---|---|---|---|---|---|---|---|"
 for _, text in ipairs(#opts.body > 0 and opts.body or {"block:12", "block:19", "block:26", "block:37:pcg"}) do
   local body, cells, only = parts_of(text)
-  for _, with in ipairs {"pcg", "multifrontal", "cholmod"} do
-    if only == "" or with == only then
-      os.execute(("BARWRIGHT_QUIET=1 %s %s --here %s:%d:%s"):format(program, arg[0], body, cells, with))
-    end
+  for _, with in ipairs(only ~= "" and {only} or {"pcg", "multifrontal", "cholmod"}) do
+    os.execute(("BARWRIGHT_QUIET=1 %s %s --here %s:%d:%s"):format(program, arg[0], body, cells, with))
   end
 end
