@@ -52,8 +52,8 @@ typedef struct bwi_two_level {
 /* Beside reading matrices: sums over fields, rows between chunks, one after the other
  * (measured). */
 #define BWI_TWO_LEVEL_PASS 2.0
-/* Of each further right-hand side beside one (measured: 8 cost 2.3 to 2.5, 12 cost 3.1 to 3.5). */
-#define BWI_TWO_LEVEL_SIDE 0.2
+/* Of each further right-hand side beside one (measured: 8 cost 2.8, 12 cost 4.1 to 4.3). */
+#define BWI_TWO_LEVEL_SIDE 0.28
 /* Of `count` right-hand sides over one, in blocks of as many as go side by side. */
 static inline double bwi_two_level_sides(int64_t count) {
   int64_t left = count % BWI_SMOOTHER_SIDES;
