@@ -1,8 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The two-level preconditioner: restriction and prolongation (two_level.h). */
-#include "linear/corner_rotations.h"
-
 #include <string.h>
+
+#include "linear/corner_rotations.h"
+#include "linear/stars.h"
 
 enum { ROWS = BWI_SMOOTHER_ROWS };
 
@@ -29,6 +30,7 @@ static void two_level_destroy(void *object) {
   bw_release(l->dof_map);
   bw_release(l->rigid);
   bw_release(l->rotations);
+  bw_release(l->stars);
   bw_free(l->child_start);
   bw_free(l->child);
   bw_free(l->parent);
@@ -41,7 +43,8 @@ static size_t two_level_bytes(const void *object) {
   size_t rows = (size_t)l->smoother->count, corners = (size_t)bwi_coarse_corners(l->coarse);
   size_t fields = (l->ku ? 5 : 4) * sizeof(double) + 3 * sizeof(float);
   return sizeof *l + bw_bytes(l->coarse) + bw_bytes(l->smoother) + bw_bytes(l->rigid) +
-         bw_bytes(l->rotations) + (corners + 1) * sizeof(int64_t) + 5 * rows * sizeof(int32_t) +
+         bw_bytes(l->rotations) + bw_bytes(l->stars) + (corners + 1) * sizeof(int64_t) +
+         5 * rows * sizeof(int32_t) +
          3 * (size_t)l->width * (rows * fields + corners * sizeof(double));
 }
 
@@ -135,7 +138,9 @@ static void keep_unknowns(const bwi_two_level *l, int width, float *field) {
 bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *l, int width, int used) {
   bw_status status = BW_OK;
   passage m = {l, width, used, bwi_coarse_corners(l->coarse), 1 / l->smoother->unit};
-  BW_TRY(bwi_smoother_forward(context, l->smoother, width, l->floats, l->z, l->residual));
+  BW_TRY(l->stars
+             ? bwi_stars_forward(context, l->stars, width, l->floats, l->z, l->residual)
+             : bwi_smoother_forward(context, l->smoother, width, l->floats, l->z, l->residual));
   keep_unknowns(l, width, l->residual);
   if (l->rotations)
     BW_TRY(bwi_corner_rotations_correct(context, l->rotations, l, width, used));
@@ -145,7 +150,9 @@ bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *l, int 
     BW_TRY(bw_parallel(context, l->smoother->count, ROWS, prolong, &m));
   }
   keep_unknowns(l, width, l->z);
-  BW_TRY(bwi_smoother_backward(context, l->smoother, width, l->floats, l->z, l->residual));
+  BW_TRY(l->stars
+             ? bwi_stars_backward(context, l->stars, width, l->floats, l->z)
+             : bwi_smoother_backward(context, l->smoother, width, l->floats, l->z, l->residual));
 done:
   return status;
 }
@@ -197,8 +204,10 @@ bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *l, const bw_m
   }
   bw_release(l->rigid);
   bw_release(l->rotations);
+  bw_release(l->stars);
   l->rigid = NULL;
   l->rotations = NULL;
+  l->stars = NULL;
   bwi_two_level_forget(l, model, stiffness);
   if (dof_map->rigid_mode_count > 0)
     BW_TRY(bwi_rigid_space_create(context, dof_map, l->smoother->row_of, &l->rigid));
@@ -208,6 +217,8 @@ bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *l, const bw_m
   if (*usable)
     BW_TRY(
         bwi_smoother_follow_elements(context, l->smoother, model->mesh, model->material, usable));
+  if (*usable)
+    BW_TRY(bwi_two_level_take_stars(context, l, model));
 done:
   return status;
 }
@@ -238,5 +249,6 @@ bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *l, int width
 
 double bwi_two_level_bytes(const bwi_two_level *l) {
   return bwi_smoother_bytes(l->smoother->pattern->block_count - l->smoother->count) +
+         (l->stars ? bwi_stars_read(l->stars) : 0) +
          (l->rotations ? bwi_corner_rotations_read(l->rotations) : bwi_coarse_bytes(l->coarse));
 }

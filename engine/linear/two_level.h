@@ -14,8 +14,9 @@
 #include "linear/rigid_space.h"
 #include "linear/smoother.h"
 
-/* corner_rotations.h */
+/* corner_rotations.h and stars.h */
 typedef struct bwi_corner_rotations bwi_corner_rotations;
+typedef struct bwi_stars bwi_stars;
 
 /* Times at which a solution is asked whether its iterations are slow. */
 enum { BWI_TWO_LEVEL_ASKED = 8 };
@@ -25,6 +26,7 @@ typedef struct bwi_two_level {
   bwi_coarse *coarse;
   bwi_corner_rotations *rotations; /* in place of it, for the shape followed; or NULL */
   bwi_smoother *smoother;
+  bwi_stars *stars; /* whose sweeps take the place of the smoother's, or NULL */
   /* By corner: the rows of its own node and of the mid-edge nodes next to it. */
   int64_t *child_start;
   int32_t *child;
@@ -35,7 +37,8 @@ typedef struct bwi_two_level {
   int32_t *constrained;
   /* What solutions learn (two_level_adapt.c). */
   const double *stiffness; /* of the shape followed: its user's, until the next one */
-  bool may_rotate, asked;  /* rotations may help; were asked for: they may have been singular */
+  double fewer; /* of iterations, those that are predicted with rotations; 0: these do not help */
+  bool asked;   /* for rotations, which may have been singular */
   double done[BWI_TWO_LEVEL_ASKED]; /* of a solution, in digits, when it was asked whether that is
                                        slow */
   double slow; /* iterations that one took before they were made, of this shape or another; 0 */
@@ -118,6 +121,10 @@ bw_status bwi_two_level_probe(bw_context *context, bwi_two_level *two_level, int
 
 /* What a shape that is followed says: before its first solution. */
 void bwi_two_level_forget(bwi_two_level *two_level, const bw_model *model, const double *stiffness);
+/* Stars (stars.h), and corners that rotate, where the body is so nearly incompressible that they
+ * are predicted to pay for one solution. */
+bw_status bwi_two_level_take_stars(bw_context *context, bwi_two_level *two_level,
+                                   const bw_model *model);
 /* Corners rotate (corner_rotations.h) where solutions of another shape were slow without, and that
  * is predicted to pay for `count` right-hand sides. */
 bw_status bwi_two_level_remember(bw_context *context, bwi_two_level *two_level, int64_t count);

@@ -10,22 +10,32 @@
 #include "barwright/job.h"
 #include "base/cost.h"
 #include "linear/corner_rotations.h"
+#include "linear/stars.h"
 
 /* Iterations between the times at which it is asked whether they are slow, by the rate since half
  * of them. Conjugate gradients lose the directions they have when M changes, so that it is not
  * asked late: rotations then cost more than they saved (docs/theory/preconditioners.md). */
 enum { ITERATIONS = 8 };
 /* Of the iterations that are left, those that are with rotations. Measured: 0.15 to 0.3, where the
- * smoother has blocks 0.4 to 0.7. */
+ * smoother has blocks 0.4 to 0.7; 0.05 to 0.24 where moduli differ a thousandfold. */
 #define FEWER 0.3
+#define FEWER_ALONG_FIBRES 0.2
+/* Bytes that a product reads for a block below the diagonal. */
+#define PRODUCT_BYTES 60
 /* Of what they save, what making them may cost. */
 #define MAKING_FRACTION 0.65
 /* Of what is free, the memory that they may take. */
 #define MEMORY_FRACTION 0.8
-/* Moduli of a material that differ by more than this. */
+/* Moduli of a material that differ by more than this, and of stiff fibres. */
 #define CONTRAST 10
-/* Poisson's ratio from which on linear elements are too stiff for another reason: they lock. */
-#define LOCKING 0.4
+#define FIBRES 500
+/* Bulk modulus over shear modulus from which on linear elements are too stiff for another reason:
+ * they lock. That of Poisson's ratio 0.4. */
+#define LOCKING_RATIO 4.67
+
+static double bulk_over_shear(const bw_material *material) {
+  return bw_material_bulk(material) / bw_material_mean_shear(material);
+}
 
 /* Rotations cure linear elements that do not bend, not those that lock. Where nodes are coupled
  * strongly in one direction, or moduli differ strongly, elements do not bend in any case. */
@@ -36,26 +46,50 @@ void bwi_two_level_forget(bwi_two_level *l, const bw_model *model, const double 
     least = fmin(least, fmin(m->young[k], m->shear[k]));
     most = fmax(most, fmax(m->young[k], m->shear[k]));
   }
-  l->may_rotate =
-      l->smoother->columns || most > CONTRAST * least || (m->isotropic && m->poisson[0] < LOCKING);
+  bool helps = l->smoother->columns || most > CONTRAST * least ||
+               (m->isotropic && bulk_over_shear(m) < LOCKING_RATIO);
+  l->fewer = !helps ? 0 : most > FIBRES * least ? FEWER_ALONG_FIBRES : FEWER;
   l->stiffness = stiffness;
   l->asked = false;
 }
 
+/* Seconds of the reference machine for so many bytes in an iteration: of sweeps node by node, and
+ * of what is read from one end to the other, factors and stars. */
+static double reading(double bytes) {
+  return BWI_TWO_LEVEL_PASS / BWI_COST_BYTES_PER_SECOND * bytes;
+}
+
+static double streaming(double bytes) {
+  return bytes / BWI_COST_BYTES_PER_SECOND;
+}
+
+static double count_blocks(const bwi_two_level *l) {
+  return (double)(l->smoother->pattern->block_count - l->smoother->count);
+}
+
+/* What one iteration takes node by node, without rotations. */
+static double one_iteration(const bwi_two_level *l) {
+  return reading(bwi_smoother_bytes((int64_t)count_blocks(l)) + bwi_coarse_pass_bytes(l->coarse));
+}
+
+/* Bytes of rotations, and the time to make them. */
+static double rotations_bytes(const bwi_two_level *l) {
+  return 4 * BWI_ROTATIONS_ENTRIES * bwi_coarse_entries(l->coarse);
+}
+
+static double rotations_making(const bwi_two_level *l) {
+  return BWI_ROTATIONS_FLOPS * bwi_coarse_flops(l->coarse) / bwi_cost_flops_per_second(32) +
+         BWI_ROTATIONS_PRODUCT * bwi_coarse_corners(l->coarse) / BWI_COST_BLOCKS_FLOPS_PER_SECOND +
+         4 * rotations_bytes(l) / BWI_COST_BYTES_PER_SECOND;
+}
+
 /* Whether rotations are predicted to save more than they cost, of `left` iterations. */
 static bool rotations_pay(const bwi_two_level *l, double left, int64_t count) {
-  const bw_block_pattern *pattern = l->smoother->pattern;
-  double bytes = 4 * BWI_ROTATIONS_ENTRIES * bwi_coarse_entries(l->coarse);
-  double coarse = bwi_coarse_pass_bytes(l->coarse);
-  double rate = BWI_TWO_LEVEL_PASS / BWI_COST_BYTES_PER_SECOND;
-  double one = rate * (bwi_smoother_bytes(pattern->block_count - pattern->node_count) + coarse);
-  double more = rate * (2 * bytes - coarse);
-  double make =
-      BWI_ROTATIONS_FLOPS * bwi_coarse_flops(l->coarse) / bwi_cost_flops_per_second(32) +
-      BWI_ROTATIONS_PRODUCT * bwi_coarse_corners(l->coarse) / BWI_COST_BLOCKS_FLOPS_PER_SECOND +
-      4 * bytes / BWI_COST_BYTES_PER_SECOND;
-  double saved = left * bwi_two_level_sides(count) * (one - FEWER * (one + more));
-  return make < MAKING_FRACTION * saved && bytes < MEMORY_FRACTION * bw_available_memory();
+  double bytes = rotations_bytes(l), one = one_iteration(l);
+  double more = streaming(2 * bytes) - reading(bwi_coarse_pass_bytes(l->coarse));
+  double saved = left * bwi_two_level_sides(count) * (one - l->fewer * (one + more));
+  return rotations_making(l) < MAKING_FRACTION * saved &&
+         bytes < MEMORY_FRACTION * bw_available_memory();
 }
 
 static bw_status rotate(bw_context *context, bwi_two_level *l) {
@@ -69,8 +103,42 @@ static bw_status rotate(bw_context *context, bwi_two_level *l) {
   return BW_OK;
 }
 
+/* The same of stars and rotations together. The number of iterations grows with the bulk modulus
+ * over the shear modulus, `ratio`: with its square root, except where elements have the mean of the
+ * volumetric strain and the smoother has their motions. Fitted to boxes and filled bodies
+ * (docs/theory/preconditioners.md). */
+static bool stars_pay(const bwi_two_level *l, const bw_material *material) {
+  double ratio = bulk_over_shear(material);
+  bool projected = bw_material_projected_bulk(material) > 0;
+  double by_nodes = 11 * sqrt(ratio),
+         by_stars = projected ? 5.5 * pow(ratio, 0.32) : 3.2 * sqrt(ratio);
+  double bytes = rotations_bytes(l), blocks = count_blocks(l);
+  double with = reading(PRODUCT_BYTES * blocks) + streaming(BWI_STARS_READ * blocks + 2 * bytes);
+  double make = rotations_making(l) + BWI_STARS_FLOPS * blocks / BWI_COST_BLOCKS_FLOPS_PER_SECOND;
+  return ratio > LOCKING_RATIO && make + by_stars * with < by_nodes * one_iteration(l) &&
+         BWI_STARS_BYTES * blocks + bytes < MEMORY_FRACTION * bw_available_memory();
+}
+
+bw_status bwi_two_level_take_stars(bw_context *context, bwi_two_level *l, const bw_model *model) {
+  bw_status status = BW_OK;
+  if (!stars_pay(l, model->material))
+    return BW_OK;
+  bw_progress(context, "vertex stars", 0);
+  status = bwi_stars_create(context, l, l->stiffness, &l->stars);
+  if (status == BW_OK && l->stars)
+    status = rotate(context, l);
+  if (status == BW_OK && l->rotations)
+    return BW_OK;
+  bw_release(l->stars);
+  l->stars = NULL;
+  if (status != BW_MEMORY)
+    return status;
+  bw_clear_failure(context); /* the iteration does without */
+  return BW_OK;
+}
+
 bw_status bwi_two_level_remember(bw_context *context, bwi_two_level *l, int64_t count) {
-  bool pay = l->slow > 0 && !l->asked && l->may_rotate && rotations_pay(l, l->slow, count);
+  bool pay = l->slow > 0 && !l->asked && l->fewer > 0 && rotations_pay(l, l->slow, count);
   return pay ? rotate(context, l) : BW_OK;
 }
 
@@ -78,7 +146,7 @@ bw_status bwi_two_level_adapt(bw_context *context, void *data, int iterations, d
   const bwi_two_level_watch *watch = data;
   bwi_two_level *l = watch->two_level;
   int k = iterations / ITERATIONS, half = k / 2;
-  if (l->asked || !l->may_rotate || iterations % ITERATIONS != 0 || k >= BWI_TWO_LEVEL_ASKED)
+  if (l->asked || l->fewer == 0 || iterations % ITERATIONS != 0 || k >= BWI_TWO_LEVEL_ASKED)
     return BW_OK;
   l->done[k] = done; /* done[0] is 0 */
   double left = ITERATIONS * (k - half) * (1 - done) / fmax(done - l->done[half], 1e-3);
@@ -89,7 +157,9 @@ bw_status bwi_two_level_adapt(bw_context *context, void *data, int iterations, d
 }
 
 void bwi_two_level_say(const bwi_two_level *l, bw_solver_report *report) {
-  static const char text[] = "; corners rotate in the coarse space, since iterations were slow";
+  static const char slow[] = "; corners rotate in the coarse space, since iterations were slow";
+  static const char stars[] = "; vertex stars, and corners rotate, since volume hardly changes";
+  const char *text = l->stars ? stars : slow;
   size_t length = strlen(report->reason);
   if (l->rotations && !strstr(report->reason, text))
     snprintf(report->reason + length, sizeof report->reason - length, "%s", text);

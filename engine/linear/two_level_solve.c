@@ -79,7 +79,7 @@ bw_status bwi_two_level_probe(bw_context *context, bwi_two_level *l, int64_t cou
   double *force = NULL;
   bw_random random;
   BW_TRY(bwi_two_level_remember(context, l, count));
-  if (l->asked || !l->may_rotate)
+  if (l->asked || l->fewer == 0)
     return BW_OK;
   force = BW_NEW(context, double, 2 * size);
   if (!force)
