@@ -8,9 +8,10 @@
 
 /* ---- how many -------------------------------------------------------------------------------- */
 
-/* Blocks of each of the rank's rows whose columns are its own, and those of others. */
-static bw_status count_blocks(bw_context *context, const bwd_local_mesh *local, int32_t *own,
-                              int32_t *other, int32_t *max) {
+/* Blocks of each of the rank's rows whose columns are its own, and those of others; with `upper`
+ * those of the upper triangle. `max` is of all. */
+static bw_status count_blocks(bw_context *context, const bwd_local_mesh *local, bool upper,
+                              int32_t *own, int32_t *other, int32_t *max) {
   bw_status status = BW_OK;
   const struct bwd_local_counts *n = &local->count;
   int width = n->nodes_per_element;
@@ -26,16 +27,18 @@ static bw_status count_blocks(bw_context *context, const bwd_local_mesh *local, 
   memset(seen, -1, (size_t)n->nodes * sizeof *seen);
   *max = 0;
   for (int32_t i = 0; i < n->owned; i++) {
-    own[i] = other[i] = 0;
+    int32_t all = own[i] = other[i] = 0;
     for (int64_t k = start[i]; k < start[i + 1]; k++) {
       const int32_t *node = local->element + (int64_t)around[k] * width;
       for (int a = 0; a < width; a++)
         if (seen[node[a]] != i) {
           seen[node[a]] = i;
-          (node[a] < n->owned ? own : other)[i]++;
+          all++;
+          if (!upper || local->row[node[a]] >= local->row[i])
+            (node[a] < n->owned ? own : other)[i]++;
         }
     }
-    *max = own[i] + other[i] > *max ? own[i] + other[i] : *max;
+    *max = all > *max ? all : *max;
   }
 done:
   bw_free(start);
@@ -44,7 +47,8 @@ done:
   return status;
 }
 
-/* In blocks of 3 x 3, or by entries with `width` of them for each block in a row. */
+/* The upper triangle in blocks of 3 x 3, or by entries with `width` of them for each block in a
+ * row. */
 static bw_status create_matrix(bw_context *context, int32_t rows, const int32_t *own,
                                const int32_t *other, bool blocked, int width, Mat *matrix) {
   bw_status status = BW_OK;
@@ -62,12 +66,12 @@ static bw_status create_matrix(bw_context *context, int32_t rows, const int32_t 
   BWD_TRY(MatCreate(PETSC_COMM_WORLD, matrix));
   BWD_TRY(MatSetSizes(*matrix, local, local, PETSC_DETERMINE, PETSC_DETERMINE));
   BWD_TRY(MatSetBlockSize(*matrix, 3));
-  BWD_TRY(MatSetType(*matrix, blocked ? MATBAIJ : MATAIJ));
+  BWD_TRY(MatSetType(*matrix, blocked ? MATSBAIJ : MATAIJ));
   /* Each of these does nothing to a matrix of another type. */
   BWD_TRY(MatSeqAIJSetPreallocation(*matrix, 0, diagonal));
   BWD_TRY(MatMPIAIJSetPreallocation(*matrix, 0, diagonal, 0, off));
-  BWD_TRY(MatSeqBAIJSetPreallocation(*matrix, 3, 0, diagonal));
-  BWD_TRY(MatMPIBAIJSetPreallocation(*matrix, 3, 0, diagonal, 0, off));
+  BWD_TRY(MatSeqSBAIJSetPreallocation(*matrix, 3, 0, diagonal));
+  BWD_TRY(MatMPISBAIJSetPreallocation(*matrix, 3, 0, diagonal, 0, off));
   BWD_TRY(MatSetOption(*matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
   BWD_TRY(MatSetOption(*matrix, MAT_SYMMETRIC, PETSC_TRUE));
 done:
@@ -87,7 +91,7 @@ bw_status bwd_matrices_create(bw_context *context, const bwd_local_mesh *local, 
   if (!own || !other)
     status = BW_MEMORY;
   else
-    status = count_blocks(context, local, own, other, max);
+    status = count_blocks(context, local, blocked, own, other, max);
   for (int32_t i = 0; status == BW_OK && i < rows; i++)
     entries += 9 * ((int64_t)own[i] + other[i]);
   double available = bw_available_memory();
@@ -181,6 +185,7 @@ typedef struct insertion {
   neighbour *list;  /* max */
   PetscInt *column; /* max */
   double *value;    /* 9 x max */
+  bool upper;       /* K has the upper triangle alone */
   int32_t rows;     /* done */
 } insertion;
 
@@ -232,19 +237,28 @@ static bw_status insert(bw_context *context, void *data, const bwd_piece *piece)
   insertion *in = data;
   const bwd_local_mesh *local = piece->local;
   for (int32_t i = 0; i < piece->rows; i++) {
-    int32_t node = piece->first + i, count = row_neighbours(piece, i, in->list);
+    int32_t node = piece->first + i, count = row_neighbours(piece, i, in->list), kept = 0, k = 0;
     PetscInt row = local->row[node];
     for (int32_t n = 0; n < count; n++) {
-      double block[9];
       in->column[n] = local->row[in->list[n].node];
+      kept += !in->upper || in->column[n] >= row;
+    }
+    if (piece->mass) {
+      BW_TRY(insert_mass(context, in, piece, node, count));
+      for (int32_t n = 0; n < count; n++)
+        in->column[n] = local->row[in->list[n].node];
+    }
+    for (int32_t n = 0; n < count; n++) {
+      double block[9];
+      if (in->upper && in->column[n] < row)
+        continue;
       stiffness_block(piece, node, &in->list[n], block);
       for (int r = 0; r < 3; r++)
-        memcpy(in->value + (int64_t)r * 3 * count + 3 * n, block + 3 * r, 3 * sizeof *block);
+        memcpy(in->value + (int64_t)r * 3 * kept + 3 * k, block + 3 * r, 3 * sizeof *block);
+      in->column[k++] = in->column[n];
     }
     BWD_TRY(
-        MatSetValuesBlocked(in->stiffness, 1, &row, count, in->column, in->value, INSERT_VALUES));
-    if (piece->mass)
-      BW_TRY(insert_mass(context, in, piece, node, count));
+        MatSetValuesBlocked(in->stiffness, 1, &row, kept, in->column, in->value, INSERT_VALUES));
   }
   in->rows += piece->rows;
   if (bw_world_rank() == 0)
@@ -255,18 +269,19 @@ done:
 
 bw_status bwd_assemble(bw_context *context, const bwd_local_mesh *local, int mass_width,
                        int32_t max, Mat stiffness, Mat mass) {
-  bw_status status = BW_MEMORY;
+  bw_status status = BW_OK;
   insertion in = {.stiffness = stiffness,
                   .mass = mass,
                   .mass_width = mass_width,
                   .list = BW_NEW(context, neighbour, max),
                   .column = BW_NEW(context, PetscInt, max),
                   .value = BW_NEW(context, double, 9 * (int64_t)max)};
-  if (in.list && in.column && in.value)
-    status = bwd_for_pieces(context, local, mass_width > 0, insert, &in);
-  bw_free(in.list);
-  bw_free(in.column);
-  bw_free(in.value);
+  PetscBool upper;
+  BWD_TRY(PetscObjectTypeCompareAny((PetscObject)stiffness, &upper, MATSEQSBAIJ, MATMPISBAIJ, ""));
+  in.upper = upper;
+  status = in.list && in.column && in.value
+               ? bwd_for_pieces(context, local, mass_width > 0, insert, &in)
+               : BW_MEMORY;
   BW_TRY(bwd_agree(context, status));
   BWD_TRY(MatAssemblyBegin(stiffness, MAT_FINAL_ASSEMBLY));
   BWD_TRY(MatAssemblyEnd(stiffness, MAT_FINAL_ASSEMBLY));
@@ -275,5 +290,8 @@ bw_status bwd_assemble(bw_context *context, const bwd_local_mesh *local, int mas
     BWD_TRY(MatAssemblyEnd(mass, MAT_FINAL_ASSEMBLY));
   }
 done:
+  bw_free(in.list);
+  bw_free(in.column);
+  bw_free(in.value);
   return status;
 }

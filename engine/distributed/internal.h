@@ -160,8 +160,8 @@ typedef struct bwd_system {
 bw_status bwd_distribute(bw_context *context, bwd_system *system);
 
 /* assemble.c: K, and M unless mass_width (as in bwd_system) is 0, without entries; `max` is the
- * largest number of blocks in a row. `blocked`: K with one index for each block, which takes 76
- * bytes for 108, and which neither GAMG nor MUMPS accepts. BW_LIMIT for more entries than PETSc
+ * largest number of blocks in a row. `blocked`: the upper triangle of K with one index for each
+ * block, 76 bytes for a pair of blocks where entries take 216, which GAMG does not accept. BW_LIMIT for more entries than PETSc
  * counts, BW_MEMORY where they do not fit. */
 bw_status bwd_matrices_create(bw_context *context, const bwd_local_mesh *local, bool blocked,
                               int mass_width, Mat *stiffness, Mat *mass, int32_t *max);

@@ -258,7 +258,7 @@ bw_status bwd_coarse_create(bw_context *context, bwd_system *system) {
   BWD_TRY(KSPSetType(smoother, KSPCHEBYSHEV));
   BWD_TRY(KSPSetTolerances(smoother, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, 2));
   BWD_TRY(KSPGetPC(smoother, &point));
-  BWD_TRY(PCSetType(point, PCPBJACOBI));
+  BWD_TRY(PCSetType(point, PCJACOBI));
 done:
   bwd_linear_elements_clear(&linear);
   system->seconds_setup += bw_seconds() - begin;

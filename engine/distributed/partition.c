@@ -12,6 +12,12 @@
 
 enum { RECURSIVE_RANKS = 8 };
 
+/* Rank 0 has the mesh and the fields of the whole body too, and so a tenth less of the rest. */
+static double part_of(int rank, int ranks) {
+  double first = ranks > 1 ? 0.9 / ranks : 1;
+  return rank == 0 ? first : (1 - first) / (ranks - 1);
+}
+
 void bwd_partition_clear(bwd_partition *partition) {
   bw_free(partition->rank_of_element);
   bw_free(partition->owner);
@@ -25,6 +31,7 @@ static bw_status cut(bw_context *context, const bw_mesh *mesh, int ranks, idx_t 
   bw_status status = BW_OK;
   idx_t elements = mesh->element_count, one = 1, parts = ranks, cut_faces = 0, next = 0;
   idx_t *start = NULL, *neighbour = NULL;
+  real_t *target = NULL;
   if (4 * (int64_t)elements > INT32_MAX)
     return bw_fail(context, BW_LIMIT,
                    "%d elements: the partitioning into ranks takes at most %d, since it counts "
@@ -32,7 +39,8 @@ static bw_status cut(bw_context *context, const bw_mesh *mesh, int ranks, idx_t 
                    mesh->element_count, INT32_MAX / 4);
   start = BW_NEW(context, idx_t, (int64_t)elements + 1);
   neighbour = BW_NEW(context, idx_t, 4 * (int64_t)elements);
-  if (!start || !neighbour) {
+  target = BW_NEW(context, real_t, ranks);
+  if (!start || !neighbour || !target) {
     status = BW_MEMORY;
     goto done;
   }
@@ -43,6 +51,8 @@ static bw_status cut(bw_context *context, const bw_mesh *mesh, int ranks, idx_t 
         neighbour[next++] = mesh->neighbour[4 * (int64_t)e + k];
   }
   start[elements] = next;
+  for (int r = 0; r < ranks; r++)
+    target[r] = (real_t)part_of(r, ranks);
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_NUMBERING] = 0;
@@ -50,9 +60,9 @@ static bw_status cut(bw_context *context, const bw_mesh *mesh, int ranks, idx_t 
   /* Recursive bisection balances best for a few parts, by the manual of METIS. */
   int code = ranks <= RECURSIVE_RANKS
                  ? METIS_PartGraphRecursive(&elements, &one, start, neighbour, NULL, NULL, NULL,
-                                            &parts, NULL, NULL, options, &cut_faces, rank_of)
+                                            &parts, target, NULL, options, &cut_faces, rank_of)
                  : METIS_PartGraphKway(&elements, &one, start, neighbour, NULL, NULL, NULL, &parts,
-                                       NULL, NULL, options, &cut_faces, rank_of);
+                                       target, NULL, options, &cut_faces, rank_of);
   if (code != METIS_OK)
     status = bw_fail(context, code == METIS_ERROR_MEMORY ? BW_MEMORY : BW_INTERNAL,
                      "METIS failed to distribute %d elements among %d ranks", mesh->element_count,
@@ -60,13 +70,14 @@ static bw_status cut(bw_context *context, const bw_mesh *mesh, int ranks, idx_t 
 done:
   bw_free(start);
   bw_free(neighbour);
+  bw_free(target);
   return status;
 }
 
 /* ---- nodes to ranks -------------------------------------------------------------------------- */
 
-/* A node between ranks goes to the one of the two with fewer nodes so far. Of more than two ranks
- * the lowest and the highest are candidates. */
+/* A node between ranks goes to the one of the two that lacks more nodes so far. Of more than two
+ * ranks the lowest and the highest are candidates. */
 static bw_status share_nodes(bw_context *context, const bw_mesh *mesh, int ranks,
                              bwd_partition *partition) {
   bw_status status = BW_OK;
@@ -94,7 +105,10 @@ static bw_status share_nodes(bw_context *context, const bw_mesh *mesh, int ranks
       count[low[i]]++;
   for (int32_t i = 0; i < mesh->node_count; i++)
     if (low[i] != high[i]) {
-      partition->owner[i] = count[low[i]] <= count[high[i]] ? low[i] : high[i];
+      partition->owner[i] =
+          count[low[i]] * part_of(high[i], ranks) <= count[high[i]] * part_of(low[i], ranks)
+              ? low[i]
+              : high[i];
       count[partition->owner[i]]++;
     }
   partition->start[0] = 0;
