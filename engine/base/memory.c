@@ -1,10 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Allocation: overflow-checked, counted, and made to fail on request for tests. The counters are
  * process-wide, so that a test can compare them around any piece of work. */
-#include "barwright/base.h"
+#include "base/pages.h"
 
+#include <fcntl.h>
+#include <glob.h>
 #include <stdlib.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 static int64_t live_blocks;
 static int64_t allocations;
@@ -65,14 +68,48 @@ static void *advised(void *block, size_t bytes) {
   return block;
 }
 
-void *bw_alloc(bw_context *context, size_t count, size_t size) {
+static void *allocate(bw_context *context, size_t count, size_t size, bool large_pages) {
   if (too_big(count, size) || refuse())
     return no_memory(context, count, size);
-  void *block = advised(malloc(at_least_one(count * size)), count * size);
+  void *block = malloc(at_least_one(count * size));
   if (!block)
     return no_memory(context, count, size);
   __atomic_add_fetch(&live_blocks, 1, __ATOMIC_RELAXED);
-  return block;
+  return large_pages ? advised(block, count * size) : block;
+}
+
+void *bw_alloc(bw_context *context, size_t count, size_t size) {
+  return allocate(context, count, size, true);
+}
+
+/* Whether this is a virtual machine whose host takes free large pages back: a balloon of virtio
+ * with the feature of number 5, VIRTIO_BALLOON_F_REPORTING. */
+static bool look_for_reporting(void) {
+  enum { REPORTING = 5 };
+  char feature[REPORTING + 1];
+  glob_t found;
+  bool reporting = false;
+  if (glob("/sys/bus/virtio/drivers/virtio_balloon/virtio*/features", 0, NULL, &found) != 0)
+    return false;
+  for (size_t i = 0; i < found.gl_pathc; i++) {
+    int file = open(found.gl_pathv[i], O_RDONLY | O_CLOEXEC);
+    reporting |= file >= 0 && read(file, feature, sizeof feature) == (ssize_t)sizeof feature &&
+                 feature[REPORTING] == '1';
+    if (file >= 0)
+      close(file);
+  }
+  globfree(&found);
+  return reporting;
+}
+
+void *bwi_alloc_once(bw_context *context, size_t count, size_t size) {
+  static int reporting = -1; /* not looked for yet; atomic */
+  int known = __atomic_load_n(&reporting, __ATOMIC_RELAXED);
+  if (known < 0) {
+    known = look_for_reporting();
+    __atomic_store_n(&reporting, known, __ATOMIC_RELAXED);
+  }
+  return allocate(context, count, size, !known);
 }
 
 void *bw_calloc(bw_context *context, size_t count, size_t size) {

@@ -16,6 +16,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/pages.h"
 #include "linear/blas.h"
 #include "linear/cholmod.h"
 #include "linear/internal.h"
@@ -166,7 +167,7 @@ static bw_status reserve(const factorisation *f, int64_t wanted, void **block, i
     return BW_OK;
   bw_free(*block);
   *size = 0;
-  *block = bw_alloc(f->context, (size_t)wanted, f->kernels->size);
+  *block = (f->kept ? bw_alloc : bwi_alloc_once)(f->context, (size_t)wanted, f->kernels->size);
   if (!*block)
     return BW_MEMORY;
   *size = wanted;
@@ -466,8 +467,8 @@ static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_m
     factor->broken = false;
     goto done;
   }
-  factor->value =
-      bw_alloc(context, (size_t)symbolic->panel[symbolic->order->super_count], kernels->size);
+  factor->value = (reach ? bw_alloc : bwi_alloc_once)(
+      context, (size_t)symbolic->panel[symbolic->order->super_count], kernels->size);
   if (!factor->value) {
     status = BW_MEMORY;
     goto done;

@@ -12,14 +12,19 @@
  * once, in products large enough for the BLAS to run at full speed; within a block, panels of WIDTH
  * columns take the columns of the block before them. Rows, and the update matrix, are cut into
  * tiles whose borders depend on the sizes only; strips of rows are fine enough that a front of a
- * thousand rows occupies several threads. No pivoting: the caller checks `weak`. */
+ * thousand rows occupies several threads. Where many columns lie before a block the strips are
+ * taller, since the BLAS copies the rows of the block anew for each strip. No pivoting: the caller
+ * checks `weak`. */
+#ifdef __FMA__
+#include <immintrin.h>
+#endif
 #include <math.h>
 #include <string.h>
 
 #include "linear/blas.h"
 #include "linear/internal.h"
 
-enum { WIDTH = 128, STRIP = 256, TILE = BWI_TILE };
+enum { WIDTH = 128, STRIP = 256, TALL = 1024, STRIPS = 4, TILE = BWI_TILE };
 
 /* A pivot below this fraction of its diagonal entry's size has no digits left. */
 static const double weak_fraction = sizeof(real) == sizeof(double) ? 1e-13 : 1e-7;
@@ -88,6 +93,85 @@ static bw_status keep_minus(bw_context *context, elimination *work) {
 static real *minus_row(const elimination *work, int row, int column) {
   return work->minus + (size_t)work->front->rows * (size_t)column + row;
 }
+
+/* ---- rows divided by a triangle -------------------------------------------------------------- */
+
+/* A strip of three vectors of rows and ACROSS columns is kept in registers. */
+#if defined __AVX512F__ && defined __FMA__
+enum { LANES = 64 / sizeof(real), ACROSS = 8 };
+#define subtract_product FUSED_512
+#elif defined __FMA__
+enum { LANES = 32 / sizeof(real), ACROSS = 4 };
+#define subtract_product FUSED_256
+#else
+enum { LANES = 16 / sizeof(real), ACROSS = 4 };
+#define subtract_product(a, b, c) ((c) - (a) * (b))
+#endif
+enum { VECTORS = 3, DOWN = VECTORS * LANES };
+typedef real lanes __attribute__((vector_size(LANES * sizeof(real)), aligned(sizeof(real))));
+
+static inline lanes *lanes_at(real *x, size_t ldx, int column, int vector) {
+  return (lanes *)(x + (size_t)column * ldx + (size_t)(vector * LANES));
+}
+
+/* Columns j to j + W - 1 of DOWN rows: x = (x - what columns before j contribute) / l. */
+static inline __attribute__((always_inline)) void divide_columns(const int W, int j, const real *l,
+                                                                 size_t ld, const real *inverse,
+                                                                 real *x, size_t ldx) {
+  lanes sum[ACROSS][VECTORS];
+  for (int q = 0; q < W; q++)
+    for (int v = 0; v < VECTORS; v++)
+      sum[q][v] = *lanes_at(x, ldx, j + q, v);
+  for (int k = 0; k < j; k++)
+    for (int q = 0; q < W; q++) {
+      lanes weight = l[(size_t)k * ld + (size_t)(j + q)] - (lanes){0};
+      for (int v = 0; v < VECTORS; v++)
+        sum[q][v] = subtract_product(*lanes_at(x, ldx, k, v), weight, sum[q][v]);
+    }
+#pragma GCC unroll 8
+  for (int q = 0; q < W; q++) {
+#pragma GCC unroll 8
+    for (int k = 0; k < q; k++) {
+      lanes weight = l[(size_t)(j + k) * ld + (size_t)(j + q)] - (lanes){0};
+      for (int v = 0; v < VECTORS; v++)
+        sum[q][v] = subtract_product(sum[k][v], weight, sum[q][v]);
+    }
+    for (int v = 0; v < VECTORS; v++)
+      *lanes_at(x, ldx, j + q, v) = sum[q][v] *= inverse[j + q];
+  }
+}
+
+static void divide_strip(int width, const real *l, size_t ld, const real *inverse, real *x,
+                         size_t ldx) {
+  int j = 0;
+  for (; j + ACROSS <= width; j += ACROSS)
+    divide_columns(ACROSS, j, l, ld, inverse, x, ldx);
+  for (; j < width; j++)
+    divide_columns(1, j, l, ld, inverse, x, ldx);
+}
+
+/* x = x l^-T for many rows and the lower triangle l of up to WIDTH columns. TRSM of the BLAS takes
+ * up to twice as long where both are in cache. */
+static void divide_rows(int rows, int width, const real *l, int ld, real *x) {
+  real inverse[WIDTH], last[WIDTH * DOWN];
+  size_t step = (size_t)ld;
+  for (int j = 0; j < width; j++)
+    inverse[j] = 1 / l[(size_t)j * (step + 1)];
+  int row = 0;
+  for (; row + DOWN <= rows; row += DOWN)
+    divide_strip(width, l, step, inverse, x + row, step);
+  size_t left = (size_t)(rows - row) * sizeof(real);
+  if (left == 0)
+    return;
+  memset(last, 0, (size_t)width * DOWN * sizeof(real));
+  for (int j = 0; j < width; j++)
+    memcpy(last + j * DOWN, x + row + (size_t)j * step, left);
+  divide_strip(width, l, step, inverse, last, DOWN);
+  for (int j = 0; j < width; j++)
+    memcpy(x + row + (size_t)j * step, last + j * DOWN, left);
+}
+
+/* ---- elimination ----------------------------------------------------------------------------- */
 
 /* Rows of the block at work: subtract what all columns before the block contribute. */
 static bw_status block_rows(void *data, int64_t low, int64_t high, int worker) {
@@ -166,7 +250,7 @@ static bw_status panel_rows(void *data, int64_t low, int64_t high, int worker) {
   if (minus > 0)
     GEMM("N", "T", &rows, &width, &minus, &two, minus_row(work, first, work->block_minus), &ld,
          minus_row(work, begin, work->block_minus), &ld, &one, target, &ld);
-  TRSM("R", "L", "T", "N", &rows, &width, &one, entry(front, begin, begin), &ld, target, &ld);
+  divide_rows(rows, width, entry(front, begin, begin), ld, target);
   for (int j = 0; j < width; j++)
     if (work->negative[j]) {
       real *column = entry(front, first, begin + j);
@@ -227,8 +311,11 @@ bw_status bwi_front_eliminate(bw_context *context, bwi_front *front) {
     work.block = block;
     work.block_end = front->pivots - block < TILE ? front->pivots : block + TILE;
     work.block_minus = work.minus_count;
-    if (block > 0)
-      BW_TRY(bw_parallel(context, front->rows - block, STRIP, block_rows, &work));
+    if (block > 0) {
+      int64_t rows = front->rows - block, strip = (rows + STRIPS - 1) / STRIPS;
+      strip = strip < STRIP ? STRIP : strip < TALL ? strip : TALL;
+      BW_TRY(bw_parallel(context, rows, strip, block_rows, &work));
+    }
     for (int begin = block; begin < work.block_end; begin += WIDTH) {
       work.begin = begin;
       work.end = work.block_end - begin < WIDTH ? work.block_end : begin + WIDTH;

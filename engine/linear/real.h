@@ -17,9 +17,10 @@ typedef float real;
 #define bwi_solve_fields_of bwi_solve_fields_of_single
 #define GEMM sgemm_
 #define SYRK ssyrk_
-#define TRSM strsm_
 #define POTRF spotrf_
 #define FUSED __builtin_fmaf
+#define FUSED_512 _mm512_fnmadd_ps
+#define FUSED_256 _mm256_fnmadd_ps
 
 #else
 
@@ -27,9 +28,10 @@ typedef double real;
 #define KERNELS bwi_kernels_double
 #define GEMM dgemm_
 #define SYRK dsyrk_
-#define TRSM dtrsm_
 #define POTRF dpotrf_
 #define FUSED __builtin_fma
+#define FUSED_512 _mm512_fnmadd_pd
+#define FUSED_256 _mm256_fnmadd_pd
 
 #endif
 

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The factorisation by itself, by each backend: against CHOLMOD on entries put together here,
- * inertia against dense eigenvalues and the same bits for any number of threads. */
+ * fronts against elimination column by column, inertia against dense eigenvalues and the same bits
+ * for any number of threads. */
 #include "bodies.h"
 
 #include <suitesparse/cholmod.h>
@@ -211,6 +212,68 @@ static void units_of_single_precision(void **state) {
   close_problem(&p);
 }
 
+static double number_of(const bwi_kernels *kernels, const void *block, int64_t at) {
+  return kernels->bits == 64 ? ((const double *)block)[at] : (double)((const float *)block)[at];
+}
+
+static void set_number(const bwi_kernels *kernels, void *block, int64_t at, double number) {
+  if (kernels->bits == 64)
+    ((double *)block)[at] = number;
+  else
+    ((float *)block)[at] = (float)number;
+}
+
+/* A front of random numbers eliminated column by column here, in doubles. */
+static void compare_front(bw_context *context, const bwi_kernels *kernels, int rows, int pivots) {
+  int outer = rows - pivots;
+  double *a = numbers((int64_t)rows * rows), *scale = numbers(rows);
+  void *panel = calloc((size_t)rows * (size_t)pivots, kernels->size);
+  void *update = calloc((size_t)bwi_update_size(outer) + 1, kernels->size);
+  random_field(rows + pivots, (int64_t)rows * rows, a);
+  for (int j = 0; j < rows; j++)
+    for (int i = j; i < rows; i++) {
+      double number = a[j * rows + i] / rows + (i == j ? 3 : 0);
+      bool inside = j < pivots;
+      set_number(kernels, inside ? panel : update,
+                 inside ? (int64_t)j * rows + i : bwi_update_column(outer, j - pivots) + i - pivots,
+                 number);
+      a[j * rows + i] = number;
+      scale[j] = a[j * rows + j];
+    }
+  for (int j = 0; j < pivots; j++) {
+    double root = sqrt(a[j * rows + j]);
+    for (int i = j; i < rows; i++)
+      a[j * rows + i] /= root;
+    for (int k = j + 1; k < rows; k++)
+      for (int i = k; i < rows; i++)
+        a[k * rows + i] -= a[j * rows + i] * a[j * rows + k];
+  }
+  bwi_front front = {
+      .rows = rows, .pivots = pivots, .panel = panel, .update = update, .scale = scale};
+  check_ok(context, kernels->eliminate(context, &front));
+  for (int j = 0; j < rows; j++)
+    for (int i = j; i < rows; i++)
+      check_near(j < pivots ? number_of(kernels, panel, (int64_t)j * rows + i)
+                            : number_of(kernels, update,
+                                        bwi_update_column(outer, j - pivots) + i - pivots),
+                 a[j * rows + i], kernels->bits == 64 ? 1e-13 : 1e-5);
+  free(a);
+  free(scale);
+  free(panel);
+  free(update);
+}
+
+/* Rows and pivots around the sizes of strips, of registers and of panels. */
+static void fronts_of_any_size(void **state) {
+  bw_context *context = check_context(state);
+  const int pivots[] = {1, 3, 7, 8, 9, 31, 64, 127, 129}, outer[] = {0, 1, 11, 24, 47, 49, 96, 261};
+  for (size_t i = 0; i < sizeof pivots / sizeof *pivots; i++)
+    for (size_t j = 0; j < sizeof outer / sizeof *outer; j++) {
+      compare_front(context, &bwi_kernels_double, pivots[i] + outer[j], pivots[i]);
+      compare_front(context, &bwi_kernels_single, pivots[i] + outer[j], pivots[i]);
+    }
+}
+
 /* Negative pivots of K - sigma M for sigma between any two eigenvalues: Sylvester. Shifts up to the
  * middle of the spectrum make many columns negative, in many fronts. */
 static void inertia(void **state) {
@@ -295,8 +358,8 @@ static void same_bits(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(against_cholmod),
-                                     check_test(units_of_single_precision), check_test(inertia),
-                                     check_test(same_bits)};
+  const struct CMUnitTest tests[] = {
+      check_test(against_cholmod), check_test(units_of_single_precision),
+      check_test(fronts_of_any_size), check_test(inertia), check_test(same_bits)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
