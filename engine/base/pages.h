@@ -6,8 +6,8 @@
 #include "barwright/base.h"
 
 /* As bw_alloc, for the factor of a matrix and what it is made from. Such a block is in large pages
- * too, unless the host of a virtual machine takes free large pages back: it gives and clears each
- * anew at the first touch, which takes four times as long as small pages that the machine still
+ * too, unless the host of a virtual machine takes free large pages back: it clears each
+ * again at the first touch, which takes four times as long as small pages that the machine still
  * has. */
 void *bwi_alloc_once(bw_context *context, size_t count, size_t size) BW_MUST_USE;
 

@@ -13,7 +13,7 @@
  * columns take the columns of the block before them. Rows, and the update matrix, are cut into
  * tiles whose borders depend on the sizes only; strips of rows are fine enough that a front of a
  * thousand rows occupies several threads. Where many columns lie before a block the strips are
- * taller, since the BLAS copies the rows of the block anew for each strip. No pivoting: the caller
+ * taller, since the BLAS copies the rows of the block for each strip. No pivoting: the caller
  * checks `weak`. */
 #ifdef __FMA__
 #include <immintrin.h>
