@@ -116,5 +116,9 @@ bw_status bwi_fail_inverted(bw_context *context, const bw_mesh *mesh, int64_t el
  * -1; NULL when all are straight (always for tet4). */
 bw_status bwi_find_curved(bw_context *context, const bw_mesh *mesh, int32_t **number,
                           int64_t *count);
+/* Whether the block of two nodes with no facet of the boundary in common is symmetric in itself:
+ * elements are straight, of one material, and displacements alone enter their energy. */
+bw_status bwi_blocks_even(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                          bool *even);
 
 #endif

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "assemble/gather.h"
+#include "assemble/internal.h"
 
 enum { LANES = 8, SIDES = BWI_SMOOTHER_SIDES, GROUPS = BWI_SMOOTHER_MAX_CHUNKS };
 
@@ -225,7 +226,7 @@ done:
 
 bw_status bwi_element_product_serves(bw_context *context, const bw_mesh *mesh,
                                      const bw_material *material, bool *serves) {
-  bw_status status = bwi_smoother_even(context, mesh, material, serves);
+  bw_status status = bwi_blocks_even(context, mesh, material, serves);
   *serves = *serves && mesh->order == 2;
   return status;
 }

@@ -109,12 +109,8 @@ static inline int bwi_smoother_width(int64_t count) {
          : count >= BWI_SMOOTHER_SIDES ? BWI_SMOOTHER_SIDES
                                        : (int)(count + 3) / 4 * 4;
 }
-/* Whether the block of two nodes with no facet of the boundary in common is symmetric in itself:
- * elements are straight, of one material, and displacements alone enter their energy. */
-bw_status bwi_smoother_even(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            bool *even);
 /* For matrices on the pattern of a mesh, none of whose nodes has 2^16 neighbours (BW_LIMIT).
- * `even`: bwi_smoother_even. `by_elements`: it is what bwi_element_product_serves, and
+ * `even`: bwi_blocks_even. `by_elements`: it is what bwi_element_product_serves, and
  * bwi_smoother_follow_elements comes before products. `stiffness`: nodes that it couples strongly
  * are swept together; NULL: each by itself. `mesh` NULL: not `even`, and for sweeps alone, without
  * products. Release with bw_release. */

@@ -90,17 +90,6 @@ done:
   return status;
 }
 
-/* The mean volumetric strain couples a node's x with another's y, and not y with x. */
-bw_status bwi_smoother_even(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            bool *even) {
-  int32_t *number = NULL;
-  int64_t curved = 0;
-  bw_status status = bwi_find_curved(context, mesh, &number, &curved);
-  *even = curved == 0 && !material->orientations && !(bw_material_projected_bulk(material) > 0);
-  bw_free(number);
-  return status;
-}
-
 bw_status bwi_smoother_follow_elements(bw_context *context, bwi_smoother *s, const bw_mesh *mesh,
                                        const bw_material *material, bool *usable) {
   bw_status status = BW_OK;

@@ -349,8 +349,8 @@ typedef struct sweep {
   int64_t first; /* star of the colour */
   const float *r;
   float *z, *residual;
-  double *works; /* workers x 2 x room */
-  int64_t room;
+  double *works;   /* workers x 2 x numbers */
+  int64_t numbers; /* of a field of a star */
 } sweep;
 
 typedef float lanes __attribute__((vector_size(16), aligned(4), may_alias));
@@ -426,7 +426,7 @@ static inline __attribute__((always_inline)) void sweep_star(const sweep *w, int
   const bwi_stars *s = w->s;
   const int64_t begin = s->member_start[star], end = s->member_start[star + 1];
   const int64_t of_node = 3 * width;
-  double *y = x + w->room;
+  double *y = x + w->numbers;
   for (int64_t m = begin; m < end; m++) {
     double *to = x + of_node * (m - begin);
     const float *from = (backwards ? w->r : w->residual) + of_node * s->member[m];
@@ -453,7 +453,7 @@ static inline __attribute__((always_inline)) void sweep_star(const sweep *w, int
 /* Stars of a colour. */
 static bw_status sweep_stars(void *data, int64_t begin, int64_t end, int worker) {
   const sweep *w = data;
-  double *work = w->works + 2 * w->room * worker;
+  double *work = w->works + 2 * w->numbers * worker;
   bool backwards = !w->residual;
   for (int64_t k = w->first + begin; k < w->first + end; k++)
     switch (w->width) {
@@ -476,8 +476,8 @@ static bw_status sweep_stars(void *data, int64_t begin, int64_t end, int worker)
 static bw_status sweep_colours(bw_context *context, sweep *w) {
   bw_status status = BW_OK;
   const bwi_stars *s = w->s;
-  w->room = (s->longest + LANES) * w->width;
-  w->works = BW_NEW0(context, double, 2 * w->room * bw_threads(context));
+  w->numbers = (s->longest + LANES) * w->width;
+  w->works = BW_NEW0(context, double, 2 * w->numbers * bw_threads(context));
   if (!w->works)
     return BW_MEMORY;
   for (int32_t k = 0; k < s->colour_count; k++) {

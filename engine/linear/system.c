@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "assemble/internal.h"
 #include "barwright/job.h"
 #include "linear/external.h"
 #include "linear/pcg.h"
@@ -365,7 +366,7 @@ bw_status bwi_system_precondition(bw_context *context, bw_system *system, const 
   double start = bw_seconds();
   bw_progress(context, "factorisation", 0);
   if (solver->options.kind == BW_SOLVER_AMG)
-    BW_TRY(bwi_smoother_even(context, system->mesh, system->material, &matrix.even));
+    BW_TRY(bwi_blocks_even(context, system->mesh, system->material, &matrix.even));
   status = bwi_preconditioner_create(context, solver, &matrix, symbolic, &made, &bad);
   if (status == BW_SINGULAR && solver->options.kind != BW_SOLVER_AMG)
     status = bwi_fail_singular(context, system->mesh, bad);
