@@ -17,13 +17,16 @@
 
 /* Where two of its values lie nearer to each other than this, the next functional decides. */
 static const double indistinct = 1e-3;
-enum { FUNCTIONALS = 3 };
+enum { FUNCTIONALS = 4 };
+/* Each steeper than the one before: an exponential of slope a has exp(-2 n^2 / a) of what tells
+ * waves of n periods around an axis apart. */
 static const struct functional {
   double slope[3], factor[3];
 } functional[FUNCTIONALS] = {
     {{2.1, 1.3, 0.7}, {1, 1.4, 1.9}},
-    {{-0.9, 2.3, 1.7}, {1.7, 1, 1.3}},
-    {{1.1, -0.8, 2.6}, {1.2, 1.8, 1}},
+    {{-5, 6, 7}, {1.7, 1, 1.3}},
+    {{20, -15, 17}, {1.2, 1.8, 1}},
+    {{60, 70, -50}, {1.5, 1.1, 1}},
 };
 
 /* w at the nodes, in coordinates from -1 to 1 across the body; by number where there is no mesh. */
