@@ -252,25 +252,37 @@ done:
 
 /* ---- modes of one eigenvalue ----------------------------------------------------------------- */
 
-/* Converges the pairs behind the first `count` that may have the eigenvalue of the last of them;
- * *whole counts those too. *split: there may be more of them. */
-static bw_status complete_cluster(bwi_eigen_iteration *it, int count, double tolerance, int *whole,
-                                  bool *split) {
+/* Whether pair n (from 0) may have the eigenvalue of the one before it. */
+static bool may_be_equal(const bwi_eigen_iteration *it, int n) {
+  return n < it->known && it->value[n] < INFINITY &&
+         it->value[n] - it->value[n - 1] <= maybe_equal * fabs(it->value[n]);
+}
+
+/* Converges the pairs behind the first `count` that may have the eigenvalue of the last of them,
+ * and where they were not counted one more, which shows whether that was all; *whole counts those
+ * too. *split: there may be more of them. */
+static bw_status complete_cluster(bwi_eigen_iteration *it, int count, double tolerance,
+                                  bool counted, int *whole, bool *split) {
   int n = *whole = count;
-  while (n < it->known && it->value[n] - it->value[n - 1] <= maybe_equal * fabs(it->value[n]))
-    n++;
-  *split = n > count + CLUSTER || n > it->most;
-  if (n == count || *split)
-    return BW_OK;
-  bw_status status = it->method->iterate(it, n, tolerance);
-  if (status == BW_OK) {
+  *split = false;
+  while (may_be_equal(it, n)) {
+    while (may_be_equal(it, n))
+      n++;
+    int next = counted || n >= it->problem->dimension ? n : n + 1;
+    *split = n > count + CLUSTER || next > it->most;
+    if (*split)
+      return BW_OK;
+    bw_status status = it->method->iterate(it, next, tolerance);
+    if (status == BW_CONVERGENCE) { /* those wanted are there all the same */
+      bw_clear_failure(it->context);
+      *split = true;
+      return BW_OK;
+    }
+    if (status != BW_OK)
+      return status;
     *whole = n < it->known ? n : it->known;
-  } else if (status == BW_CONVERGENCE) { /* those wanted are there all the same */
-    bw_clear_failure(it->context);
-    *split = true;
-    status = BW_OK;
   }
-  return status;
+  return BW_OK;
 }
 
 /* The canonical basis of pairs of one eigenvalue, and the first `count` pairs of it. */
@@ -284,8 +296,7 @@ static bw_status make_canonical(bw_context *context, const bwi_eigen_problem *pr
   if (!changed)
     return BW_OK;
   work = BW_NEW(context, double, 2 * (count < SIDES ? count : SIDES) * problem->size);
-  if (!work)
-    return BW_MEMORY;
+  BW_TRY_MEMORY(work);
   BW_TRY(true_residuals(context, problem, count, result->value, result->vector, result->residual,
                         work));
 done:
@@ -335,7 +346,7 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *given,
     BW_TRY(confirm(it, count, tolerance, result));
   else if (options->sturm)
     BW_TRY(look_for_missing(it, count, tolerance, result));
-  BW_TRY(complete_cluster(it, count, tolerance, &whole, &split));
+  BW_TRY(complete_cluster(it, count, tolerance, result->counted, &whole, &split));
   BW_TRY(take_out(it, whole, options->tolerance, result));
   BW_TRY(make_canonical(context, problem, count, options->tolerance, result));
   if (split) {

@@ -190,6 +190,27 @@ static void multiplicity_beyond_the_block(void **state) {
   free(value);
 }
 
+/* Where nothing counts, the others of the last one's cluster are found one after the other. */
+static void multiplicity_uncounted(void **state) {
+  bw_context *context = check_context(state);
+  enum { SIZE = 2000 };
+  double *value = numbers(SIZE);
+  for (int i = 0; i < SIZE; i++)
+    value[i] = 1 + i / 12;
+  bw_eigensolver *solver = eigensolver(context, BW_EIGENSOLVER_LOBPCG);
+  for (int count = 1; count < 12; count++) {
+    diagonal d = {.size = SIZE, .value = value, .uncounted = true, .rough = true};
+    bwi_eigen_result result;
+    check_ok(context, lowest(context, &d, solver, count, &result));
+    for (int i = 0; i < count; i++)
+      check_near(fabs(result.vector[i * SIZE + i]), 1, 1e-6);
+    assert_null(strstr(result.report.reason, "last frequency"));
+    bwi_eigen_result_clear(&result);
+  }
+  bw_release(solver);
+  free(value);
+}
+
 /* Two partners that the first start vectors do not contain at all: the count calls for them. */
 static void hidden_partners(void **state) {
   bw_context *context = check_context(state);
@@ -441,6 +462,7 @@ static void too_many_modes(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(simple_spectrum),
                                      check_test(multiplicity_beyond_the_block),
+                                     check_test(multiplicity_uncounted),
                                      check_test(hidden_partners),
                                      check_test(small_spaces),
                                      check_test(same_bits_again),
