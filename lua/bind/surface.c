@@ -10,7 +10,6 @@ static const bw_surface *self(lua_State *L) {
   return (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
 }
 
-/* The new surface of a call between lbw_enter and lbw_leave. */
 /* ---- files ----------------------------------------------------------------------------------- */
 
 static void push_read_info(lua_State *L, const bw_read_info *info, double unit) {
