@@ -131,7 +131,8 @@ static bw_status factor(bw_context *context, bwi_lagged *shared, const bw_plane_
                         const double *values, bwi_lagged_work *work) {
   lagged_unsymmetric *s = (lagged_unsymmetric *)shared;
   double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
-  fill_values(s, pattern, values);
+  if (!work->analysed) /* else the analysis read them */
+    fill_values(s, pattern, values);
   controls(control);
   if (s->numeric)
     umfpack_di_free_numeric(&s->numeric);
