@@ -103,6 +103,8 @@ BW_API void bw_clear_failure(bw_context *context);
     if (status != BW_OK)                                                                           \
       goto done;                                                                                   \
   } while (0)
+/* BW_TRY with BW_MEMORY, unless all that `allocated` names is there. */
+#define BW_TRY_MEMORY(allocated) BW_TRY((allocated) ? BW_OK : BW_MEMORY)
 
 /* ---- progress and cancelling -------------------------------------------------------- */
 
@@ -332,8 +334,5 @@ BW_API double bw_random_normal(bw_random *random);
 #ifdef __cplusplus
 }
 #endif
-
-/* BW_TRY with BW_MEMORY, unless all that `allocated` names is there. */
-#define BW_TRY_MEMORY(allocated) BW_TRY((allocated) ? BW_OK : BW_MEMORY)
 
 #endif
