@@ -114,10 +114,7 @@ bw_status bwi_contributions_create(bw_context *context, const bw_block_pattern *
   l.list = list;
   list->blocks = pattern->block_count;
   list->start = BW_NEW(context, int64_t, list->blocks + 1);
-  if (!list->start) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list->start);
   BW_TRY(bwi_row_sums_open(context, pattern, element_count, nodes_per_element, element, &l.rows));
   BW_TRY(bw_parallel(context, nodes, BWI_ROWS_PER_CHUNK, count_rows, &l));
   for (int64_t i = 0; i < nodes; i++) {
@@ -128,10 +125,7 @@ bw_status bwi_contributions_create(bw_context *context, const bw_block_pattern *
   list->start[list->blocks] = list->count = count;
   list->element = BW_NEW(context, int32_t, count);
   list->local = BW_NEW(context, uint8_t, count);
-  if (!list->element || !list->local) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list->element && list->local);
   BW_TRY(bw_parallel(context, nodes, BWI_ROWS_PER_CHUNK, list_rows, &l));
 done:
   bwi_row_sums_close(&l.rows);

@@ -269,10 +269,7 @@ bw_status bwi_gather(bw_context *context, const bw_block_pattern *pattern, const
     if (pattern->start[i + 1] - pattern->start[i] > g.longest)
       g.longest = pattern->start[i + 1] - pattern->start[i];
   memory = BW_NEW0(context, tensor, 2 * g.longest * bw_threads(context) + 1);
-  if (!memory) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(memory);
   g.sum =
       (tensor *)(((uintptr_t)memory + _Alignof(tensor) - 1) & ~(uintptr_t)(_Alignof(tensor) - 1));
   bwi_product_table(mesh->order, g.table);

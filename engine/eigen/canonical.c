@@ -84,8 +84,7 @@ static bw_status rotate(bw_context *context, rotation *r, int which, int count, 
   BW_TRY(bwi_multi_combine(context, size, count, x, count, r->s, count, 1, 0, r->weighted));
   memcpy(x, r->weighted, (size_t)count * (size_t)size * sizeof *x);
   value = BW_NEW(context, double, count); /* the next functional overwrites r->value */
-  if (!value)
-    return BW_MEMORY;
+  BW_TRY_MEMORY(value);
   memcpy(value, r->value, (size_t)count * sizeof *value);
   for (int first = 0, end; first < count; first = end) {
     for (end = first + 1; end < count; end++)
@@ -131,10 +130,7 @@ bw_status bwi_eigen_canonical(bw_context *context, const bwi_eigen_problem *prob
   r.s = BW_NEW(context, double, (int64_t)most *most);
   r.value = BW_NEW(context, double, most);
   r.work = BW_NEW(context, double, r.length);
-  if (!r.weight || !r.mass || !r.weighted || !r.s || !r.value || !r.work) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(r.weight && r.mass && r.weighted && r.s && r.value && r.work);
   for (int first = 0, end; first < result->count; first = end) {
     end = cluster_end(result, tolerance, first);
     double sum = 0;
