@@ -85,22 +85,28 @@ bw_status bwd_matrices_create(bw_context *context, const bwd_local_mesh *local, 
                               int mass_width, Mat *stiffness, Mat *mass, int32_t *max) {
   bw_status status = BW_OK;
   int32_t rows = local->count.owned;
-  int32_t *own = BW_NEW(context, int32_t, rows);
-  int32_t *other = BW_NEW(context, int32_t, rows);
-  int64_t entries = 0;
+  int32_t *own = BW_NEW(context, int32_t, 2 * (int64_t)rows); /* of K, then of M */
+  int32_t *other = BW_NEW(context, int32_t, 2 * (int64_t)rows);
+  int64_t entries = 0, mass_entries = 0;
   if (!own || !other)
     status = BW_MEMORY;
   else
     status = count_blocks(context, local, blocked, own, other, max);
-  for (int32_t i = 0; status == BW_OK && i < rows; i++)
+  if (status == BW_OK && mass_width)
+    status = count_blocks(context, local, false, own + rows, other + rows, max);
+  for (int32_t i = 0; status == BW_OK && i < rows; i++) {
     entries += 9 * ((int64_t)own[i] + other[i]);
+    if (mass_width)
+      mass_entries += mass_width * ((int64_t)own[rows + i] + other[rows + i]);
+  }
   double available = bw_available_memory();
-  double bytes = (double)entries * ((blocked ? 76 / 9.0 : 12) + 12 * mass_width / 9.0);
-  if (entries > INT32_MAX)
+  double bytes = (blocked ? 76 / 9.0 : 12) * (double)entries + 12 * (double)mass_entries;
+  int64_t larger = entries > mass_entries ? entries : mass_entries;
+  if (larger > INT32_MAX)
     status = bw_fail(context, BW_LIMIT,
                      "rank %d would have %lld entries of the matrix; PETSc's 32-bit numbers count "
                      "to %d. Use more ranks",
-                     bw_world_rank(), (long long)entries, INT32_MAX);
+                     bw_world_rank(), (long long)larger, INT32_MAX);
   else if (bytes * bwd_ranks_together() > available)
     status = bw_fail(context, BW_MEMORY,
                      "the matrices of rank %d take %.3g GB, and %.3g GB are free for the %d ranks "
@@ -109,7 +115,8 @@ bw_status bwd_matrices_create(bw_context *context, const bwd_local_mesh *local, 
   BW_TRY(bwd_agree(context, status));
   BW_TRY(create_matrix(context, rows, own, other, blocked, 3, stiffness));
   if (mass_width)
-    BW_TRY(create_matrix(context, rows, own, other, false, mass_width == 9 ? 3 : 1, mass));
+    BW_TRY(create_matrix(context, rows, own + rows, other + rows, false, mass_width == 9 ? 3 : 1,
+                         mass));
 done:
   bw_free(own);
   bw_free(other);
