@@ -100,10 +100,15 @@ local function print_hard(name, mesh, material, axis, fixed, loaded, formulation
   local size = high - low
   part:fix(mesh.boundary:below(axis, low + fixed * size))
   part:load {on = mesh.boundary:above(axis, high - loaded * size), force = {1, 0.3, -1}}
-  local processor = os.clock()
-  local report = assert(part:solve {solver = bw.solver.pcg {}}).report
-  print(("| %s | %d | %d | %d | %.2f | %.0f | %s |"):format(name, mesh.element_count, mesh.node_count * 3,
-    report.iterations, os.clock() - processor, report.bytes / 1e6,
+  local head, processor = ("| %s | %d | %d |"):format(name, mesh.element_count, mesh.node_count * 3), os.clock()
+  local static, message, details = part:solve {solver = bw.solver.pcg {}}
+  processor = os.clock() - processor
+  if not static and details.status == "convergence" then
+    print(("%s – | %.2f | | %s |"):format(head, processor, message))
+    return
+  end
+  local report = assert(static, message).report
+  print(("%s %d | %.2f | %.0f | %s |"):format(head, report.iterations, processor, report.bytes / 1e6,
     report.reason:find "vertex stars" and "yes, stars" or report.reason:find "corners rotate" and "yes" or "no"))
 end
 
