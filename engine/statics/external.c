@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "barwright/io.h"
+#include "base/dense.h"
 #include "linear/external.h"
 #include "model/internal.h"
 #include "statics/internal.h"
@@ -29,13 +30,6 @@ static bw_status multiply_one(bw_context *context, void *data, const double *x, 
   return status;
 }
 
-static double norm(const double *a, int64_t size) {
-  double sum = 0;
-  for (int64_t i = 0; i < size; i++)
-    sum += a[i] * a[i];
-  return sqrt(sum);
-}
-
 /* The residual is above what was asked for. It stands where rounding alone leaves as much: of K u,
  * or of a load that inertia balances to nothing (a body that falls). */
 static bw_status check(bw_context *context, bwi_external *external, const bw_static *result) {
@@ -57,9 +51,9 @@ static bw_status check(bw_context *context, bwi_external *external, const bw_sta
   for (int64_t i = 0; i < size; i++)
     residual[i] -= product[i];
   bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, residual);
-  double remaining = norm(residual, size);
+  double remaining = sqrt(bwi_dot(size, residual, residual));
   bool product_rounding = result->residual < 1e-6 && remaining < 10 * noise;
-  bool nothing_to_solve = remaining < 1e-13 * norm(result->force, size);
+  bool nothing_to_solve = remaining < 1e-13 * sqrt(bwi_dot(size, result->force, result->force));
   if (!product_rounding && !nothing_to_solve) {
     status =
         bw_fail(context, BW_CONVERGENCE,
