@@ -5,6 +5,9 @@
 
 #include <string.h>
 
+/* Vectors wider than the machine's registers are passed within this file alone. */
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 /* Three numbers of a node, and one that is ignored. */
 typedef float quad __attribute__((vector_size(16), aligned(4), may_alias));
 typedef double quad2 __attribute__((vector_size(32), aligned(8), may_alias));
