@@ -9,7 +9,8 @@
 #include "linear/amg.h"
 #include "linear/pcg_packed.h"
 
-/* The smallest eigenvalue of the preconditioned matrix (measured: 0.1 to 0.4); the largest is 1. */
+/* The smallest eigenvalue of the preconditioned matrix, taken to be that of two levels
+ * (two_level_solve.c); the largest is 1. */
 #define SMALLEST 0.09
 
 static bw_status precondition(bw_context *context, void *data, int width, int used) {

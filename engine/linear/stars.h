@@ -15,8 +15,8 @@
 
 #include "linear/two_level.h"
 
-/* Over the blocks below the diagonal of K (boxes and filled bodies): bytes that a sweep forwards
- * and one backwards read, bytes that stars take, and what making them costs, as operations. */
+/* Over the blocks below the diagonal of K (boxes): bytes that a sweep forwards and one backwards
+ * read, bytes that stars take, and what making them costs, as operations. */
 #define BWI_STARS_READ 370.0
 #define BWI_STARS_BYTES 190.0
 #define BWI_STARS_FLOPS 2500.0

@@ -105,8 +105,8 @@ static bw_status rotate(bw_context *context, bwi_two_level *l) {
 
 /* The same of stars and rotations together. The number of iterations grows with the bulk modulus
  * over the shear modulus, `ratio`: with its square root, except where elements have the mean of the
- * volumetric strain and the smoother has their motions. Fitted to boxes and filled bodies
- * (docs/theory/preconditioners.md). */
+ * volumetric strain and the smoother has their motions. Fitted to cubes of 8 to 16 cells along an
+ * edge (docs/theory/preconditioners.md). */
 static bool stars_pay(const bwi_two_level *l, const bw_material *material) {
   double ratio = bulk_over_shear(material);
   bool projected = bw_material_projected_bulk(material) > 0;
