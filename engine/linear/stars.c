@@ -181,6 +181,7 @@ static bw_status list_members(bw_context *context, const bwi_two_level *l, bwi_s
 /* ---- numbers --------------------------------------------------------------------------------- */
 
 typedef struct taking {
+  bw_context *context;
   const bwi_two_level *l;
   bwi_stars *s;
   const double *stiffness;
@@ -274,6 +275,8 @@ static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
   for (int64_t star = begin; star < end; star++) {
     int64_t n = 3 * (s->member_start[star + 1] - s->member_start[star]);
     double *to = s->inverse + s->inverse_start[star];
+    if (bw_cancelled(t->context))
+      return bw_check_cancel(t->context);
     collect(t, star, n, a);
     double largest = largest_of_diagonal(n, a);
     keep_unknowns(t, star, n, largest, a);
@@ -293,7 +296,7 @@ static bw_status take_numbers(bw_context *context, const bwi_two_level *l, const
                               bwi_stars *s, bool *usable) {
   bw_status status = BW_OK;
   int64_t workers = bw_threads(context), links = s->link_start[s->member_start[s->count]];
-  taking t = {.l = l, .s = s, .stiffness = stiffness};
+  taking t = {.context = context, .l = l, .s = s, .stiffness = stiffness};
   s->link = BW_NEW(context, int32_t, links);
   s->coupling = BW_NEW0(context, float, 9 * links + LANES);
   s->inverse = BW_NEW(context, double, s->inverse_start[s->count]);

@@ -327,6 +327,20 @@ static void many_right_hand_sides(void **state) {
   free(b);
 }
 
+/* While they are made. */
+static void cancelled_at_once(void **state) {
+  bw_context *context = check_context(state);
+  scene s;
+  bwi_stars *stars = NULL;
+  scene_make(context, 1, 0, &s);
+  bw_cancel(context);
+  assert_int_equal(bwi_stars_create(context, s.two_level, s.stiffness, &stars), BW_CANCELLED);
+  assert_null(stars);
+  bw_clear_cancel(context);
+  bw_clear_failure(context);
+  scene_clear(&s);
+}
+
 static void cancel_stars(void *data, const char *stage, double fraction) {
   (void)fraction;
   if (strcmp(stage, "vertex stars") == 0)
@@ -383,6 +397,7 @@ int main(void) {
       check_test(no_memory),
       check_test(nearly_incompressible),
       check_test(many_right_hand_sides),
+      check_test(cancelled_at_once),
       check_test(cancelled),
       check_test(oblique_fibres),
   };
