@@ -560,6 +560,5 @@ done:
 }
 
 double bwi_smoother_bytes(int64_t blocks) {
-  return (double)blocks *
-         (2 * 32 + 60); /* two sweeps and a product: about seven numbers, a column */
+  return (double)blocks * (2 * 32 + BWI_SMOOTHER_PRODUCT_BYTES);
 }

@@ -137,8 +137,10 @@ bw_status bwi_smoother_backward(bw_context *context, const bwi_smoother *smoothe
 /* y = K x, and the energies x . K x of the fields (NULL: not wanted) */
 bw_status bwi_smoother_product(bw_context *context, const bwi_smoother *smoother, int width,
                                const double *x, double *y, double *energy);
-/* What one product and a sweep forwards and backwards read, about, for `blocks` blocks off the
- * diagonal. */
+/* Bytes that a product of stored blocks reads for a block below the diagonal, about: seven numbers
+ * and a column. One by elements reads less. */
+#define BWI_SMOOTHER_PRODUCT_BYTES 60
+/* What such a product and a sweep forwards and backwards read for `blocks` of them. */
 double bwi_smoother_bytes(int64_t blocks);
 
 #endif

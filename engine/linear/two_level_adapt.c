@@ -20,8 +20,6 @@ enum { ITERATIONS = 8 };
  * smoother has blocks 0.4 to 0.7; 0.05 to 0.24 where moduli differ a thousandfold. */
 #define FEWER 0.3
 #define FEWER_ALONG_FIBRES 0.2
-/* Bytes that a product reads for a block below the diagonal. */
-#define PRODUCT_BYTES 60
 /* Of what they save, what making them may cost. */
 #define MAKING_FRACTION 0.65
 /* Of what is free, the memory that they may take. */
@@ -113,7 +111,8 @@ static bool stars_pay(const bwi_two_level *l, const bw_material *material) {
   double by_nodes = 11 * sqrt(ratio),
          by_stars = projected ? 5.5 * pow(ratio, 0.32) : 3.2 * sqrt(ratio);
   double bytes = rotations_bytes(l), blocks = count_blocks(l);
-  double with = reading(PRODUCT_BYTES * blocks) + streaming(BWI_STARS_READ * blocks + 2 * bytes);
+  double with =
+      reading(BWI_SMOOTHER_PRODUCT_BYTES * blocks) + streaming(BWI_STARS_READ * blocks + 2 * bytes);
   double make = rotations_making(l) + BWI_STARS_FLOPS * blocks / BWI_COST_BLOCKS_FLOPS_PER_SECOND;
   return ratio > LOCKING_RATIO && make + by_stars * with < by_nodes * one_iteration(l) &&
          BWI_STARS_BYTES * blocks + bytes < MEMORY_FRACTION * bw_available_memory();
