@@ -161,8 +161,8 @@ bw_status bwd_distribute(bw_context *context, bwd_system *system);
 
 /* assemble.c: K, and M unless mass_width (as in bwd_system) is 0, without entries; `max` is the
  * largest number of blocks in a row. `blocked`: the upper triangle of K with one index for each
- * block, 76 bytes for a pair of blocks where entries take 216, which GAMG does not accept. BW_LIMIT
- * for more entries than PETSc counts, BW_MEMORY where they do not fit. */
+ * block, which GAMG does not accept: 76 bytes for a pair of blocks where entries take 216. M has
+ * all blocks. BW_LIMIT for more entries than PETSc counts, BW_MEMORY where they do not fit. */
 bw_status bwd_matrices_create(bw_context *context, const bwd_local_mesh *local, bool blocked,
                               int mass_width, Mat *stiffness, Mat *mass, int32_t *max);
 /* The rows of K and M, by the engine's assembly of a piece of the local mesh at a time. */
