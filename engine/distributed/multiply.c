@@ -36,10 +36,7 @@ static bw_status multiply_piece(bw_context *context, void *data, const bwd_piece
   int64_t nodes = piece->mesh->node_count, owned = p->local->count.owned;
   double *x = BW_NEW(context, double, 3 * nodes * p->count);
   double *y = BW_NEW(context, double, 3 * nodes * p->count);
-  if (!x || !y) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(x && y);
   for (int v = 0; v < p->count; v++) {
     const double *from = p->x + 3 * (int64_t)v * p->local->count.nodes;
     for (int64_t i = 0; i < nodes; i++)

@@ -40,10 +40,7 @@ static bw_status cut(bw_context *context, const bw_mesh *mesh, int ranks, idx_t 
   start = BW_NEW(context, idx_t, (int64_t)elements + 1);
   neighbour = BW_NEW(context, idx_t, 4 * (int64_t)elements);
   target = BW_NEW(context, real_t, ranks);
-  if (!start || !neighbour || !target) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(start && neighbour && target);
   for (idx_t e = 0; e < elements; e++) {
     start[e] = next;
     for (int k = 0; k < 4; k++)
@@ -84,10 +81,7 @@ static bw_status share_nodes(bw_context *context, const bw_mesh *mesh, int ranks
   int32_t *low = partition->owner;
   int32_t *high = BW_NEW(context, int32_t, mesh->node_count);
   int32_t *count = BW_NEW0(context, int32_t, ranks);
-  if (!high || !count) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(high && count);
   for (int32_t i = 0; i < mesh->node_count; i++) {
     low[i] = ranks;
     high[i] = -1;
@@ -207,16 +201,10 @@ bw_status bwd_partition_create(bw_context *context, const bw_mesh *mesh, int ran
                                .rank_of_element = BW_NEW0(context, int32_t, mesh->element_count),
                                .owner = BW_NEW(context, int32_t, mesh->node_count),
                                .row_of = BW_NEW(context, int32_t, mesh->node_count)};
-  if (!partition->rank_of_element || !partition->owner || !partition->row_of) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(partition->rank_of_element && partition->owner && partition->row_of);
   if (ranks > 1) {
     rank_of = BW_NEW(context, idx_t, mesh->element_count);
-    if (!rank_of) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(rank_of);
     BW_TRY(cut(context, mesh, ranks, rank_of));
     for (int32_t e = 0; e < mesh->element_count; e++)
       partition->rank_of_element[e] = (int32_t)rank_of[e];

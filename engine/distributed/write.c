@@ -235,10 +235,7 @@ static bw_status make_body(bw_context *context, const bwd_local_mesh *local, bw_
   int64_t width = local->count.nodes_per_element;
   double *node = BW_NEW(context, double, 3 * (int64_t)local->count.nodes);
   int32_t *element = BW_NEW(context, int32_t, local->count.elements * width);
-  if (!node || !element) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(node && element);
   memcpy(node, local->node, 3 * (size_t)local->count.nodes * sizeof *node);
   memcpy(element, local->element, (size_t)(local->count.elements * width) * sizeof *element);
   BW_TRY(bw_mesh_adopt(context, local->count.order, local->count.nodes, node, local->count.elements,
@@ -342,10 +339,7 @@ static bw_status write_piece(bw_context *context, const piece *q) {
   double *node = BW_NEW(context, double, 3 * (int64_t)q->node_count);
   int32_t *element = BW_NEW(context, int32_t, (int64_t)q->element_count * width);
   int32_t *region = q->region ? BW_NEW(context, int32_t, q->element_count) : NULL;
-  if (!node || !element || (q->region && !region)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(node && element && (!q->region || region));
   for (int64_t i = 0; i < q->node_count; i++)
     memcpy(node + 3 * i, q->local->node + 3 * (int64_t)q->node[i], 3 * sizeof *node);
   for (int64_t e = 0; e < q->element_count; e++)

@@ -337,10 +337,7 @@ static bw_status make_mesh(joining *j, bw_mesh **mesh) {
     regions = regions && j->piece[k].mesh->region;
   if (regions)
     region = BW_NEW(j->context, int32_t, j->elements);
-  if (!x || !element || !start || (regions && !region)) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(x && element && start && (!regions || region));
   for (size_t k = 1; k < j->count; k++)
     start[k] = start[k - 1] + j->piece[k - 1].mesh->node_count;
   for (int32_t i = 0; i < j->node_count; i++) {

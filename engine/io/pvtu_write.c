@@ -98,10 +98,7 @@ static bw_status write_piece(pieces *p, int k) {
   int32_t *region = mesh->region ? BW_NEW(p->context, int32_t, p->element_count) : NULL;
   bw_field *field = BW_NEW0(p->context, bw_field, fields);
   bw_array **array = BW_NEW0(p->context, bw_array *, fields);
-  if (!point || !cell || (mesh->region && !region) || !field || !array) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(point && cell && (!mesh->region || region) && field && array);
   BW_TRY(bw_pvtu_piece_path(p->context, p->path, k, &name));
   for (int32_t i = 0; i < p->node_count; i++)
     memcpy(point + 3 * (int64_t)i, mesh->node + 3 * (int64_t)p->node[i], 3 * sizeof *point);
@@ -219,10 +216,7 @@ bw_status bwi_pvtu_write(bw_context *context, const bw_mesh *mesh, const char *p
   BW_TRY(bw_mesh_curve_order(context, mesh, &p.along));
   p.local = BW_NEW(context, int32_t, mesh->node_count);
   p.node = BW_NEW(context, int32_t, mesh->node_count);
-  if (!p.local || !p.node) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(p.local && p.node);
   memset(p.local, 0xff, (size_t)mesh->node_count * sizeof *p.local);
   BW_TRY(bw_pvtu_empty(context, path));
   for (int k = 0; k < p.count; k++) {
