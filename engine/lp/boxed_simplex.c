@@ -76,7 +76,7 @@ static int32_t leaving_row(const bwi_simplex *s, double *length) {
   for (int32_t i = 0; i < m; i++) {
     double bound = upper(s, s->basic[i]);
     double broken = fmax(-s->x[i], s->x[i] - bound);
-    if (!(broken > bwi_feasible_fraction + bwi_feasible_bound * bound))
+    if (!(broken > bwi_feasible(bound)))
       continue;
     double square = bwi_row_square(s, i);
     if (broken * broken > best * square) {
@@ -142,16 +142,21 @@ static bwi_simplex_result iterate(bwi_simplex *s) {
   if (passed <= 0)
     return BWI_SIMPLEX_INFEASIBLE;
   /* The last breakpoint enters, unless its pivot is too small: then an earlier one does, with less
-   * to gain. */
+   * to gain. Where all are too small, as on meshes that are symmetric but for rounding, the largest
+   * does: the check of the solution decides whether that is good. */
   int32_t enters = passed - 1;
   if (fabs(s->alpha[s->point[enters].column]) < bwi_smallest_pivot * length) {
+    double largest = 0;
     enters = -1;
+    for (int32_t i = 0; i < passed; i++)
+      largest = fmax(largest, fabs(s->alpha[s->point[i].column]));
     for (int32_t i = 0; i < passed; i++)
       if (fabs(s->alpha[s->point[i].column]) >= bwi_smallest_pivot * length &&
           (enters < 0 || bwi_sooner(&s->point[enters], &s->point[i])))
         enters = i;
-    if (enters < 0)
-      return BWI_SIMPLEX_UNSTABLE;
+    for (int32_t i = 0; i < passed && enters < 0; i++)
+      if (fabs(s->alpha[s->point[i].column]) >= largest)
+        enters = i;
   }
   const bwi_breakpoint stop = s->point[enters];
   int32_t q = stop.column;

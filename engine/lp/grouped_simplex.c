@@ -172,7 +172,7 @@ static bool exchange_keys(bwi_simplex *s) {
         left -= s->x[k];
         largest = s->x[k] > s->x[largest] ? k : largest;
       }
-    if (left >= -(bwi_feasible_fraction + bwi_feasible_bound * upper(s, g)))
+    if (left >= -bwi_feasible(upper(s, g)))
       continue;
     int32_t former = s->key[g];
     set_key(s, g, s->member[largest]);
@@ -191,7 +191,7 @@ static int32_t leaving_row(const bwi_simplex *s, double *length) {
     bool unit = s->group[i] == NO_GROUP;
     double bound = unit ? 0 : upper(s, s->group[i]);
     double broken = unit ? fabs(s->x[i]) : -s->x[i];
-    if (!(broken > bwi_feasible_fraction + bwi_feasible_bound * bound))
+    if (!(broken > bwi_feasible(bound)))
       continue;
     double square = bwi_row_square(s, i);
     if (broken * broken > best * square) {

@@ -6,6 +6,8 @@
 #ifndef BARWRIGHT_LP_SIMPLEX_H
 #define BARWRIGHT_LP_SIMPLEX_H
 
+#include <math.h>
+
 #include "lp/solver.h"
 
 typedef enum bwi_simplex_result {
@@ -71,10 +73,14 @@ struct bwi_simplex {
   int32_t *unit;              /* rows: number of the unit column */
 };
 
-static const double bwi_feasible_fraction = 1e-12; /* of the total force */
-static const double bwi_feasible_bound = 1e-9;     /* of a bound */
 static const double bwi_no_progress = 1e-14;   /* a step of the multipliers, for costs up to 1 */
 static const double bwi_smallest_pivot = 1e-7; /* over the length of the row of the inverse */
+
+/* What a fraction of the total force may pass its bound by. A large bound, of a high pressure on a
+ * large area, allows no more: the check of the solution is on fractions. */
+static inline double bwi_feasible(double bound) {
+  return 1e-12 + 1e-9 * fmin(bound, 0.1);
+}
 
 /* sum += factor * A_j; nothing for a negative j. */
 void bwi_add_column(const bwi_simplex *s, int32_t j, double factor, double *sum);

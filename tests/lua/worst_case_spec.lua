@@ -124,6 +124,29 @@ describe("the worst case", function()
     assert(drops:picture(folder .. "/d.png", {width = 300, height = 200}))
   end)
 
+  it("is found on cubes that are symmetric but for rounding", function()
+    local box = bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.1, 0.1}, cells = {3, 3, 3}}
+    local element, stress = {}, nil
+    for e = 1, #box.elements do element[e] = {table.unpack(box.elements[e], 1, 4)} end
+    for _, noise in ipairs {0, 1e-12, 1e-10, 1e-9, 3e-9, 1e-8, 1e-7} do
+      math.randomseed(3)
+      local node = {}
+      for i = 1, #box.nodes do
+        node[i] = {}
+        for c = 1, 3 do node[i][c] = box.nodes[i][c] + 0.1 * noise * (math.random() - 0.5) end
+      end
+      local cube = bw.model {mesh = bw.mesh.new {nodes = node, elements = element}, material = bw.material.pla}
+      for _, friction in ipairs {0, 0.3} do -- a bound for each node, and one for its directions
+        local found = assert(bw.worst_case(cube, {force = 1, pressure = 1e6, method = "paper",
+          friction = friction > 0 and friction or nil}))
+        if friction == 0 then
+          stress = stress or found.max_principal
+          check.near(stress, found.max_principal, 1e-6)
+        end
+      end
+    end
+  end)
+
   it("leaves files", function()
     local folder = check.folder()
     assert(worst:write(folder .. "/w.vtu"))
