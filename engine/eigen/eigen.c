@@ -259,8 +259,8 @@ static bool may_be_equal(const bwi_eigen_iteration *it, int n) {
 }
 
 /* Converges the pairs behind the first `count` that may have the eigenvalue of the last of them,
- * and where they were not counted one more, which shows whether that was all; *whole counts those
- * too. *split: there may be more of them. */
+ * and where no pair behind them is known and they were not counted one more, which shows whether
+ * that was all; *whole counts those too. *split: there may be more of them. */
 static bw_status complete_cluster(bwi_eigen_iteration *it, int count, double tolerance,
                                   bool counted, int *whole, bool *split) {
   int n = *whole = count;
@@ -268,7 +268,8 @@ static bw_status complete_cluster(bwi_eigen_iteration *it, int count, double tol
   while (may_be_equal(it, n)) {
     while (may_be_equal(it, n))
       n++;
-    int next = counted || n >= it->problem->dimension ? n : n + 1;
+    bool shown = counted || n < it->known || n >= it->problem->dimension;
+    int next = shown ? n : n + 1;
     *split = n > count + CLUSTER || next > it->most;
     if (*split)
       return BW_OK;
