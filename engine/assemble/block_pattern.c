@@ -185,19 +185,13 @@ bw_status bw_block_pattern_of_elements(bw_context *context, int32_t node_count,
                                    &b.incidence));
   b.mark = BW_NEW0(context, int32_t, nodes * bw_threads(context));
   g->start = BW_NEW0(context, int64_t, nodes + 1);
-  if (!b.mark || !g->start) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(b.mark && g->start);
   BW_TRY(bw_parallel(context, nodes, ROWS_PER_CHUNK, count_rows, &b));
   for (int64_t i = 0; i < nodes; i++)
     g->start[i + 1] += g->start[i];
   g->block_count = g->start[nodes];
   g->column = BW_NEW(context, int32_t, g->block_count);
-  if (!g->column) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(g->column);
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bw_parallel(context, nodes, ROWS_PER_CHUNK, fill_rows, &b));
   BW_TRY(fill_upper(context, g));

@@ -119,18 +119,12 @@ bw_status bwi_frames_create(bw_context *context, const bw_mesh *mesh, bwi_frames
   c.points = bw_tet_quadrature(BWI_CURVED_DEGREE, c.point, c.weight);
   BW_TRY(bwi_find_curved(context, mesh, &frames->curved, &curved_count));
   frames->vector = BW_NEW(context, bwi_vector, (int64_t)mesh->element_count * frames->vectors);
-  if (!frames->vector) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(frames->vector);
   status = bw_parallel(context, mesh->element_count, ELEMENTS_PER_CHUNK, fill_frames, frames);
   if (status == BW_OK && curved_count) {
     frames->curved_tensor = BW_NEW(context, double, curved_count * 55 * 9);
     frames->curved_mean = BW_NEW(context, bwi_vector, curved_count * 10);
-    if (!frames->curved_tensor || !frames->curved_mean) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(frames->curved_tensor && frames->curved_mean);
     status = bw_parallel(context, mesh->element_count, 64, fill_curved, &c);
   }
   if (status == BW_GEOMETRY)

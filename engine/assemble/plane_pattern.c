@@ -163,10 +163,7 @@ bw_status bw_plane_pattern_create(bw_context *context, const bw_plane_topology *
   pattern->diagonal = BW_NEW(context, int64_t, nodes);
   pattern->gather_start = BW_NEW0(context, int64_t, 1); /* until there are blocks: for bytes() */
   b.mark = BW_NEW0(context, int32_t, (size_t)bw_threads(context) * (size_t)nodes);
-  if (!pattern->start || !pattern->diagonal || !pattern->gather_start || !b.mark) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(pattern->start && pattern->diagonal && pattern->gather_start && b.mark);
   BW_TRY(list_elements(context, &b));
   BW_TRY(bw_parallel(context, nodes, BWI_GRAIN_NODES, count_rows, &b));
   for (int32_t i = 0; i < nodes; i++)
@@ -179,11 +176,8 @@ bw_status bw_plane_pattern_create(bw_context *context, const bw_plane_topology *
   int64_t contributions = (int64_t)topology->element_count * b.n * b.n;
   pattern->gather_element = BW_NEW(context, int32_t, contributions);
   pattern->gather_local = BW_NEW(context, uint8_t, contributions);
-  if (!pattern->column || !pattern->mirror || !pattern->gather_start || !pattern->gather_element ||
-      !pattern->gather_local) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(pattern->column && pattern->mirror && pattern->gather_start &&
+                pattern->gather_element && pattern->gather_local);
   pattern->block_count = blocks;
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bw_parallel(context, nodes, BWI_GRAIN_NODES, fill_columns, &b));

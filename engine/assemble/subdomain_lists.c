@@ -40,10 +40,7 @@ static bw_status list_nodes(bw_context *context, const bw_mesh *mesh, int32_t su
   size_t frame_capacity = 0;
   c->node_start = BW_NEW0(context, int64_t, (int64_t)subdomain_count + 1);
   c->frame_start = BW_NEW0(context, int32_t, (int64_t)subdomain_count + 1);
-  if (!mark || !c->node_start || !c->frame_start) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(mark && c->node_start && c->frame_start);
   BW_TRY(bwi_incidence_create(context, mesh, &around));
   for (int pass = 0; pass < 2; pass++) {
     for (int32_t d = 0; d <= subdomain_count; d++)
@@ -63,10 +60,7 @@ static bw_status list_nodes(bw_context *context, const bw_mesh *mesh, int32_t su
       for (int32_t d = 0; d < subdomain_count; d++)
         c->node_start[d + 1] += c->node_start[d];
       c->node = BW_NEW(context, int32_t, c->node_start[subdomain_count]);
-      if (!c->node) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(c->node);
     } else {
       memmove(c->node_start + 1, c->node_start, (size_t)subdomain_count * sizeof *c->node_start);
       c->node_start[0] = 0;
@@ -232,10 +226,7 @@ static bw_status list_segments(bw_context *context, const bw_block_pattern *patt
   bw_status status = BW_OK;
   size_t capacity = 0;
   int64_t blocks = pattern->block_count, *found = BW_NEW(context, int64_t, c->section_count);
-  if (!found) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(found);
   for (int64_t s = 0; s < c->section_count; s++)
     found[s] = -1; /* its last segment */
   for (int64_t first = 0; first < blocks; first += BLOCKS_PER_TILE) {
@@ -273,10 +264,7 @@ static bw_status list_segments(bw_context *context, const bw_block_pattern *patt
   c->block_code = BW_NEW0(context, uint32_t, c->code_count);
   c->tensor = BW_NEW0(context, double, c->item_count);
   c->present = BW_NEW0(context, double, c->present_count);
-  if (!c->block_code || !c->tensor || !c->present) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(c->block_code && c->tensor && c->present);
   bwi_subdomain_segment *segment = c->segment;
   int64_t *next = found; /* where the next block of a section is put */
   for (int32_t i = 0; i < pattern->node_count; i++)

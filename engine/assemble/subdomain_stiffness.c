@@ -158,10 +158,7 @@ bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_patt
   s->subdomain_count = subdomain_count;
   s->revision = s->object.revision;
   bwi_subdomain_coefficients *c = s->coefficients = BW_NEW0(context, bwi_subdomain_coefficients, 1);
-  if (!c) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(c);
   for (int i = 0; i < 3; i++)
     for (int k = 0; k < 3; k++)
       for (int j = 0; j < 3; j++)
@@ -184,11 +181,8 @@ bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_patt
   c->written_position = BW_NEW(context, double, 3 * nodes);
   c->reported_position = BW_NEW(context, double, 3 * nodes);
   c->reported_frame = BW_NEW(context, double, 9 * (int64_t)frames);
-  if (!s->values || !s->changed || !c->map || !c->written || !c->reported || !c->written_position ||
-      !c->reported_position || !c->reported_frame) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s->values && s->changed && c->map && c->written && c->reported &&
+                c->written_position && c->reported_position && c->reported_frame);
   for (int32_t d = 0; d < subdomain_count; d++) {
     c->written[d].reshaped = false;
     memcpy(c->written[d].linear, identity, sizeof identity);

@@ -107,10 +107,7 @@ bw_status bwi_subdomain_work_prepare(bw_context *context, const bw_mesh *mesh,
   if (!count)
     goto done;
   work->frames.vector = BW_NEW(context, bwi_vector, count * work->frames.vectors);
-  if (!work->frames.vector) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(work->frames.vector);
   for (int32_t d = 0; d < work->stiffness->subdomain_count; d++)
     if (work->action[d] == BWI_SUBDOMAIN_GATHER) {
       frames_data f = {work, d};

@@ -5,7 +5,6 @@
  * stresses at nodes are averaged there, and ghost nodes get theirs from their owners. */
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "barwright/analysis.h"
 #include "barwright/confine.h"
@@ -382,9 +381,9 @@ bw_status bwd_write(bw_context *context, bwd_system *system, const bw_external_o
   BW_TRY(bwd_agree(context, status));
 done:
   if (status != BW_OK && written)
-    unlink(q.path);
+    bw_remove(q.path);
   if (status != BW_OK && emptied)
-    unlink(p.path);
+    bw_remove(p.path);
   clear(&p, &q);
   return status;
 }

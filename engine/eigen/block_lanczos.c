@@ -101,10 +101,7 @@ static bw_status random_block(bwi_lanczos *l) {
   double taken[BLOCK];
   double *w = BW_NEW(l->base.context, double, l->block * l->base.size);
   double *h = BW_NEW(l->base.context, double, (int64_t)l->used * l->block);
-  if (!w || !h) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(w && h);
   BW_TRY(bwi_eigen_random(&l->base, l->block, w));
   BW_TRY(orthogonalise(l, l->used, l->block, w, h));
   lengths(l->used, l->block, h, taken);
@@ -150,10 +147,7 @@ static bw_status step(bwi_lanczos *l) {
   double taken[BLOCK];
   double *w = BW_NEW(l->base.context, double, count * l->base.size);
   double *h = BW_NEW(l->base.context, double, against *count);
-  if (!w || !h) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(w && h);
   BW_TRY(problem->solve(l->base.context, problem->data, count,
                         l->mv + (int64_t)l->done * l->base.size, w));
   l->base.solves += count;

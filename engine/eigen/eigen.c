@@ -74,10 +74,8 @@ static bw_status take_out(bwi_eigen_iteration *it, int count, double tolerance,
   gram = BW_NEW(context, double, (int64_t)count *count);
   coefficients = BW_NEW(context, double, (int64_t)count *count);
   work = BW_NEW(context, double, length);
-  if (!result->value || !result->residual || !x || !pair_work || !gram || !coefficients || !work) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(result->value && result->residual && x && pair_work && gram && coefficients &&
+                work);
   BW_TRY(it->method->vectors(it, count, x));
   memcpy(result->value, it->value, (size_t)count * sizeof(double));
   BW_TRY(true_residuals(context, problem, count, result->value, x, result->residual, pair_work));
@@ -89,10 +87,7 @@ static bw_status take_out(bwi_eigen_iteration *it, int count, double tolerance,
       kx = BW_NEW(context, double, count *size);
       mx = BW_NEW(context, double, count *size);
       next = BW_NEW(context, double, count *size);
-      if (!kx || !mx || !next) {
-        status = BW_MEMORY;
-        goto done;
-      }
+      BW_TRY_MEMORY(kx && mx && next);
     }
     BW_TRY(problem->mass(context, problem->data, count, x, mx));
     BW_TRY(problem->solve(context, problem->data, count, mx, next));
@@ -106,10 +101,7 @@ static bw_status take_out(bwi_eigen_iteration *it, int count, double tolerance,
     BW_TRY(bwi_multi_dot(context, size, count, next, count, mx, gram));
     int info = 0, kind = 1;
     double *value = work, *space = BW_NEW(context, double, length);
-    if (!space) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(space);
     dsygv_(&kind, "V", "L", &count, coefficients, &count, gram, &count, value, space, &length,
            &info);
     bw_free(space);

@@ -19,10 +19,7 @@ static bw_status residuals(bw_context *context, bwi_external *external, int coun
   int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
   double *kx = BW_NEW(context, double, RESIDUALS_AT_ONCE *size);
   double *mx = BW_NEW(context, double, RESIDUALS_AT_ONCE *size);
-  if (!kx || !mx) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(kx && mx);
   for (int first = 0; first < count; first += RESIDUALS_AT_ONCE) {
     int batch = count - first < RESIDUALS_AT_ONCE ? count - first : RESIDUALS_AT_ONCE;
     BW_TRY(bwi_external_multiply(context, external, batch, vector + first * size, kx, mx, NULL));
@@ -93,10 +90,7 @@ static bw_status modes_of(bw_context *context, bwi_external *external,
   snprintf(result.report.reason, sizeof result.report.reason, "%s",
            options.solver ? "it was given" : "the equations are spread over the processes");
   result.residual = BW_NEW(context, double, found.count);
-  if (!result.residual) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(result.residual);
   BW_TRY(residuals(context, external, result.count, result.value, result.vector, result.residual));
   BW_TRY(bwi_eigen_canonical(context,
                              &(bwi_eigen_problem){.size = 3 * (int64_t)dof_map->mesh->node_count,

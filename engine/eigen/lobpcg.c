@@ -142,10 +142,7 @@ static bw_status orthonormalise(lobpcg *l, int first, const double *removed, int
   double *gram = BW_NEW(context, double, (int64_t)n *n);
   double *value = BW_NEW(context, double, 2 * (int64_t)n);
   double *w = l->basis + first * size, *mw = l->heavy ? l->heavy + first * size : l->image;
-  if (!gram || !value) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(gram && value);
   double *scale = value + n;
   BW_TRY(bwi_multi_dot(context, size, n, w, n, mw, gram));
   *exact = true;
@@ -210,10 +207,7 @@ static bw_status take_in(lobpcg *l, int before, int *count) {
   double *part = BW_NEW(context, double, (int64_t)(before + 1) * *count);
   double *removed = BW_NEW(context, double, *count);
   bool exact = false;
-  if (!part || !removed) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(part && removed);
   BW_TRY(problem->project(context, problem->data, *count, w));
   BW_TRY(problem->mass(context, problem->data, *count, w, mw));
   for (int pass = 0; pass < 2 && *count > 0 && !exact; pass++) {
@@ -301,10 +295,7 @@ static bw_status rayleigh_ritz(lobpcg *l, int columns, const bool *live) {
   double *matrix = BW_NEW(context, double, (int64_t)columns *(columns + block));
   double *former = BW_NEW(context, double, (int64_t)columns *columns);
   double *value = BW_NEW(context, double, columns);
-  if (!matrix || !former || !value) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(matrix && former && value);
   for (int j = 0; j < columns; j++)
     memcpy(former + (int64_t)j * columns, l->projected + (int64_t)j * l->width,
            (size_t)columns * sizeof *former);
@@ -627,10 +618,7 @@ static bw_status lobpcg_iterate(bwi_eigen_iteration *iteration, int wanted, doub
   if (wanted > l->block)
     wanted = l->block;
   live = BW_NEW0(iteration->context, bool, l->block);
-  if (!live) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(live);
   BW_TRY(iterate(l, wanted, tolerance, live));
 done:
   bw_free(live);

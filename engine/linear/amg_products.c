@@ -142,10 +142,7 @@ static bw_status make(bwi_amg_setup *s, int32_t rows, int height, bw_body *body,
     out->start[k + 1] += out->start[k];
   out->column = BW_NEW(s->context, int32_t, out->start[rows] + 1);
   out->exact = BW_NEW0(s->context, double, out->start[rows] * height * MODES + 1);
-  if (!out->column || !out->exact) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(out->column && out->exact);
   m.fill = true;
   BW_TRY(bw_parallel(s->context, rows, BWI_AMG_ROWS, body, &m));
 done:

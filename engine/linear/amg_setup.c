@@ -179,18 +179,12 @@ static bw_status begin_level(bwi_amg_setup *s) {
   s->y = BW_NEW(s->context, double, size);
   s->norm = BW_NEW0(s->context, double, v->rows);
   s->inverse = BW_NEW0(s->context, double, size *u);
-  if (!s->x || !s->y || !s->norm || !s->inverse) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s->x && s->y && s->norm && s->inverse);
   BW_TRY(bw_parallel(s->context, v->rows, BWI_AMG_ROWS, find_diagonal, s));
   BW_TRY(estimate(s));
   if (s->at > 0) {
     v->inverse = BW_NEW0(s->context, float, size *u + BWI_SMOOTHER_SPARE);
-    if (!v->inverse) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(v->inverse);
     for (int64_t i = 0; i < size * u; i++)
       v->inverse[i] = (float)s->inverse[i];
   }

@@ -48,7 +48,6 @@ static bw_status open_vectors(bw_context *context, const bwi_amg *g, bwi_packed 
 bw_status bwi_amg_solve(bw_context *context, bwi_amg *g, bwi_amg_problem *problem, int64_t count,
                         const double *force, double *displacement) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)g->smoother->count;
   bool alone = problem->energy_alone;
   double *work = NULL;
   bwi_packed packed = {.smoother = g->smoother,
@@ -59,29 +58,19 @@ bw_status bwi_amg_solve(bw_context *context, bwi_amg *g, bwi_amg_problem *proble
                        .width = bwi_smoother_width(count),
                        .precondition = precondition,
                        .data = g};
-  problem->iterations = 0;
-  problem->converged = true;
-  problem->residual = 0;
+  bwi_pcg_task task = {.energy_tolerance = (alone ? sqrt(SMALLEST) : 1) * problem->tolerance,
+                       .residual_tolerance = alone ? INFINITY : problem->tolerance,
+                       .energy_fall = alone ? BWI_ENERGY_FALLS_MOSTLY : BWI_ENERGY_FALLS,
+                       .limit = problem->limit,
+                       .progress = true};
   BW_TRY(open_vectors(context, g, &packed, &work));
   BW_TRY(bwi_amg_reserve(context, g, packed.width));
   packed.floats = g->level[0].b;
   packed.z = g->level[0].x;
-  for (int64_t first = 0; first < count && problem->converged; first += packed.width) {
-    int64_t left = count - first;
-    packed.width = bwi_smoother_width(left); /* no more than before */
-    bwi_pcg_task task = {.columns = (int)(left < packed.width ? left : packed.width),
-                         .energy_tolerance = (alone ? sqrt(SMALLEST) : 1) * problem->tolerance,
-                         .residual_tolerance = alone ? INFINITY : problem->tolerance,
-                         .energy_fall = alone ? BWI_ENERGY_FALLS_MOSTLY : BWI_ENERGY_FALLS,
-                         .limit = problem->limit,
-                         .progress = true};
-    BW_TRY(bwi_packed_solve(context, &packed, &task, force + first * size,
-                            displacement + first * size));
-    problem->iterations =
-        task.iterations > problem->iterations ? task.iterations : problem->iterations;
-    problem->converged = task.converged;
-    problem->residual = task.residual;
-  }
+  BW_TRY(bwi_packed_solve(context, &packed, &task, count, force, displacement));
+  problem->iterations = task.iterations;
+  problem->converged = task.converged;
+  problem->residual = task.residual;
 done:
   bw_free(work);
   return status;

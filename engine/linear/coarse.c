@@ -116,10 +116,7 @@ static bw_status make_mesh(bw_context *context, bwi_coarse *c) {
   const bw_mesh *fine = c->fine;
   double *node = BW_NEW(context, double, 3 * (size_t)c->count);
   int32_t *element = BW_NEW(context, int32_t, 4 * (size_t)fine->element_count);
-  if (!node || !element) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(node && element);
   for (int32_t k = 0; k < c->count; k++)
     memcpy(node + 3 * (int64_t)k, fine->node + 3 * (int64_t)c->corner[k], 3 * sizeof *node);
   for (int64_t e = 0; e < fine->element_count; e++)
@@ -146,10 +143,7 @@ bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse
   c->fine = bw_retain(mesh);
   c->corner = BW_NEW(context, int32_t, mesh->node_count);
   c->parent = BW_NEW(context, int32_t, 2 * (size_t)mesh->node_count);
-  if (!c->corner || !c->parent) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(c->corner && c->parent);
   find_parents(c);
   BW_TRY(make_mesh(context, c));
   BW_TRY(bw_block_pattern_create(context, c->mesh, &c->pattern));
@@ -372,10 +366,7 @@ bw_status bwi_coarse_check_digits(bw_context *context, const bw_block_pattern *p
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)pattern->node_count;
   double *x = BW_NEW(context, double, size), *y = BW_NEW(context, double, size);
-  if (!x || !y) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(x && y);
   memcpy(x, load, (size_t)size * sizeof *x);
   BW_TRY(solve(context, data, 1, x));
   BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, x, y));
@@ -465,10 +456,7 @@ bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *
   BW_TRY(bwi_coarse_count(context, c, dof_map));
   if (!c->stiffness)
     c->stiffness = BW_NEW(context, double, 9 * c->pattern->block_count);
-  if (!c->stiffness) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(c->stiffness);
   BW_TRY(bw_stiffness(context, c->pattern, c->mesh, model->material, c->stiffness));
   if (c->iterative)
     BW_TRY(update_amg(context, c));

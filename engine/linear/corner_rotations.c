@@ -178,10 +178,7 @@ static bw_status multiply(bw_context *context, galerkin *g) {
   }
   g->mark = BW_NEW(context, int32_t, (int64_t)workers * corners);
   g->sum = BW_NEW(context, double, 36 * workers * g->longest);
-  if (!constrained || !g->mark || !g->sum) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(constrained && g->mark && g->sum);
   for (int32_t h = 0; h < l->constrained_count; h++)
     constrained[l->constrained[h]] = 1;
   g->constrained = constrained;
@@ -310,20 +307,14 @@ bw_status bwi_corner_rotations_create(bw_context *context, const bwi_two_level *
   bw_object_init(c, &rotations_kind);
   c->corners = bwi_coarse_corners(l->coarse);
   c->x = BW_NEW(context, double, 6 * FIELDS * (int64_t)c->corners);
-  if (!c->x) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(c->x);
   BW_TRY(set_arms(context, c, l, mesh));
   BW_TRY(number(context, c, l));
   BW_TRY(make_pattern(context, c, l, mesh, &pattern));
   BW_TRY(bwi_order_create(context, pattern, NULL, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, c->unknown, &symbolic));
   value = BW_NEW(context, double, 9 * pattern->block_count);
-  if (!value) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(value);
   galerkin g = {.l = l, .c = c, .stiffness = stiffness, .pattern = pattern, .value = value};
   BW_TRY(multiply(context, &g));
   const bwi_matrix matrix = {.pattern = pattern, .stiffness = value, .dof_map = &c->dof_map};

@@ -370,18 +370,12 @@ bw_status bwi_element_product_create(bw_context *context, const bwi_smoother *sm
   g.row = BW_NEW(context, int32_t, count);
   g.first = BW_NEW(context, uint8_t, count);
   g.last = BW_NEW(context, uint8_t, count);
-  if (!g.row || !g.first || !g.last) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(g.row && g.first && g.last);
   BW_TRY(bw_parallel(context, count, BWI_SMOOTHER_ROWS, find_rows, &g));
   choose_groups(&g);
   BW_TRY(fill_lanes(context, &g));
   p->batches = BW_NEW(context, batch, p->start[p->group_count]);
-  if (!p->batches) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(p->batches);
   BW_TRY(
       bw_parallel(context, p->start[p->group_count], BWI_SMOOTHER_ROWS / LANES, fill_batches, &g));
 done:

@@ -469,10 +469,7 @@ static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_m
   }
   factor->value = (reach ? bw_alloc : bwi_alloc_once)(
       context, (size_t)symbolic->panel[symbolic->order->super_count], kernels->size);
-  if (!factor->value) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(factor->value);
   if (reach) {
     BW_TRY(kept_create(context, symbolic, reach, factor));
     BW_TRY(bwi_factor_update(context, factor, matrix, NULL, NULL, bad_node));

@@ -294,8 +294,9 @@ done:
   return status;
 }
 
-bw_status bwi_packed_solve(bw_context *context, const bwi_packed *m, bwi_pcg_task *task,
-                           const double *force, double *displacement) {
+/* Those of task->columns fields. */
+static bw_status solve_columns(bw_context *context, const bwi_packed *m, bwi_pcg_task *task,
+                               const double *force, double *displacement) {
   bw_status status = BW_OK;
   size_t numbers = 3 * (size_t)m->smoother->count * (size_t)m->width;
   double load[SIDES], energy[SIDES];
@@ -329,5 +330,29 @@ bw_status bwi_packed_solve(bw_context *context, const bwi_packed *m, bwi_pcg_tas
   *task = scaled;
 done:
   bw_free(s.chunk_sum);
+  return status;
+}
+
+bw_status bwi_packed_solve(bw_context *context, bwi_packed *m, bwi_pcg_task *task, int64_t count,
+                           const double *force, double *displacement) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)m->smoother->count;
+  const bwi_pcg_task given = *task;
+  int most = 0;
+  task->iterations = 0;
+  task->converged = true;
+  task->residual = 0;
+  for (int64_t first = 0; first < count && task->converged; first += m->width) {
+    *task = given;
+    m->left = count - first;
+    m->width = bwi_smoother_width(m->left); /* no more than before */
+    task->columns = m->left < m->width ? (int)m->left : m->width;
+    task->load = given.load ? given.load + first : NULL;
+    task->energy = given.energy ? given.energy + first : NULL;
+    BW_TRY(solve_columns(context, m, task, force + first * size, displacement + first * size));
+    most = task->iterations > most ? task->iterations : most;
+  }
+  task->iterations = most;
+done:
   return status;
 }

@@ -16,7 +16,8 @@ typedef struct bwi_packed {
   bwi_rigid_space *rigid;     /* of the rows: residuals and directions are free of it; or NULL */
   const int32_t *constrained; /* rows with a prescribed component */
   int32_t constrained_count;
-  int width;
+  int width;    /* there is room for; at work: of the fields side by side */
+  int64_t left; /* at work: fields without a solution */
   double *u, *r, *p, *q, *ku;
   float *floats, *z; /* r, and what becomes of it */
   /* z of the residuals in `floats`, of which `used` are not 0 */
@@ -24,9 +25,11 @@ typedef struct bwi_packed {
   void *data;
 } bwi_packed;
 
-/* K u = f at the unknowns for task->columns fields in global directions, one after the other; u is
- * 0 elsewhere. `load` and `energy` of the task are those of the fields. */
-bw_status bwi_packed_solve(bw_context *context, const bwi_packed *packed, bwi_pcg_task *task,
-                           const double *force, double *displacement);
+/* K u = f at the unknowns for `count` fields in global directions, one after the other, as many at
+ * a time as there is room for; u is 0 elsewhere. `load` and `energy` of the task are those of the
+ * fields. Its iterations are the most of all; where some did not converge, the fields behind them
+ * have no solution. */
+bw_status bwi_packed_solve(bw_context *context, bwi_packed *packed, bwi_pcg_task *task,
+                           int64_t count, const double *force, double *displacement);
 
 #endif

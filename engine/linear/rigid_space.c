@@ -124,10 +124,7 @@ bw_status bwi_rigid_space_create(bw_context *context, const bw_dof_map *dof_map,
   s->body = BW_NEW0(context, body, bodies);
   s->node = BW_NEW(context, int32_t, dof_map->mesh->node_count);
   s->row = BW_NEW(context, int32_t, dof_map->mesh->node_count);
-  if (!s->body || !s->node || !s->row) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s->body && s->node && s->row);
   for (int32_t c = 0; c < bodies; c++) {
     int modes = dof_map->rigid_mode_start[c + 1] - dof_map->rigid_mode_start[c];
     body *b = &s->body[s->body_count];

@@ -181,10 +181,7 @@ bw_status bwi_node_blocks_find(bw_context *context, const bw_block_pattern *patt
   blocks->of = BW_NEW(context, int32_t, nodes);
   blocks->start = BW_NEW(context, int32_t, (int64_t)nodes + 1);
   blocks->member = BW_NEW(context, int32_t, nodes);
-  if (!own || !size || !parent || !blocks->of || !blocks->start || !blocks->member) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(own && size && parent && blocks->of && blocks->start && blocks->member);
   for (int64_t i = 0; i < nodes && stiffness; i++)
     own[i] = sqrt(square_of(stiffness + 9 * (pattern->start[i + 1] - 1)));
   count = stiffness ? list_couplings(pattern, stiffness, own, ratio, NULL) : 0;
@@ -194,10 +191,7 @@ bw_status bwi_node_blocks_find(bw_context *context, const bw_block_pattern *patt
     count = list_couplings(pattern, stiffness, own, ratio, NULL);
   }
   list = BW_NEW(context, coupling, count + 1);
-  if (!list) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(list);
   if (stiffness)
     list_couplings(pattern, stiffness, own, ratio, list);
   qsort(list, (size_t)count, sizeof *list, stronger_first);

@@ -304,10 +304,7 @@ static bw_status make_rows(bw_context *context, bwi_smoother *s, const bw_mesh *
     goto done;
   }
   row = BW_NEW(context, entry, longest + 1);
-  if (!row) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(row);
   BW_TRY(make_part(context, &s->even, s->count, entries[0], 6, mesh && !s->by_elements));
   BW_TRY(make_part(context, &s->odd, s->count, entries[1], 9, mesh && !s->by_elements));
   list_rows(s, odd, row);
@@ -373,10 +370,7 @@ bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
   s->row_of = BW_NEW(context, int32_t, s->count);
   s->inverse = BW_NEW0(context, float, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
   s->diagonal = BW_NEW0(context, double, 6 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
-  if (!s->node || !s->row_of || !s->inverse || !s->diagonal) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s->node && s->row_of && s->inverse && s->diagonal);
   BW_TRY(order_nodes(context, s, stiffness, &o));
   BW_TRY(make_rows(context, s, mesh, even));
   if (o.blocks.count < s->count)

@@ -73,10 +73,7 @@ static bw_status colour(bw_context *context, const bwi_two_level *l, bwi_stars *
   bw_status status = BW_OK;
   int32_t *of = BW_NEW(context, int32_t, s->count);
   int32_t *last = BW_NEW(context, int32_t, (int64_t)s->count + 1); /* by colour: whose it is not */
-  if (!of || !last) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(of && last);
   for (int32_t c = 0; c < s->count; c++)
     of[c] = last[c] = -1;
   for (int32_t c = 0; c < s->count; c++) {
@@ -95,10 +92,7 @@ static bw_status colour(bw_context *context, const bwi_two_level *l, bwi_stars *
     s->colour_count = k >= s->colour_count ? k + 1 : s->colour_count;
   }
   s->colour_start = BW_NEW0(context, int32_t, (int64_t)s->colour_count + 1);
-  if (!s->colour_start) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s->colour_start);
   for (int32_t c = 0; c < s->count; c++)
     s->colour_start[of[c] + 1]++;
   for (int32_t k = 0; k < s->colour_count; k++)
@@ -302,10 +296,7 @@ static bw_status take_numbers(bw_context *context, const bwi_two_level *l, const
   s->inverse = BW_NEW(context, double, s->inverse_start[s->count]);
   t.works = BW_NEW(context, double, workers * s->longest * s->longest);
   t.failed = BW_NEW0(context, bool, workers);
-  if (!s->link || !s->coupling || !s->inverse || !t.works || !t.failed) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s->link && s->coupling && s->inverse && t.works && t.failed);
   status = bw_parallel(context, s->count, GRAIN, take, &t);
   *usable = true;
   for (int64_t k = 0; k < workers; k++)
@@ -330,10 +321,7 @@ bw_status bwi_stars_create(bw_context *context, const bwi_two_level *l, const do
   s->corner = BW_NEW(context, int32_t, s->count);
   s->member_start = BW_NEW0(context, int64_t, (int64_t)s->count + 1);
   s->inverse_start = BW_NEW0(context, int64_t, (int64_t)s->count + 1);
-  if (!s->corner || !s->member_start || !s->inverse_start) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(s->corner && s->member_start && s->inverse_start);
   BW_TRY(colour(context, l, s));
   BW_TRY(list_members(context, l, s));
   BW_TRY(take_numbers(context, l, stiffness, s, &usable));

@@ -149,10 +149,7 @@ bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_ma
 
   start = bw_seconds();
   system->stiffness = BW_NEW(context, double, 9 * system->pattern->block_count);
-  if (!system->stiffness) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(system->stiffness);
   BW_TRY(bw_stiffness(context, system->pattern, mesh, material, system->stiffness));
   system->times.stiffness = bw_seconds() - start;
 done:

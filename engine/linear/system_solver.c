@@ -415,10 +415,7 @@ static bw_status solve_iterative(bw_context *context, bw_system *system, int64_t
   if (!system->solver)
     problem.limit = bwi_pcg_break_even(system->two_level, bw_available_memory(), problem.limit);
   work = BW_NEW(context, double, 2 * width * size);
-  if (!work) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(work);
   for (int64_t first = 0; first < count; first += width) {
     int64_t left = count - first, block = left < width ? left : width;
     const double *f = force + first * size;

@@ -456,28 +456,19 @@ bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int wi
     return bw_fail(context, BW_INTERNAL, "a solve of %d right-hand sides at once", width);
   solve.collector = BW_NEW0(context, real *, symbolic->plan.task_count);
   solve.space = BW_NEW0(context, scratch, workers);
-  if (!solve.collector || !solve.space) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(solve.collector && solve.space);
   for (int32_t t = 0; t < symbolic->plan.task_count; t++) {
     int32_t root = symbolic->plan.task[t].root;
     int64_t outer = symbolic->rows[root] - bwi_pivots(symbolic, root);
     solve.collector[t] = BW_NEW(context, real, outer * width);
-    if (!solve.collector[t]) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(solve.collector[t]);
   }
   for (int w = 0; w < workers; w++) {
     scratch *space = &solve.space[w];
     space->index = BW_NEW(context, int32_t, symbolic->max_rows);
     space->y = BW_NEW(context, real, symbolic->max_rows * width);
     space->slot = BW_NEW(context, int32_t, symbolic->unknowns);
-    if (!space->index || !space->y || !space->slot) {
-      status = BW_MEMORY;
-      goto done;
-    }
+    BW_TRY_MEMORY(space->index && space->y && space->slot);
   }
   BW_TRY(bw_parallel(context, symbolic->plan.task_count, 1, forward_tasks, &solve));
   collect(&solve);

@@ -131,7 +131,7 @@ bw_status bwi_two_level_remember(bw_context *context, bwi_two_level *two_level, 
 /* bwi_pcg_task.adapt. The same, where the iterations of this solution are slow. */
 typedef struct bwi_two_level_watch {
   bwi_two_level *two_level;
-  int64_t count; /* right-hand sides of this solution, or to come */
+  const int64_t *count; /* right-hand sides of this solution that are left, or to come */
 } bwi_two_level_watch;
 bw_status bwi_two_level_adapt(bw_context *context, void *watch, int iterations, double done);
 /* Says in a report that corners rotate, where they do. */

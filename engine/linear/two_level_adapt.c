@@ -149,7 +149,7 @@ bw_status bwi_two_level_adapt(bw_context *context, void *data, int iterations, d
     return BW_OK;
   l->done[k] = done; /* done[0] is 0 */
   double left = ITERATIONS * (k - half) * (1 - done) / fmax(done - l->done[half], 1e-3);
-  if (!rotations_pay(l, left, watch->count))
+  if (!rotations_pay(l, left, *watch->count))
     return BW_OK;
   l->slow = iterations + left;
   return rotate(context, l);

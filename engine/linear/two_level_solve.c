@@ -20,13 +20,8 @@ static bw_status precondition(bw_context *context, void *data, int width, int us
 bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_level_problem *problem,
                               int64_t count, const double *force, double *displacement) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)l->smoother->count;
   bool alone = problem->energy_alone;
   int width = bwi_smoother_width(count);
-  problem->iterations = 0;
-  problem->converged = true;
-  problem->reached = 0;
-  bwi_two_level_watch watch = {l, count};
   BW_TRY(bwi_two_level_remember(context, l, count));
   BW_TRY(bwi_two_level_reserve(context, l, width));
   bwi_packed packed = {.smoother = l->smoother,
@@ -45,30 +40,23 @@ bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_lev
                        .z = l->z,
                        .precondition = precondition,
                        .data = l};
-  for (int64_t first = 0; first < count && problem->converged; first += width) {
-    packed.width = width = bwi_smoother_width(count - first); /* no more than before */
-    /* Where solutions are to be as exact as a direct one, errors must be small beside any part of
-       the solution that is seen, and the energy of a load at a support, say, is that of its
-       neighbourhood: ten times less. Whoever looks at the residual takes other norms: half. */
-    bwi_pcg_task task = {.columns = count - first < width ? (int)(count - first) : width,
-                         .energy_tolerance =
-                             sqrt(SMALLEST) * problem->tolerance * (alone ? 1 : 0.1),
-                         .residual_tolerance = alone ? INFINITY : 0.5 * problem->tolerance,
-                         .energy_fall = alone ? BWI_ENERGY_FALLS_MOSTLY : BWI_ENERGY_FALLS,
-                         .load = problem->load ? problem->load + first : NULL,
-                         .energy = problem->energy ? problem->energy + first : NULL,
-                         .limit = problem->limit,
-                         .adapt = bwi_two_level_adapt,
-                         .data = &watch,
-                         .progress = true};
-    watch.count = problem->expected > 0 ? problem->expected : count - first;
-    BW_TRY(bwi_packed_solve(context, &packed, &task, force + first * size,
-                            displacement + first * size));
-    problem->iterations =
-        task.iterations > problem->iterations ? task.iterations : problem->iterations;
-    problem->converged = task.converged;
-    problem->reached = task.residual;
-  }
+  bwi_two_level_watch watch = {l, problem->expected > 0 ? &problem->expected : &packed.left};
+  /* Where solutions are to be as exact as a direct one, errors must be small beside any part of
+     the solution that is seen, and the energy of a load at a support, say, is that of its
+     neighbourhood: ten times less. Whoever looks at the residual takes other norms: half. */
+  bwi_pcg_task task = {.energy_tolerance = sqrt(SMALLEST) * problem->tolerance * (alone ? 1 : 0.1),
+                       .residual_tolerance = alone ? INFINITY : 0.5 * problem->tolerance,
+                       .energy_fall = alone ? BWI_ENERGY_FALLS_MOSTLY : BWI_ENERGY_FALLS,
+                       .load = problem->load,
+                       .energy = problem->energy,
+                       .limit = problem->limit,
+                       .adapt = bwi_two_level_adapt,
+                       .data = &watch,
+                       .progress = true};
+  BW_TRY(bwi_packed_solve(context, &packed, &task, count, force, displacement));
+  problem->iterations = task.iterations;
+  problem->converged = task.converged;
+  problem->reached = task.residual;
 done:
   return status;
 }

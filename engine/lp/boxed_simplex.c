@@ -147,15 +147,13 @@ static bwi_simplex_result iterate(bwi_simplex *s) {
   int32_t enters = passed - 1;
   if (fabs(s->alpha[s->point[enters].column]) < bwi_smallest_pivot * length) {
     double largest = 0;
-    enters = -1;
     for (int32_t i = 0; i < passed; i++)
       largest = fmax(largest, fabs(s->alpha[s->point[i].column]));
+    double least = fmin(largest, bwi_smallest_pivot * length);
+    enters = -1;
     for (int32_t i = 0; i < passed; i++)
-      if (fabs(s->alpha[s->point[i].column]) >= bwi_smallest_pivot * length &&
+      if (fabs(s->alpha[s->point[i].column]) >= least &&
           (enters < 0 || bwi_sooner(&s->point[enters], &s->point[i])))
-        enters = i;
-    for (int32_t i = 0; i < passed && enters < 0; i++)
-      if (fabs(s->alpha[s->point[i].column]) >= largest)
         enters = i;
   }
   const bwi_breakpoint stop = s->point[enters];

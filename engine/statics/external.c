@@ -40,10 +40,7 @@ static bw_status check(bw_context *context, bwi_external *external, const bw_sta
   int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
   double *residual = BW_NEW(context, double, size);
   double *product = BW_NEW(context, double, size);
-  if (!residual || !product) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(residual && product);
   memcpy(residual, result->force, (size_t)size * sizeof *residual);
   if (dof_map->rigid_mode_count > 0)
     bw_rigid_modes_balance(dof_map, residual);
@@ -108,10 +105,7 @@ bw_status bwi_statics_external(bw_context *context, const bw_model *model,
   BW_TRY(bwi_external_create(context, model->material, dof_map, statics->solver, &external));
   BW_TRY(bwi_static_begin(context, model, statics, dof_map, &result));
   result->external = BW_NEW0(context, bw_external_report, 1);
-  if (!result->external) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(result->external);
   bwi_static_solver solver = {
       .solve = solve, .multiply = multiply_one, .data = external, .refine_to = tolerance};
   BW_TRY(bwi_static_solve(context, dof_map, NULL, NULL, &solver, result));

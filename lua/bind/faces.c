@@ -185,10 +185,7 @@ static bw_status areas_on_mesh(bw_context *context, const bw_surface *surface, c
   bw_selection *chosen = NULL;
   int32_t *label = BW_NEW(context, int32_t, mesh->facet_count);
   uint8_t *mask = BW_NEW(context, uint8_t, mesh->facet_count);
-  if (!label || !mask) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(label && mask);
   BW_TRY(bw_faces_find(context, surface, 0, &faces));
   BW_TRY(bw_faces_on_mesh(context, surface, faces, mesh, label));
   for (int32_t i = 0; i < faces->count; i++) {

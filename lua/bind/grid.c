@@ -142,10 +142,7 @@ static int grid_box(lua_State *L) {
   bw_status status;
   bw_context *context = lbw_enter(L);
   int32_t *material = BW_NEW(context, int32_t, count);
-  if (!material) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY_MEMORY(material);
   BW_TRY(materials_of(context, &s, min, spacing, cells, count, NULL, material));
   BW_TRY(bw_grid_create(context, min, spacing, cells, material, NULL, &out));
 done:

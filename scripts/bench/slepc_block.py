@@ -48,11 +48,12 @@ def rigid_modes(nodes):
 
 
 def bounds(values, residuals):
-    """Of the relative errors. The last cluster has no known neighbour above, and that below stands for it."""
+    """Of the relative errors. The last cluster has no known neighbour above, and that below stands for it.
+    Where all values are one cluster nothing is known: nan."""
     out = []
     for i, value in enumerate(values):
         others = [abs(value - v) for v in values if abs(value - v) > CLUSTER * value]
-        out.append(residuals[i] ** 2 / MASS_FRACTION * value / min(others))
+        out.append(residuals[i] ** 2 / MASS_FRACTION * value / min(others, default=float("nan")))
     return out
 
 

@@ -34,6 +34,24 @@
       fail_msg("%s: message \"%s\" lacks \"%s\"", #call, bw_message(context), (text));             \
   } while (0)
 
+/* A call that makes an object or none: with each allocation in turn failing, and all behind it, it
+ * fails with BW_MEMORY, until it succeeds. What it makes is released. */
+#define check_allocations(context, object, call)                                                   \
+  do {                                                                                             \
+    bw_status check_status_ = BW_MEMORY;                                                           \
+    for (int64_t check_n_ = 1;; check_n_++) {                                                      \
+      bw_fail_allocation(check_n_, true);                                                          \
+      check_status_ = (call);                                                                      \
+      bw_fail_allocation(0, false);                                                                \
+      bw_release(object);                                                                          \
+      (object) = NULL;                                                                             \
+      if (check_status_ == BW_OK)                                                                  \
+        break;                                                                                     \
+      assert_int_equal(check_status_, BW_MEMORY);                                                  \
+      bw_clear_failure(context);                                                                   \
+    }                                                                                              \
+  } while (0)
+
 #define check_near(value, expected, tolerance)                                                     \
   do {                                                                                             \
     double check_value_ = (value), check_expected_ = (expected);                                   \

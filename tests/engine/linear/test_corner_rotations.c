@@ -3,7 +3,7 @@
  * plates of flat elements converge with it, to what a factor gives. */
 #include "linear/corner_rotations.h"
 
-#include "incremental_bar.h"
+#include "linear/supports.h"
 #include "linear/system_two_level.h"
 
 typedef struct levels {
@@ -115,48 +115,23 @@ static void no_memory(void **state) {
   bar_make(context, 1, 2, &b);
   load_bar(context, &b, 3);
   levels_make(context, b.model, &v);
-  for (int64_t n = 1;; n++) {
-    bwi_corner_rotations *rotations = NULL;
-    bw_fail_allocation(n, true);
-    bw_status status =
-        bwi_corner_rotations_create(context, v.two_level, v.mesh, v.stiffness, &rotations);
-    bw_fail_allocation(0, false);
-    bw_release(rotations);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
-    bw_clear_failure(context);
-  }
+  bwi_corner_rotations *rotations = NULL;
+  check_allocations(
+      context, rotations,
+      bwi_corner_rotations_create(context, v.two_level, v.mesh, v.stiffness, &rotations));
   levels_clear(&v);
   bar_clear(&b);
 }
 
 /* ---- plates of flat elements ----------------------------------------------------------------- */
 
-typedef enum support { CLAMPED, SLIDING, OBLIQUE, FREE, SUPPORTS } support;
-
 /* A plate of cells `wide` times as wide as thick, under its weight and a force at one edge. */
 static bw_model *plate_of(bw_context *context, int cells, int layers, double wide, support how) {
   double length = wide * cells;
   bw_mesh *mesh = body_box(context, length, length, layers, cells, cells, layers, 2);
   bw_material *material = body_material(context);
-  bw_model *model = NULL;
-  const double pull[3] = {3e3, 1e3, -2e3}, gravity[3] = {1, 2, -9.81};
-  const double normal[3] = {0.8, 0.6, 0};
-  check_ok(context, bw_model_create(context, mesh, material, &model));
-  bw_selection *low = face(context, mesh, 0, 0), *high = face(context, mesh, 0, length);
-  bw_selection *side = face(context, mesh, 1, 0);
-  if (how == CLAMPED)
-    check_ok(context, bw_model_fix(context, model, low));
-  if (how == SLIDING || how == OBLIQUE) {
-    check_ok(context, bw_model_slide(context, model, low, how == OBLIQUE ? normal : NULL));
-    check_ok(context, bw_model_slide(context, model, side, NULL));
-  }
-  check_ok(context, bw_model_gravity(context, model, gravity));
-  check_ok(context, bw_model_force(context, model, high, pull));
-  bw_release(low);
-  bw_release(high);
-  bw_release(side);
+  bw_model *model =
+      supported_body(context, mesh, material, how, 0, length, (const double[3]){0.8, 0.6, 0});
   bw_release(material);
   bw_release(mesh);
   return model;

@@ -207,17 +207,9 @@ static void no_memory(void **state) {
   bw_material *material = body_material(context);
   scene s;
   scene_make(context, random_mesh(context, cells, 0), material, &s);
-  for (int64_t n = 1;; n++) {
-    bwi_element_product *product = NULL;
-    bw_fail_allocation(n, true);
-    bw_status status = bwi_element_product_create(context, s.smoother, s.mesh, material, &product);
-    bw_fail_allocation(0, false);
-    bw_release(product);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
-    bw_clear_failure(context);
-  }
+  bwi_element_product *product = NULL;
+  check_allocations(context, product,
+                    bwi_element_product_create(context, s.smoother, s.mesh, material, &product));
   scene_clear(&s);
   bw_release(material);
 }

@@ -425,18 +425,9 @@ static void no_memory(void **state) {
   bw_context *context = check_context(state);
   scene s;
   scene_make(context, 1, 0, &s);
-  for (int64_t n = 1;; n++) {
-    bwi_smoother *w = NULL;
-    bw_fail_allocation(n, true);
-    bw_status status =
-        bwi_smoother_create(context, s.b.mesh, s.pattern, true, true, s.stiffness, &w);
-    bw_fail_allocation(0, false);
-    bw_release(w);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
-    bw_clear_failure(context);
-  }
+  bwi_smoother *w = NULL;
+  check_allocations(context, w,
+                    bwi_smoother_create(context, s.b.mesh, s.pattern, true, true, s.stiffness, &w));
   scene_clear(&s);
 }
 

@@ -5,7 +5,7 @@
 
 #include "base/dense.h"
 
-#include "incremental_bar.h"
+#include "linear/supports.h"
 #include "linear/system_two_level.h"
 
 /* A bar with a material of its own, in place of that of bar_make. */
@@ -171,17 +171,8 @@ static void no_memory(void **state) {
   bw_context *context = check_context(state);
   scene s;
   scene_make(context, 1, 0, &s);
-  for (int64_t n = 1;; n++) {
-    bwi_stars *stars = NULL;
-    bw_fail_allocation(n, true);
-    bw_status status = bwi_stars_create(context, s.two_level, s.stiffness, &stars);
-    bw_fail_allocation(0, false);
-    bw_release(stars);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
-    bw_clear_failure(context);
-  }
+  bwi_stars *stars = NULL;
+  check_allocations(context, stars, bwi_stars_create(context, s.two_level, s.stiffness, &stars));
   scene_clear(&s);
 }
 
@@ -211,27 +202,9 @@ static bw_mesh *cube_of(bw_context *context, int cells, double shake) {
   return mesh;
 }
 
-typedef enum support { CLAMPED, SLIDING, OBLIQUE, FREE } support;
-
 static bw_model *model_of(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                           support how) {
-  bw_model *model = NULL;
-  const double pull[3] = {3e3, 1e3, -2e3}, gravity[3] = {1, 2, -9.81}, normal[3] = {0.6, 0, 0.8};
-  bw_selection *low = face(context, mesh, 2, 0), *high = face(context, mesh, 2, 1);
-  bw_selection *side = face(context, mesh, 1, 0);
-  check_ok(context, bw_model_create(context, mesh, material, &model));
-  if (how == CLAMPED)
-    check_ok(context, bw_model_fix(context, model, low));
-  if (how == SLIDING || how == OBLIQUE) {
-    check_ok(context, bw_model_slide(context, model, low, how == OBLIQUE ? normal : NULL));
-    check_ok(context, bw_model_slide(context, model, side, NULL));
-  }
-  check_ok(context, bw_model_gravity(context, model, gravity));
-  check_ok(context, bw_model_force(context, model, high, pull));
-  bw_release(low);
-  bw_release(high);
-  bw_release(side);
-  return model;
+  return supported_body(context, mesh, material, how, 2, 1, (const double[3]){0.6, 0, 0.8});
 }
 
 /* Iterations to the displacements that a factor gives, on one thread and on four the same bits.
