@@ -16,7 +16,8 @@ enum { STRESS_FIELDS = 4, IDS = 2 };
 /* What all ranks know of an output. */
 typedef struct plan {
   int count, displacement, regions, path_length;
-  char *path, *name; /* name: count x BW_EXTERNAL_NAME */
+  char *path, *name;      /* name: count x BW_EXTERNAL_NAME */
+  bw_mesh_region *region; /* `regions` of them */
 } plan;
 
 typedef struct piece {
@@ -24,7 +25,7 @@ typedef struct piece {
   int32_t element_count, *element; /* local numbers */
   int32_t node_count, *node;       /* local numbers */
   int32_t *number;                 /* of local nodes: in the piece, or -1 */
-  int32_t *global, *region;        /* of the elements; region NULL: none */
+  int32_t *global, *region;        /* of the elements; region: in plan.region, NULL: none */
   int count;                       /* fields */
   bw_field *field;
   bw_array **array;
@@ -37,6 +38,7 @@ static void clear(plan *p, piece *q) {
     bw_release(q->array[i]);
   bw_free(p->path);
   bw_free(p->name);
+  bw_free(p->region);
   bw_free(q->element);
   bw_free(q->node);
   bw_free(q->number);
@@ -68,19 +70,23 @@ static bw_status make_plan(bw_context *context, const bwd_system *system,
                            const bw_external_output *output, plan *p) {
   bw_status status = BW_OK;
   int head[4] = {0};
+  const bw_mesh *mesh = output ? system->problem->dof_map->mesh : NULL;
   if (output) {
     head[0] = output->count;
     head[1] = output->displacement;
-    head[2] = system->problem->dof_map->mesh->region != NULL;
+    head[2] = mesh->region_count;
     head[3] = (int)strlen(output->path);
   }
   MPI_Bcast(head, 4, MPI_INT, 0, bwd_comm());
-  *p = (plan){head[0], head[1], head[2], head[3], NULL, NULL};
+  *p = (plan){head[0], head[1], head[2], head[3], NULL, NULL, NULL};
   p->path = BW_NEW0(context, char, p->path_length + 1);
   p->name = BW_NEW0(context, char, p->count *BW_EXTERNAL_NAME + 1);
-  if (!p->path || !p->name)
+  p->region = BW_NEW0(context, bw_mesh_region, p->regions + 1);
+  if (!p->path || !p->name || !p->region)
     status = BW_MEMORY;
   else if (output) {
+    if (p->regions)
+      memcpy(p->region, mesh->regions, (size_t)p->regions * sizeof *p->region);
     memcpy(p->path, output->path, (size_t)p->path_length);
     for (int k = 0; k < p->count; k++)
       snprintf(p->name + (int64_t)k * BW_EXTERNAL_NAME, BW_EXTERNAL_NAME, "%s", output->name[k]);
@@ -89,6 +95,7 @@ static bw_status make_plan(bw_context *context, const bwd_system *system,
   BW_TRY(bwd_agree(context, status));
   MPI_Bcast(p->path, p->path_length, MPI_CHAR, 0, bwd_comm());
   MPI_Bcast(p->name, p->count * BW_EXTERNAL_NAME, MPI_CHAR, 0, bwd_comm());
+  MPI_Bcast(p->region, p->regions * (int)sizeof *p->region, MPI_BYTE, 0, bwd_comm());
 done:
   return status;
 }
@@ -331,30 +338,27 @@ done:
   return status;
 }
 
-static bw_status write_piece(bw_context *context, const piece *q) {
+static bw_status write_piece(bw_context *context, const plan *p, const piece *q) {
   bw_status status = BW_OK;
   bw_mesh *mesh = NULL;
   int width = q->local->count.nodes_per_element;
   double *node = BW_NEW(context, double, 3 * (int64_t)q->node_count);
   int32_t *element = BW_NEW(context, int32_t, (int64_t)q->element_count * width);
-  int32_t *region = q->region ? BW_NEW(context, int32_t, q->element_count) : NULL;
-  BW_TRY_MEMORY(node && element && (!q->region || region));
+  bw_mesh_regions regions = {p->regions, p->region, q->region};
+  BW_TRY_MEMORY(node && element);
   for (int64_t i = 0; i < q->node_count; i++)
     memcpy(node + 3 * i, q->local->node + 3 * (int64_t)q->node[i], 3 * sizeof *node);
   for (int64_t e = 0; e < q->element_count; e++)
     for (int a = 0; a < width; a++)
       element[e * width + a] = q->number[q->local->element[(int64_t)q->element[e] * width + a]];
-  if (region)
-    memcpy(region, q->region, (size_t)q->element_count * sizeof *region);
   BW_TRY(bw_mesh_adopt(context, q->local->count.order, q->node_count, node, q->element_count,
-                       element, region, &mesh));
+                       element, &regions, &mesh));
   node = NULL;
-  element = region = NULL;
+  element = NULL;
   status = bw_mesh_write(context, mesh, q->path, q->count, q->field);
 done:
   bw_free(node);
   bw_free(element);
-  bw_free(region);
   bw_release(mesh);
   return status;
 }
@@ -373,7 +377,7 @@ bw_status bwd_write(bw_context *context, bwd_system *system, const bw_external_o
   BW_TRY(receive_elements(context, system, &p, &q));
   BW_TRY(bwd_agree(context, collect(context, system, &p, output, &q)));
   if (q.element_count > 0)
-    status = write_piece(context, &q);
+    status = write_piece(context, &p, &q);
   written = status == BW_OK && q.element_count > 0;
   BW_TRY(bwd_agree(context, status));
   if (system->rank == 0)

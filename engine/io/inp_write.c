@@ -26,8 +26,9 @@ static void write_number(bw_writer *writer, double value) {
 }
 
 static void write_set(bw_writer *writer, const bw_mesh *mesh, int32_t region) {
-  bw_writer_print(writer, "*ELSET, ELSET=REGION_%s%lld\n", region < 0 ? "M" : "",
-                  region < 0 ? -(long long)region : (long long)region);
+  int32_t tag = mesh->regions[region].tag;
+  bw_writer_print(writer, "*ELSET, ELSET=REGION_%s%lld\n", tag < 0 ? "M" : "",
+                  tag < 0 ? -(long long)tag : (long long)tag);
   int in_line = 0;
   for (int32_t e = 0; e < mesh->element_count; e++)
     if (mesh->region[e] == region) {
@@ -38,21 +39,11 @@ static void write_set(bw_writer *writer, const bw_mesh *mesh, int32_t region) {
     bw_writer_bytes(writer, "\n", 1);
 }
 
-/* The regions in ascending order, each once; at most MAX_SETS of them are written as sets. */
+/* At most MAX_SETS regions, in ascending order, are written as sets. */
 static void write_regions(bw_writer *writer, const bw_mesh *mesh) {
   enum { MAX_SETS = 1000 };
-  bool any = true;
-  int64_t last = INT64_MIN;
-  for (int i = 0; any && i < MAX_SETS; i++) {
-    int64_t next = INT64_MAX;
-    for (int32_t e = 0; e < mesh->element_count; e++)
-      if (mesh->region[e] > last && mesh->region[e] < next)
-        next = mesh->region[e];
-    any = next != INT64_MAX;
-    if (any)
-      write_set(writer, mesh, (int32_t)next);
-    last = next;
-  }
+  for (int32_t i = 0; i < mesh->region_count && i < MAX_SETS; i++)
+    write_set(writer, mesh, i);
 }
 
 static void write_mesh(bw_writer *writer, const bw_mesh *mesh) {

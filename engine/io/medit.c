@@ -141,7 +141,7 @@ bw_status bwi_medit_write(bw_writer *writer, const bw_mesh *mesh) {
                         (int64_t)mesh->element[(int64_t)e * mesh->nodes_per_element + k] + 1);
       bw_writer_bytes(writer, " ", 1);
     }
-    bw_writer_integer(writer, mesh->region ? mesh->region[e] : 0);
+    bw_writer_integer(writer, mesh->region ? mesh->regions[mesh->region[e]].tag : 0);
     bw_writer_bytes(writer, "\n", 1);
   }
   return bw_writer_print(writer, "End\n");

@@ -250,29 +250,35 @@ done:
   return status;
 }
 
-static cells cells_of_mesh(const bw_mesh *mesh, int field_count, const bw_field *fields) {
-  return (cells){.dimension = 3,
-                 .type = mesh->order == 2 ? 11 : 4,
-                 .width = mesh->nodes_per_element,
-                 .points = mesh->node_count,
-                 .count = mesh->element_count,
-                 .point = mesh->node,
-                 .node = mesh->element,
-                 .tag = mesh->region,
-                 .field_count = field_count,
-                 .fields = fields};
+static bw_status write_mesh(bw_context *context, const bw_mesh *mesh, const char *path, bool binary,
+                            int field_count, const bw_field *fields) {
+  int32_t *tag;
+  bw_status status = bw_mesh_element_tags(context, mesh, &tag);
+  if (status != BW_OK)
+    return status;
+  cells c = {.tag = tag,
+             .dimension = 3,
+             .type = mesh->order == 2 ? 11 : 4,
+             .width = mesh->nodes_per_element,
+             .points = mesh->node_count,
+             .count = mesh->element_count,
+             .point = mesh->node,
+             .node = mesh->element,
+             .field_count = field_count,
+             .fields = fields};
+  status = write_cells(context, &c, path, binary);
+  bw_free(tag);
+  return status;
 }
 
 bw_status bwi_msh41_write(bw_context *context, const bw_mesh *mesh, const char *path,
                           int field_count, const bw_field *fields) {
-  cells c = cells_of_mesh(mesh, field_count, fields);
-  return write_cells(context, &c, path, true);
+  return write_mesh(context, mesh, path, true, field_count, fields);
 }
 
 bw_status bw_msh22_write(bw_context *context, const bw_mesh *mesh, const char *path,
                          int field_count, const bw_field *fields) {
-  cells c = cells_of_mesh(mesh, field_count, fields);
-  return write_cells(context, &c, path, false);
+  return write_mesh(context, mesh, path, false, field_count, fields);
 }
 
 /* Groups of a surface are numbered from 0, physical groups from 1. */

@@ -325,19 +325,41 @@ static bw_status join_elements(joining *j) {
   return BW_OK;
 }
 
+/* Regions by the tags of all pieces; an element of a piece without regions has tag 0. */
+static bw_status join_regions(const joining *j, bw_mesh_regions *regions) {
+  bw_status status = BW_OK;
+  int32_t named = 0;
+  for (size_t k = 0; k < j->count; k++)
+    named += j->piece[k].mesh->region_count;
+  if (named == 0)
+    return BW_OK;
+  int32_t *tag = BW_NEW(j->context, int32_t, j->elements);
+  bw_mesh_region *region = BW_NEW(j->context, bw_mesh_region, named);
+  BW_TRY_MEMORY(tag && region);
+  named = 0;
+  for (size_t k = 0; k < j->count; k++)
+    for (int32_t i = 0; i < j->piece[k].mesh->region_count; i++)
+      region[named++] = j->piece[k].mesh->regions[i];
+  for (int64_t e = 0; e < j->elements; e++) {
+    const bw_mesh *from = j->piece[j->element[e].piece].mesh;
+    tag[e] = from->region ? from->regions[from->region[j->element[e].local]].tag : 0;
+  }
+  status = bw_mesh_regions_by_tag(j->context, j->elements, tag, named, region, regions);
+done:
+  bw_free(tag);
+  bw_free(region);
+  return status;
+}
+
 static bw_status make_mesh(joining *j, bw_mesh **mesh) {
   bw_status status = BW_OK;
   int width = j->piece[0].mesh->nodes_per_element;
   double *x = BW_NEW(j->context, double, 3 * (int64_t)j->node_count);
   int32_t *element = BW_NEW(j->context, int32_t, j->elements * width);
   int32_t *start = BW_NEW0(j->context, int32_t, j->count);
-  int32_t *region = NULL;
-  bool regions = true;
-  for (size_t k = 0; k < j->count; k++)
-    regions = regions && j->piece[k].mesh->region;
-  if (regions)
-    region = BW_NEW(j->context, int32_t, j->elements);
-  BW_TRY_MEMORY(x && element && start && (!regions || region));
+  bw_mesh_regions regions = {0, NULL, NULL};
+  BW_TRY_MEMORY(x && element && start);
+  BW_TRY(join_regions(j, &regions));
   for (size_t k = 1; k < j->count; k++)
     start[k] = start[k - 1] + j->piece[k - 1].mesh->node_count;
   for (int32_t i = 0; i < j->node_count; i++) {
@@ -350,17 +372,15 @@ static bw_status make_mesh(joining *j, bw_mesh **mesh) {
     const int32_t *node = j->piece[cell->piece].mesh->element + (int64_t)cell->local * width;
     for (int a = 0; a < width; a++)
       element[e * width + a] = j->joined[start[cell->piece] + node[a]];
-    if (regions)
-      region[e] = j->piece[cell->piece].mesh->region[cell->local];
   }
   BW_TRY(bw_mesh_adopt(j->context, j->piece[0].mesh->order, j->node_count, x, j->elements, element,
-                       region, mesh));
+                       &regions, mesh));
   x = NULL;
-  element = region = NULL;
+  element = NULL;
 done:
   bw_free(x);
   bw_free(element);
-  bw_free(region);
+  bw_mesh_regions_clear(&regions);
   bw_free(start);
   return status;
 }

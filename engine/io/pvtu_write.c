@@ -106,7 +106,7 @@ static bw_status write_piece(pieces *p, int k) {
     for (int a = 0; a < width; a++)
       cell[e * width + a] = p->local[mesh->element[(int64_t)p->element[e] * width + a]];
     if (region)
-      region[e] = mesh->region[p->element[e]];
+      region[e] = mesh->regions[mesh->region[p->element[e]]].tag;
   }
   BW_TRY(cut_fields(p, field, array));
   bwi_vtu_cells g = {.points = p->node_count,

@@ -252,6 +252,7 @@ bw_status bwi_raw_mesh(bwi_raw *raw, const char *format, bw_mesh_file *file) {
   bw_status status = BW_OK;
   bw_context *context = raw->context;
   int32_t *to = NULL;
+  bw_mesh_regions regions = {0, NULL, NULL};
   memset(file, 0, sizeof *file);
   if (raw->tet_count == 0) {
     char text[200];
@@ -282,24 +283,24 @@ bw_status bwi_raw_mesh(bwi_raw *raw, const char *format, bw_mesh_file *file) {
   for (size_t i = 0; i < raw->set_count; i++)
     tidy_set(&raw->set[i], to);
   adopt_region(raw);
-  if (!raw->regions) {
-    bw_free(raw->region);
-    raw->region = NULL;
-  }
+  if (raw->regions)
+    BW_TRY(
+        bw_mesh_regions_by_tag(context, (int64_t)raw->tet_count, raw->region, 0, NULL, &regions));
   status = bw_mesh_adopt(context, raw->width == 10 ? 2 : 1, (int64_t)kept, raw->point,
-                         (int64_t)raw->tet_count, raw->tet, raw->region, &file->mesh);
+                         (int64_t)raw->tet_count, raw->tet, &regions, &file->mesh);
   if (status != BW_OK) {
     if (status != BW_MEMORY && status != BW_CANCELLED)
       name_file_in_failure(raw, status);
     goto done;
   }
   raw->point = NULL;
-  raw->tet = raw->region = NULL;
+  raw->tet = NULL;
   BW_TRY(move_extras(raw, file));
   snprintf(file->info.format, sizeof file->info.format, "%s", format);
   file->info.skipped = raw->skipped + (int64_t)raw->facet_count;
 done:
   bw_free(to);
+  bw_mesh_regions_clear(&regions);
   if (status != BW_OK)
     bw_mesh_file_clear(file);
   return status;

@@ -205,7 +205,7 @@ static void write_elements(bw_writer *writer, const bw_mesh *mesh) {
       bw_writer_integer(writer, (int64_t)mesh->element[(int64_t)e * width + place[k]] + 1);
     }
     if (mesh->region)
-      bw_writer_print(writer, " %d", (int)mesh->region[e]);
+      bw_writer_print(writer, " %d", (int)mesh->regions[mesh->region[e]].tag);
     bw_writer_bytes(writer, "\n", 1);
   }
 }

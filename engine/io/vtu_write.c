@@ -244,17 +244,23 @@ done:
 
 bw_status bwi_vtu_write(bw_context *context, const bw_mesh *mesh, const char *path, int field_count,
                         const bw_field *fields) {
+  int32_t *tag;
+  bw_status status = bw_mesh_element_tags(context, mesh, &tag);
+  if (status != BW_OK)
+    return status;
   bwi_vtu_cells g = {mesh->node_count,
                      mesh->element_count,
                      mesh->node,
                      mesh->nodes_per_element,
                      mesh->order == 2 ? 24 : 10,
                      mesh->element,
-                     mesh->region,
+                     tag,
                      "region",
                      field_count,
                      fields};
-  return bwi_vtu_write_cells(context, &g, path);
+  status = bwi_vtu_write_cells(context, &g, path);
+  bw_free(tag);
+  return status;
 }
 
 bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *surface, const char *path,

@@ -8,7 +8,8 @@
  *     sides of it and, at order 2, share its mid-edge nodes;
  *   - neighbour[4 e + k] is the element across face k of e, and that element names e in return;
  *   - facets come in the order of their elements and faces, components in the order of their lowest
- *     nodes: the same input gives the same arrays. */
+ *     nodes: the same input gives the same arrays;
+ *   - either every element has a region or none; mesh_regions.c states what holds for regions. */
 #include "base/union_find.h"
 #include "mesh/mesh_internal.h"
 
@@ -24,13 +25,18 @@ const int bw_tet_face_mid_edge[4][3] = {{6, 5, 4}, {4, 8, 7}, {5, 9, 8}, {7, 9, 
 static void mesh_destroy(void *object) {
   bwi_mesh *body = object;
   bw_mesh *mesh = &body->mesh;
-  bw_free(mesh->node);
-  bw_free(mesh->volume);
+  bw_free(mesh->regions);
+  bw_free(mesh->region);
+  if (body->places) {
+    bw_release(body->places);
+  } else {
+    bw_free(mesh->node);
+    bw_free(mesh->volume);
+  }
   if (body->topology) {
     bw_release(body->topology);
   } else {
     bw_free(mesh->element);
-    bw_free(mesh->region);
     bw_free(mesh->facet);
     bw_free(mesh->facet_element);
     bw_free(mesh->boundary_node);
@@ -44,12 +50,14 @@ static size_t mesh_bytes(const void *object) {
   const bwi_mesh *body = object;
   const bw_mesh *mesh = &body->mesh;
   size_t elements = (size_t)mesh->element_count, nodes = (size_t)mesh->node_count;
-  size_t bytes = sizeof *body + nodes * 3 * sizeof(double) + elements * sizeof(double);
+  size_t bytes = sizeof *body + (size_t)mesh->region_count * sizeof *mesh->regions +
+                 (mesh->region ? elements * sizeof *mesh->region : 0);
+  if (!body->places)
+    bytes += nodes * 3 * sizeof(double) + elements * sizeof(double);
   if (!body->topology)
-    bytes += sizeof(int32_t) *
-             (elements * ((size_t)mesh->nodes_per_element + 4 + (mesh->region ? 1 : 0)) +
-              (size_t)mesh->facet_count * ((size_t)mesh->nodes_per_facet + 1) +
-              (size_t)mesh->boundary_node_count + nodes);
+    bytes += sizeof(int32_t) * (elements * ((size_t)mesh->nodes_per_element + 4) +
+                                (size_t)mesh->facet_count * ((size_t)mesh->nodes_per_facet + 1) +
+                                (size_t)mesh->boundary_node_count + nodes);
   return bytes;
 }
 
@@ -412,8 +420,8 @@ static bool is_connected(const bw_mesh *mesh) {
 #endif
 
 bw_status bwi_mesh_adopt(bw_context *context, int order, int64_t nodes, double *node,
-                         int64_t elements, int32_t *element, int32_t *region, bool flat,
-                         bw_mesh **out) {
+                         int64_t elements, int32_t *element, const bw_mesh_regions *regions,
+                         bool flat, bw_mesh **out) {
   bw_status status = check_sizes(context, order, nodes, node, elements, element);
   if (status != BW_OK)
     return status;
@@ -427,7 +435,6 @@ bw_status bwi_mesh_adopt(bw_context *context, int order, int64_t nodes, double *
   mesh->element_count = (int32_t)elements;
   mesh->node = node;
   mesh->element = element;
-  mesh->region = region;
   BW_TRY(check_numbers(context, mesh->nodes_per_element, nodes, node, elements, element));
   mesh->volume = BW_NEW(context, double, elements);
   BW_TRY_MEMORY(mesh->volume);
@@ -436,25 +443,26 @@ bw_status bwi_mesh_adopt(bw_context *context, int order, int64_t nodes, double *
   BW_TRY(find_neighbours(context, mesh));
   BW_TRY(find_boundary(context, mesh));
   BW_TRY(find_components(context, mesh));
+  BW_TRY(bwi_mesh_set_regions(context, mesh, regions));
   assert(is_connected(mesh));
   *out = mesh;
 done:
   if (status != BW_OK) {
     mesh->node = NULL; /* the arrays stay the caller's */
     mesh->element = NULL;
-    mesh->region = NULL;
     bw_release(mesh);
   }
   return status;
 }
 
 bw_status bw_mesh_adopt(bw_context *context, int order, int64_t nodes, double *node,
-                        int64_t elements, int32_t *element, int32_t *region, bw_mesh **mesh) {
-  return bwi_mesh_adopt(context, order, nodes, node, elements, element, region, false, mesh);
+                        int64_t elements, int32_t *element, const bw_mesh_regions *regions,
+                        bw_mesh **mesh) {
+  return bwi_mesh_adopt(context, order, nodes, node, elements, element, regions, false, mesh);
 }
 
 bw_status bw_mesh_copy(bw_context *context, int order, int64_t nodes, const double *node,
-                       int64_t elements, const int32_t *element, const int32_t *region,
+                       int64_t elements, const int32_t *element, const bw_mesh_regions *regions,
                        bw_mesh **mesh) {
   bw_status status = check_sizes(context, order, nodes, node, elements, element);
   if (status != BW_OK)
@@ -462,19 +470,15 @@ bw_status bw_mesh_copy(bw_context *context, int order, int64_t nodes, const doub
   size_t width = order == 2 ? 10 : 4;
   double *own_node = BW_NEW(context, double, 3 * (size_t)nodes);
   int32_t *own_element = BW_NEW(context, int32_t, width * (size_t)elements);
-  int32_t *own_region = region ? BW_NEW(context, int32_t, elements) : NULL;
-  BW_TRY_MEMORY(own_node && own_element && (!region || own_region));
+  BW_TRY_MEMORY(own_node && own_element);
   if (nodes > 0)
     memcpy(own_node, node, 3 * (size_t)nodes * sizeof *node);
   memcpy(own_element, element, width * (size_t)elements * sizeof *element);
-  if (region)
-    memcpy(own_region, region, (size_t)elements * sizeof *region);
-  BW_TRY(bw_mesh_adopt(context, order, nodes, own_node, elements, own_element, own_region, mesh));
+  BW_TRY(bw_mesh_adopt(context, order, nodes, own_node, elements, own_element, regions, mesh));
 done:
   if (status != BW_OK) {
     bw_free(own_node);
     bw_free(own_element);
-    bw_free(own_region);
   }
   return status;
 }

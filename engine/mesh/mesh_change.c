@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Meshes made from meshes: other node positions, another order, fewer elements, the boundary. */
+/* Meshes made from meshes: other node positions, other regions, another order, fewer elements, the
+ * boundary. */
 #include "mesh/mesh_internal.h"
 
 #include <math.h>
@@ -27,6 +28,12 @@ bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *
   made->object = header;
   /* Topology belongs to the mesh that was built first, however long the chain of moves. */
   ((bwi_mesh *)made)->topology = bw_retain(source->topology ? source->topology : mesh);
+  bw_mesh_regions regions = bw_mesh_regions_of(mesh);
+  made->node = made->volume = NULL;
+  made->region_count = 0;
+  made->regions = NULL;
+  made->region = NULL;
+  BW_TRY(bwi_mesh_set_regions(context, made, &regions));
   made->node = BW_NEW(context, double, numbers);
   made->volume = BW_NEW(context, double, mesh->element_count);
   BW_TRY_MEMORY(made->node && made->volume);
@@ -64,6 +71,31 @@ bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *
 done:
   if (status == BW_OK)
     *moved = made;
+  else
+    bw_release(made);
+  return status;
+}
+
+/* ---- other regions -------------------------------------------------------------------------- */
+
+bw_status bw_mesh_with_regions(bw_context *context, const bw_mesh *mesh,
+                               const bw_mesh_regions *regions, bw_mesh **out) {
+  const bwi_mesh *source = (const bwi_mesh *)mesh;
+  bw_mesh *made = bwi_mesh_create(context);
+  if (!made)
+    return BW_MEMORY;
+  bw_object header = made->object;
+  *made = *mesh;
+  made->object = header;
+  made->region_count = 0;
+  made->regions = NULL;
+  made->region = NULL;
+  /* Arrays belong to the mesh that was built first, however long the chain. */
+  ((bwi_mesh *)made)->topology = bw_retain(source->topology ? source->topology : mesh);
+  ((bwi_mesh *)made)->places = bw_retain(source->places ? source->places : mesh);
+  bw_status status = bwi_mesh_set_regions(context, made, regions);
+  if (status == BW_OK)
+    *out = made;
   else
     bw_release(made);
   return status;
@@ -143,13 +175,11 @@ bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order
   }
   bw_status status = BW_OK;
   size_t elements = (size_t)mesh->element_count, width = order == 2 ? 10 : 4;
+  bw_mesh_regions regions = bw_mesh_regions_of(mesh);
   int32_t *element = BW_NEW(context, int32_t, width * elements);
-  int32_t *region = mesh->region ? BW_NEW(context, int32_t, elements) : NULL;
   double *node = NULL;
   int64_t nodes = mesh->node_count;
-  BW_TRY_MEMORY(element && (!mesh->region || region));
-  if (region)
-    memcpy(region, mesh->region, elements * sizeof *region);
+  BW_TRY_MEMORY(element);
   for (size_t i = 0; i < elements; i++)
     memcpy(element + width * i, mesh->element + (size_t)mesh->nodes_per_element * i,
            4 * sizeof *element);
@@ -160,12 +190,11 @@ bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order
     BW_TRY_MEMORY(node);
     memcpy(node, mesh->node, 3 * (size_t)nodes * sizeof *node);
   }
-  BW_TRY(bw_mesh_adopt(context, order, nodes, node, mesh->element_count, element, region, out));
+  BW_TRY(bw_mesh_adopt(context, order, nodes, node, mesh->element_count, element, &regions, out));
   (*out)->surface_moved = mesh->surface_moved;
 done:
   if (status != BW_OK) {
     bw_free(element);
-    bw_free(region);
     bw_free(node);
   }
   return status;
@@ -183,6 +212,7 @@ bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t
     return bw_fail(context, BW_EMPTY,
                    "none of the %d elements is to be kept: a mesh needs at least one",
                    mesh->element_count);
+  bw_mesh_regions regions = bw_mesh_regions_of(mesh);
   int32_t *element = BW_NEW(context, int32_t, width * kept);
   int32_t *region = mesh->region ? BW_NEW(context, int32_t, kept) : NULL;
   double *node = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
@@ -196,12 +226,13 @@ bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t
       at++;
     }
   memcpy(node, mesh->node, 3 * (size_t)mesh->node_count * sizeof *node);
-  BW_TRY(bw_mesh_adopt(context, mesh->order, mesh->node_count, node, (int64_t)kept, element, region,
-                       subset));
+  regions.of_element = region;
+  BW_TRY(bw_mesh_adopt(context, mesh->order, mesh->node_count, node, (int64_t)kept, element,
+                       &regions, subset));
 done:
+  bw_free(region);
   if (status != BW_OK) {
     bw_free(element);
-    bw_free(region);
     bw_free(node);
   }
   return status;

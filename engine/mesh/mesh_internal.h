@@ -6,10 +6,12 @@
 #include "barwright/mesh.h"
 
 /* Behind every bw_mesh. A mesh whose nodes were moved borrows the topology of another one and keeps
- * that one alive; all other meshes own every array. */
+ * that one alive; one that has other regions borrows nodes and volumes too. All other meshes own
+ * every array. Regions are always the mesh's own. */
 typedef struct bwi_mesh {
   bw_mesh mesh;
   const bw_mesh *topology; /* retained; NULL: the arrays are our own */
+  const bw_mesh *places;   /* retained, the owner of nodes and volumes; NULL: they are our own */
 } bwi_mesh;
 
 /* An empty mesh object with one reference, for the constructors. */
@@ -18,8 +20,10 @@ bw_mesh *bwi_mesh_create(bw_context *context);
 /* As bw_mesh_adopt. With `flat`, elements whose corners lie in one plane to within rounding are
  * taken with a volume of 0: no such mesh leaves the engine. */
 bw_status bwi_mesh_adopt(bw_context *context, int order, int64_t nodes, double *node,
-                         int64_t elements, int32_t *element, int32_t *region, bool flat,
-                         bw_mesh **mesh);
+                         int64_t elements, int32_t *element, const bw_mesh_regions *regions,
+                         bool flat, bw_mesh **mesh);
+/* Gives a mesh that has elements and no regions its regions, which may be NULL. */
+bw_status bwi_mesh_set_regions(bw_context *context, bw_mesh *mesh, const bw_mesh_regions *regions);
 
 /* Six times the signed volume of the tetrahedron, and a bound on the rounding error in it that
  * covers the rounding of the coordinates themselves. */

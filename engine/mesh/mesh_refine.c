@@ -230,6 +230,7 @@ static bw_status make_mesh(refining *r, int order, bw_mesh **out, int32_t **cell
   bw_status status = BW_OK;
   bw_mesh *straight = NULL, *wide = NULL;
   size_t cells = (size_t)r->cell_count;
+  bw_mesh_regions regions = bw_mesh_regions_of(r->from);
   int32_t *element = BW_NEW(r->context, int32_t, 4 * cells);
   int32_t *region = r->from->region ? BW_NEW(r->context, int32_t, cells) : NULL;
   BW_TRY_MEMORY(element && (!r->from->region || region));
@@ -249,10 +250,11 @@ static bw_status make_mesh(refining *r, int order, bw_mesh **out, int32_t **cell
     if (region)
       region[i] = r->from->region[r->cells[i].parent];
   }
-  BW_TRY(bw_mesh_adopt(r->context, 1, r->node_count, r->node, r->cell_count, element, region,
+  regions.of_element = region;
+  BW_TRY(bw_mesh_adopt(r->context, 1, r->node_count, r->node, r->cell_count, element, &regions,
                        &straight));
   r->node = NULL;
-  element = region = NULL;
+  element = NULL;
   BW_TRY(bw_mesh_with_order(r->context, straight, order, &wide));
   BW_TRY(bw_mesh_renumbered(r->context, wide, NULL, cell_of, out));
 done:

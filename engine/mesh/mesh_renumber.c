@@ -116,6 +116,7 @@ bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t *
   size_t width = (size_t)mesh->nodes_per_element, max = nodes > elements ? nodes : elements;
   double *node = NULL;
   cube c = cube_around(mesh);
+  bw_mesh_regions regions = bw_mesh_regions_of(mesh);
   int32_t *of_node = NULL, *of_element = NULL, *element = NULL, *region = NULL;
   int32_t *now = BW_NEW(context, int32_t, nodes); /* the new number of an old node */
   bwi_keyed *list = BW_NEW(context, bwi_keyed, max);
@@ -139,10 +140,11 @@ bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t *
     if (region)
       region[e] = mesh->region[old];
   }
+  regions.of_element = region;
   BW_TRY(bw_mesh_adopt(context, mesh->order, mesh->node_count, node, mesh->element_count, element,
-                       region, out));
+                       &regions, out));
   node = NULL;
-  element = region = NULL;
+  element = NULL;
   if (node_from) {
     *node_from = of_node;
     of_node = NULL;

@@ -5,6 +5,7 @@
  * Invariants: facets and nodes ascend without repetition, every node of a chosen facet is chosen,
  * and there is at least one node. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "model/internal.h"
@@ -142,6 +143,20 @@ bw_status bw_select_mask(bw_context *context, const bw_mesh *mesh, const uint8_t
   bw_free(facet);
   if (status == BW_OK)
     (*selection)->node_set = !facet_mask;
+  return status;
+}
+
+bw_status bw_select_region(bw_context *context, const bw_mesh *mesh, int32_t region,
+                           bw_selection **selection) {
+  char what[BW_NAME + 16];
+  uint8_t *facet = BW_NEW0(context, uint8_t, mesh->facet_count);
+  if (!facet)
+    return BW_MEMORY;
+  for (int32_t f = 0; f < mesh->facet_count; f++)
+    facet[f] = mesh->region[mesh->facet_element[f]] == region;
+  snprintf(what, sizeof what, "the region '%s'", mesh->regions[region].name.text);
+  bw_status status = bwi_selection_make(context, mesh, facet, NULL, what, -1, 0, selection);
+  bw_free(facet);
   return status;
 }
 

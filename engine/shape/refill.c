@@ -260,6 +260,7 @@ bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double 
                          const uint8_t *replace, bw_mesh **refilled, int32_t **node_from,
                          int32_t **element_from) {
   bwi_refiller r = {.context = context, .mesh = mesh, .node = node};
+  bw_mesh_regions regions = bw_mesh_regions_of(mesh);
   bw_mesh *made = NULL;
   bw_status status;
   BW_TRY(find_components(&r, replace));
@@ -269,10 +270,11 @@ bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double 
     BW_TRY(fill_component(&r, p));
   }
   BW_TRY(bwi_refill_join(&r));
+  regions.of_element = r.region;
   BW_TRY(bw_mesh_adopt(context, mesh->order, r.node_count, r.new_node, r.element_count, r.element,
-                       r.region, &made));
+                       &regions, &made));
   r.new_node = NULL;
-  r.element = r.region = NULL;
+  r.element = NULL;
   if (made->node_count != r.node_count)
     BW_TRY(bw_fail(context, BW_INTERNAL, "%lld nodes became %d when a part was remeshed",
                    (long long)r.node_count, made->node_count));

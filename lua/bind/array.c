@@ -520,6 +520,13 @@ int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t colum
   return data;
 }
 
+int32_t *lbw_to_tags(lua_State *L, int index, const char *what, int64_t rows) {
+  int64_t count;
+  int32_t *tag = (int32_t *)to_packed(L, index, what, BW_I32, 1, &count);
+  lbw_require_rows(L, what, count, rows, "element");
+  return tag;
+}
+
 uint8_t *lbw_to_mask(lua_State *L, int index, const char *what, int64_t count) {
   const bw_array *array = (const bw_array *)lbw_test(L, index, &lbw_array_class);
   if (!array || array->columns != 1)

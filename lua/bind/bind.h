@@ -210,6 +210,8 @@ void lbw_push_vector(lua_State *L, const double vector[3]);
 double lbw_check_real(lua_State *L, int argument, const char *what);
 /* From 1 in Lua to 0 here, checked against `count`. */
 int64_t lbw_check_index(lua_State *L, int argument, const char *what, int64_t count);
+/* The text at `index` as a name; raises where it is none or too long. */
+void lbw_read_name(lua_State *L, int index, const char *what, bw_name *name);
 /* 1..3 or "x", "y", "z" -> 0..2 */
 int lbw_check_axis(lua_State *L, int argument);
 /* A bone or a joint by name, or by number from 1. */
@@ -308,6 +310,8 @@ int lbw_push_indices(lua_State *L, int64_t rows, int64_t columns, const int32_t 
  * userdata that is pushed. `columns` 0: any. */
 double *lbw_to_doubles(lua_State *L, int index, const char *what, int64_t columns, int64_t *rows);
 int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t columns, int64_t *rows);
+/* The same as they are, one for each of `rows` elements. */
+int32_t *lbw_to_tags(lua_State *L, int index, const char *what, int64_t rows);
 /* A mask of `count` bytes from an array, in a userdata that is pushed. */
 uint8_t *lbw_to_mask(lua_State *L, int index, const char *what, int64_t count);
 
@@ -324,6 +328,19 @@ int lbw_selection_face(lua_State *L);
 int lbw_mesh_curved(lua_State *L);
 int lbw_mesh_faces(lua_State *L);
 void lbw_add_faces(lua_State *L, const bw_surface *surface);
+
+/* mesh_regions.c: mesh.regions, mesh.element_regions, mesh:region(name),
+ * mesh:with_regions(tags, names), selection:region(name). */
+int lbw_mesh_regions(lua_State *L);
+int lbw_mesh_element_regions(lua_State *L);
+int lbw_mesh_region(lua_State *L);
+int lbw_mesh_with_regions(lua_State *L);
+/* The region that the argument names; raises where there is none. */
+int32_t lbw_check_region(lua_State *L, int argument, const bw_mesh *mesh);
+/* Names by tag, {[tag] = name}, into a userdata that is pushed; *count: how many. */
+bw_mesh_region *lbw_read_region_names(lua_State *L, int index, const char *what, int32_t *count);
+/* ", regions 'shell', 'core'", or "": pushed. */
+const char *lbw_region_text(lua_State *L, const bw_mesh *mesh);
 
 /* {size, elements, ...} at `index`. `field` is pushed: NULL (and nil), or what to begin and end
  * around the call. */

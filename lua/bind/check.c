@@ -79,6 +79,16 @@ int64_t lbw_check_index(lua_State *L, int argument, const char *what, int64_t co
   return value - 1;
 }
 
+void lbw_read_name(lua_State *L, int index, const char *what, bw_name *name) {
+  size_t length = 0;
+  const char *text = lua_type(L, index) == LUA_TSTRING ? lua_tolstring(L, index, &length) : NULL;
+  if (!text || length >= BW_NAME || strlen(text) != length)
+    lbw_error(L, "%s: a name of at most %d bytes, without zeros, expected, got %s", what,
+              BW_NAME - 1, lbw_got(L, index));
+  memset(name, 0, sizeof *name);
+  memcpy(name->text, text, length);
+}
+
 int lbw_check_axis(lua_State *L, int argument) {
   if (lua_type(L, argument) == LUA_TSTRING) {
     const char *name = lua_tostring(L, argument);

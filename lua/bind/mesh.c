@@ -227,33 +227,38 @@ done:
 
 /* ---- making ---------------------------------------------------------------------------------- */
 
-/* mesh.new{nodes, elements, order, regions}: metres, numbers from 1 */
+/* mesh.new{nodes, elements, order, regions}: metres, numbers from 1; regions: a tag per element */
 static int mesh_new(lua_State *L) {
-  static const lbw_option list[] = {{"nodes", LBW_OTHER, 0},
-                                    {"elements", LBW_OTHER, 0},
-                                    {"regions", LBW_OTHER, 0},
-                                    {"order", LBW_INT, 0},
-                                    {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {{"nodes", LBW_OTHER, 0},   {"elements", LBW_OTHER, 0},
+                                    {"regions", LBW_OTHER, 0}, {"region_names", LBW_OTHER, 0},
+                                    {"order", LBW_INT, 0},     {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   int order = 1;
   lbw_options(L, 1, "mesh.new", list, &order);
   if (order != 1 && order != 2)
     return lbw_error(L, "mesh.new: option 'order': 1 or 2 expected, got %d", order);
-  int64_t nodes, elements, regions;
+  int64_t nodes, elements;
   lbw_option_get(L, 1, "nodes");
   double *node = lbw_to_doubles(L, -1, "mesh.new: nodes", 3, &nodes);
   lbw_option_get(L, 1, "elements");
   int32_t *element = lbw_to_indices(L, -1, "mesh.new: elements", order == 1 ? 4 : 10, &elements);
-  int32_t *region = NULL;
-  if (lbw_option_get(L, 1, "regions") != LUA_TNIL) {
-    region = lbw_to_indices(L, -1, "mesh.new: regions", 1, &regions);
-    lbw_require_rows(L, "mesh.new: regions", regions, elements, "element");
-  }
+  int32_t *tag = NULL, named_count = 0;
+  if (lbw_option_get(L, 1, "regions") != LUA_TNIL)
+    tag = lbw_to_tags(L, -1, "mesh.new: regions", elements);
+  lbw_option_get(L, 1, "region_names");
+  bw_mesh_region *named =
+      lbw_read_region_names(L, lua_gettop(L), "mesh.new: region_names", &named_count);
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *out = NULL;
-  bw_status status =
-      bw_mesh_copy(lbw_enter(L), order, nodes, node, elements, element, region, &out);
+  bw_mesh_regions table = {0, NULL, NULL};
+  bw_context *context = lbw_enter(L);
+  bw_status status = BW_OK;
+  if (tag)
+    BW_TRY(bw_mesh_regions_by_tag(context, elements, tag, named_count, named, &table));
+  status = bw_mesh_copy(context, order, nodes, node, elements, element, &table, &out);
+done:
+  bw_mesh_regions_clear(&table);
   return lbw_leave_object(L, box, out, status);
 }
 
@@ -461,11 +466,6 @@ static int mesh_elements(lua_State *L) {
   return lbw_push_indices(L, mesh->element_count, mesh->nodes_per_element, mesh->element);
 }
 
-static int mesh_regions(lua_State *L) {
-  const bw_mesh *mesh = self(L);
-  return mesh->region ? lbw_push_indices(L, mesh->element_count, 1, mesh->region) : 0;
-}
-
 static int mesh_volumes(lua_State *L) {
   const bw_mesh *mesh = self(L);
   return lbw_push_borrowed(L, BW_F64, mesh->element_count, 1, mesh->volume, mesh);
@@ -552,12 +552,13 @@ static int mesh_tostring(lua_State *L) {
   const char *bodies = mesh->component_count > 1
                            ? lua_pushfstring(L, ", %d bodies", (int)mesh->component_count)
                            : "";
+  const char *regions = lbw_region_text(L, mesh);
   char moved[96] = "";
   if (mesh->surface_moved > 0)
     snprintf(moved, sizeof moved, ", surface moved by up to %s",
              lbw_quantity(mesh->surface_moved, "m").text);
-  lua_pushfstring(L, "mesh of %d tet%d and %d nodes, %s%s%s", (int)mesh->element_count,
-                  mesh->nodes_per_element, (int)mesh->node_count, box, bodies, moved);
+  lua_pushfstring(L, "mesh of %d tet%d and %d nodes, %s%s%s%s", (int)mesh->element_count,
+                  mesh->nodes_per_element, (int)mesh->node_count, box, bodies, regions, moved);
   return 1;
 }
 
@@ -569,6 +570,8 @@ static const luaL_Reg methods[] = {{"write", mesh_write},
                                    {"surface", mesh_surface},
                                    {"curved", lbw_mesh_curved},
                                    {"faces", lbw_mesh_faces},
+                                   {"region", lbw_mesh_region},
+                                   {"with_regions", lbw_mesh_with_regions},
                                    {"locate", mesh_locate},
                                    {"sample", mesh_sample},
                                    {"quality", mesh_quality},
@@ -576,7 +579,8 @@ static const luaL_Reg methods[] = {{"write", mesh_write},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {{"nodes", mesh_nodes},
                                       {"elements", mesh_elements},
-                                      {"regions", mesh_regions},
+                                      {"regions", lbw_mesh_regions},
+                                      {"element_regions", lbw_mesh_element_regions},
                                       {"volumes", mesh_volumes},
                                       {"node_volumes", mesh_node_volumes},
                                       {"facets", mesh_facets},

@@ -40,16 +40,6 @@ static int32_t check_vertex(lua_State *L, int index, const bw_outline *outline) 
   return vertex_of(outline, (int32_t)lbw_check_index(L, index, "vertex", outline->segment_count));
 }
 
-static void copy_name(lua_State *L, int index, const char *what, bw_name *name) {
-  size_t length = 0;
-  const char *text = lua_type(L, index) == LUA_TSTRING ? lua_tolstring(L, index, &length) : NULL;
-  if (!text || length >= BW_NAME || strlen(text) != length)
-    lbw_error(L, "%s: a name of at most %d bytes, without zeros, expected, got %s", what,
-              BW_NAME - 1, lbw_got(L, index));
-  memset(name, 0, sizeof *name);
-  memcpy(name->text, text, length);
-}
-
 /* A handle {vertex = n}, {edge = n}, {edge = n, control = 1 or 2} or {loop = name}; with a loop
  * beside them, vertex and edge count from that loop's first. */
 static bw_handle_kind check_handle(lua_State *L, int index, const bw_outline *outline,
@@ -130,7 +120,7 @@ static void read_loop(lua_State *L, int index, bw_loop *loop) {
   loop->region = (int32_t)integer_field(L, index, "region") - 1;
   loop->parent = -1;
   if (lua_getfield(L, index, "name") != LUA_TNIL)
-    copy_name(L, -1, "outline: name of a loop", &loop->name);
+    lbw_read_name(L, -1, "outline: name of a loop", &loop->name);
   lua_pop(L, 1);
 }
 
@@ -159,7 +149,7 @@ static int outline_make(lua_State *L) {
   }
   for (size_t t = 0; t < tags; t++) {
     lua_rawgeti(L, 4, (lua_Integer)t + 1);
-    copy_name(L, -1, "outline: tag", &tag[t]);
+    lbw_read_name(L, -1, "outline: tag", &tag[t]);
     lua_pop(L, 1);
   }
   lbw_box *box = lbw_box_new(L, &lbw_outline_class);

@@ -267,6 +267,17 @@ static int select_where(lua_State *L) {
   return leave_within(L, box, context, chosen, status);
 }
 
+/* selection:region(name): facets of the region's elements */
+static int select_region(lua_State *L) {
+  const bw_mesh *mesh = self(L)->mesh;
+  int32_t region = lbw_check_region(L, 2, mesh);
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *chosen = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_select_region(context, mesh, region, &chosen);
+  return leave_within(L, box, context, chosen, status);
+}
+
 /* ---- sets ------------------------------------------------------------------------------------ */
 
 static int combine(lua_State *L, bw_set_operation operation) {
@@ -367,6 +378,7 @@ static const luaL_Reg methods[] = {{"below", select_below},
                                    {"patch", select_patch},
                                    {"nearest", select_nearest},
                                    {"where", select_where},
+                                   {"region", select_region},
                                    {"face", lbw_selection_face},
                                    {"node_set", select_node_set},
                                    {"union", select_union},

@@ -36,18 +36,6 @@ int32_t lbw_check_joint(lua_State *L, int argument, const bw_skeleton *skeleton)
   return check_named(L, argument, "joint", skeleton->joint_count, skeleton->joint_name);
 }
 
-static void copy_name(lua_State *L, int index, const char *what, bw_name *name) {
-  size_t length = 0;
-  const char *text = lua_type(L, index) == LUA_TSTRING ? lua_tolstring(L, index, &length) : NULL;
-  if (!text)
-    lbw_error(L, "%s: a name expected, got %s", what, lbw_got(L, index));
-  if (length >= sizeof name->text || strlen(text) != length)
-    lbw_error(L, "%s: a name of at most %d bytes, without zeros, expected, got %s", what,
-              (int)sizeof name->text - 1, lbw_got(L, index));
-  memset(name, 0, sizeof *name);
-  memcpy(name->text, text, length);
-}
-
 /* A list of `count` names (false where there is none) into a userdata that is pushed, or NULL. */
 static bw_name *read_names(lua_State *L, int index, const char *what, int64_t count) {
   if (lua_isnoneornil(L, index)) {
@@ -60,7 +48,7 @@ static bw_name *read_names(lua_State *L, int index, const char *what, int64_t co
   for (int64_t i = 0; i < count; i++) {
     lua_rawgeti(L, index, i + 1);
     if (lua_toboolean(L, -1))
-      copy_name(L, -1, what, &name[i]);
+      lbw_read_name(L, -1, what, &name[i]);
     lua_pop(L, 1);
   }
   return name;
@@ -135,7 +123,7 @@ static int skeleton_insert_joint(lua_State *L) {
   bw_name name;
   bool named = !lua_isnoneornil(L, 4);
   if (named)
-    copy_name(L, 4, "insert_joint", &name);
+    lbw_read_name(L, 4, "insert_joint", &name);
   lbw_box *box = lbw_box_new(L, &lbw_skeleton_class);
   bw_skeleton *out = NULL;
   bw_status status = bw_skeleton_insert_joint(lbw_enter(L), skeleton, bone, fraction,

@@ -126,7 +126,8 @@ function mesh_module.new(options) end
 ---@field nodes number[][]|bw.Array (m, n × 3, per node) coordinates
 ---@field elements integer[][]|bw.Array (index from 1, e × 4 or e × 10, per element) corners, then the mid-edge nodes of the edges 12 23 31 14 24 34
 ---@field order? 1|2 of the elements. Default: 1
----@field regions? integer[]|bw.Array (index from 1, e × 1, per element) a tag of each element. Default: none
+---@field regions? integer[]|bw.Array (-, e × 1, per element) the tag of each element's region, any whole number of 32 bits. Default: none
+---@field region_names? table<integer, string> the names of regions by tag. Default: "region 3" for tag 3
 
 ---A box of cells, each cut into six tetrahedra.
 ---
@@ -156,7 +157,8 @@ function mesh_module.box(options) end
 ---@class bw.Mesh
 ---@field nodes bw.Array (m, node_count × 3, per node) coordinates
 ---@field elements bw.Array (index from 1, element_count × 4 or × 10, per element) corners, then the mid-edge nodes of the edges 12 23 31 14 24 34
----@field regions bw.Array? (index from 1, element_count × 1, per element) its tag; nil where there is none
+---@field regions bw.MeshRegion[] named parts of the mesh, ascending by tag; empty where it is not divided
+---@field element_regions bw.Array? (index from 1, element_count × 1, per element) the place of its region in `regions`; nil without regions
 ---@field volumes bw.Array (m3, element_count × 1, per element) of the element with straight edges
 ---@field node_volumes bw.Array (m3, node_count × 1, per node) its part of the volume: a weight for values of nodes
 ---@field facets bw.Array (index from 1, facet_count × 3 or × 6, per facet) corners, counter-clockwise seen from outside, then mid-edge nodes
@@ -231,6 +233,33 @@ function Mesh:scale(factor) end
 ---@return string? message
 ---@return bw.Details? details
 function Mesh:subset(mask) end
+
+---A region of a mesh: a named part of its elements, such as a part of an assembly or a layer.
+---@class bw.MeshRegion
+---@field name string its name, its own among the regions of the mesh
+---@field tag integer (-) its number in files
+---@field volume number (m3) of its elements
+---@field elements bw.Array (index from 1, n × 1) its elements, ascending
+
+---A region by its name. A name that is not there raises.
+---```lua
+---local mesh = assert(bw.mesh.box {cells = {2, 1, 1}})
+---mesh = assert(mesh:with_regions({1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2}, {"left", "right"}))
+---print(mesh:region("left").volume) -- 0.5
+---```
+---@param name string of the region
+---@return bw.MeshRegion region the region
+function Mesh:region(name) end
+
+---The same nodes and elements with other regions. Two regions of one name raise.
+---
+---Errors: only those that every function may give.
+---@param tags? integer[]|bw.Array (-, element_count × 1, per element) the tag of its region. Default: none, a mesh without regions
+---@param names? table<integer, string> the names of regions by tag. Default: "region 3" for tag 3
+---@return bw.Mesh? mesh with these regions
+---@return string? message
+---@return bw.Details? details
+function Mesh:with_regions(tags, names) end
 
 ---The same mesh with nodes and elements numbered along Hilbert's space-filling curve. Edit sessions on it take less time
 ---(docs/benchmarks.md). Meshes that `bw.mesh.fill` made are numbered so.

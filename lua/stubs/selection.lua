@@ -96,6 +96,11 @@ function Selection:nearest(point, count) end
 ---@return bw.Selection selection the part
 function Selection:where(predicate) end
 
+---The facets of a region's elements. A region that is not there or not on the boundary raises.
+---@param name string of the region
+---@return bw.Selection selection the part
+function Selection:region(name) end
+
 ---A face of the mesh's boundary, as `mesh:surface():faces()` finds them. A face that is not there raises.
 ---@param which integer|string|bw.FaceNear (index from 1) its number by descending area, its name such as "plane 2", or a point that it is nearest to
 ---@return bw.Selection selection the part

@@ -84,6 +84,17 @@ static inline int check_teardown(void **state) {
   return left == 0 ? 0 : -1;
 }
 
+/* The mesh, which is released, with a region for each tag, tag (element_count). */
+static inline bw_mesh *check_tagged(bw_context *context, bw_mesh *mesh, const int32_t *tag) {
+  bw_mesh_regions regions;
+  bw_mesh *tagged;
+  check_ok(context, bw_mesh_regions_by_tag(context, mesh->element_count, tag, 0, NULL, &regions));
+  check_ok(context, bw_mesh_with_regions(context, mesh, &regions, &tagged));
+  bw_mesh_regions_clear(&regions);
+  bw_release(mesh);
+  return tagged;
+}
+
 #define check_context(state) (((check_state *)*(state))->context)
 #define check_test(function) cmocka_unit_test_setup_teardown(function, check_setup, check_teardown)
 

@@ -218,6 +218,22 @@ BW_API extern const int bw_tet_face[4][3];
 /* The mid-edge nodes (4..9) of a face's edges, in the order ab, bc, ca of bw_tet_face. */
 BW_API extern const int bw_tet_face_mid_edge[4][3];
 
+/* A region: a named domain of a mesh, such as one part of an assembly or one material. */
+typedef struct bw_mesh_region {
+  int32_t tag;           /* its number in files; any */
+  int32_t element_count; /* of its elements, at least one */
+  bw_name name;          /* "insert"; never empty: without a given name "region TAG" */
+} bw_mesh_region;
+
+/* The regions of a mesh as its makers take them; all pointers are borrowed. Tags differ, and so do
+ * names. An empty name becomes "region TAG". element_count is not read. Regions without an element
+ * are left out. */
+typedef struct bw_mesh_regions {
+  int32_t count;                /* 0: the mesh has no regions */
+  const bw_mesh_region *region; /* `count` of them, in any order */
+  const int32_t *of_element;    /* (index into `region`, one per element) */
+} bw_mesh_regions;
+
 /* A tetrahedral mesh with its boundary. */
 typedef struct bw_mesh {
   bw_object object;
@@ -227,8 +243,11 @@ typedef struct bw_mesh {
   int32_t node_count, element_count;
   double *node;     /* (m, node_count x 3) */
   int32_t *element; /* (index, element_count x nodes_per_element) */
-  int32_t *region;  /* (element_count) a tag from the file, or NULL */
   double *volume;   /* (m3, element_count) of the straight-edged element, all positive */
+
+  int32_t region_count;    /* 0: the elements are not divided into regions */
+  bw_mesh_region *regions; /* region_count, ascending by tag; NULL without */
+  int32_t *region;         /* (index into `regions`, element_count), or NULL without */
 
   /* the boundary: facets with one element, outwards; corners abc, then mid-edge nodes ab bc ca */
   int32_t facet_count;
@@ -249,15 +268,35 @@ typedef struct bw_mesh {
  * 4 or 10). Checks indices, finiteness, and volume: an element of negative volume is renumbered to
  * a positive one, one of no volume is BW_GEOMETRY with its number. Nodes that no element uses are
  * dropped. A face shared by three elements is BW_GEOMETRY, and so is a mesh without elements; more
- * than 2^31 - 1 nodes or elements are BW_LIMIT. region (elements) may be NULL. */
+ * than 2^31 - 1 nodes or elements are BW_LIMIT. `regions` may be NULL; two of one name or one tag
+ * are BW_INVALID, and so is an element whose region is none of them. */
 BW_API bw_status bw_mesh_copy(bw_context *context, int order, int64_t nodes, const double *node,
-                              int64_t elements, const int32_t *element, const int32_t *region,
-                              bw_mesh **mesh);
-/* The same of blocks node (m, nodes x 3), element (index, elements x 4 or 10) and region (elements)
- * or NULL for `nodes` nodes and `elements` elements, which it takes over on success only. Those of
- * bw_mesh_copy. */
+                              int64_t elements, const int32_t *element,
+                              const bw_mesh_regions *regions, bw_mesh **mesh);
+/* The same of blocks node (m, nodes x 3) and element (index, elements x 4 or 10) for `nodes` nodes
+ * and `elements` elements, which it takes over on success only. Those of bw_mesh_copy. */
 BW_API bw_status bw_mesh_adopt(bw_context *context, int order, int64_t nodes, double *node,
-                               int64_t elements, int32_t *element, int32_t *region, bw_mesh **mesh);
+                               int64_t elements, int32_t *element, const bw_mesh_regions *regions,
+                               bw_mesh **mesh);
+/* The same nodes and elements with other regions, which may be NULL for none: all other arrays are
+ * shared with `mesh`. BW_INVALID as bw_mesh_copy. */
+BW_API bw_status bw_mesh_with_regions(bw_context *context, const bw_mesh *mesh,
+                                      const bw_mesh_regions *regions, bw_mesh **out);
+/* The regions of a mesh, for a maker; they live as long as it. */
+BW_API bw_mesh_regions bw_mesh_regions_of(const bw_mesh *mesh);
+/* Regions by a tag for each element, tag (elements): those among `named` (named_count) have its
+ * names. Release the two blocks with bw_mesh_regions_clear. */
+BW_API bw_status bw_mesh_regions_by_tag(bw_context *context, int64_t elements, const int32_t *tag,
+                                        int32_t named_count, const bw_mesh_region *named,
+                                        bw_mesh_regions *regions);
+BW_API void bw_mesh_regions_clear(bw_mesh_regions *regions);
+/* The tag of each element's region: tag (element_count), a block for the caller to bw_free. NULL
+ * without regions. */
+BW_API bw_status bw_mesh_element_tags(bw_context *context, const bw_mesh *mesh, int32_t **tag);
+/* The region of a name, as an index; -1: there is none. */
+BW_API int32_t bw_mesh_find_region(const bw_mesh *mesh, const char *name);
+/* The volume (m3, region_count) of each region, of straight-edged elements. */
+BW_API void bw_mesh_region_volumes(const bw_mesh *mesh, double *volume);
 /* Same topology, other node positions, node (m, node_count x 3): topology arrays are shared with
  * `mesh`. An inverted element is BW_GEOMETRY, the worst one named, and so is a place that is not
  * finite. */

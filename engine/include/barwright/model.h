@@ -60,6 +60,10 @@ BW_API bw_status bw_select_nearest(bw_context *context, const bw_mesh *mesh, con
  * NULL. A mask of nodes alone makes a node set. BW_EMPTY where nothing is chosen. */
 BW_API bw_status bw_select_mask(bw_context *context, const bw_mesh *mesh, const uint8_t *facet_mask,
                                 const uint8_t *node_mask, bw_selection **selection);
+/* The boundary facets of the elements of a region, which is an index into mesh->regions; their
+ * nodes with them. BW_EMPTY where it has none. */
+BW_API bw_status bw_select_region(bw_context *context, const bw_mesh *mesh, int32_t region,
+                                  bw_selection **selection);
 /* How two selections are combined. */
 typedef enum bw_set_operation {
   BW_UNION,        /* what is in a or b */

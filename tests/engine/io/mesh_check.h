@@ -38,7 +38,9 @@ static inline sample make_sample(bw_context *context, int order, bool regions) {
   for (int i = 0; i < box->element_count; i++)
     region[i] = 1 + i % 5 / 2;
   check_ok(context, bw_mesh_copy(context, order, box->node_count, x, box->element_count,
-                                 box->element, regions ? region : NULL, &s.mesh));
+                                 box->element, NULL, &s.mesh));
+  if (regions)
+    s.mesh = check_tagged(context, s.mesh, region);
   static const struct {
     const char *name;
     bw_field_place place;
@@ -78,6 +80,9 @@ static inline void same_mesh(const bw_mesh *a, const bw_mesh *b) {
   assert_int_equal(a->region != NULL, b->region != NULL);
   if (a->region)
     assert_memory_equal(a->region, b->region, sizeof(int32_t) * (size_t)a->element_count);
+  assert_int_equal(a->region_count, b->region_count);
+  for (int i = 0; i < a->region_count; i++)
+    assert_int_equal(a->regions[i].tag, b->regions[i].tag);
 }
 
 static inline void same_field(const bw_mesh_file *file, const bw_field *field, bool types) {

@@ -29,13 +29,10 @@ static void round_trips(void **state) {
           bw_mesh *plain;
           check_ok(context, bw_mesh_box_grid(context, (double[3]){0, 0, 0}, (double[3]){1, 2, 0.5},
                                              (int[3]){2, 2, 2}, order, &plain));
-          bw_mesh *tagged;
-          check_ok(context, bw_mesh_copy(context, order, plain->node_count, plain->node,
-                                         plain->element_count, plain->element,
-                                         s.mesh->region ? s.mesh->region : NULL, &tagged));
-          bw_release(plain);
+          if (s.mesh->region)
+            plain = check_tagged(context, plain, s.mesh->region);
           bw_release(s.mesh);
-          s.mesh = tagged;
+          s.mesh = plain;
           check_ok(context, bw_mesh_write(context, s.mesh, temporary(path, name[i]), 0, NULL));
         } else {
           write_as(context, &s, name[i], temporary(path, name[i]));
@@ -76,8 +73,7 @@ static void msh_negative_regions(void **state) {
   int32_t *region = malloc(sizeof *region * (size_t)s.mesh->element_count);
   for (int i = 0; i < s.mesh->element_count; i++)
     region[i] = i % 3 - 1;
-  check_ok(context, bw_mesh_copy(context, 1, s.mesh->node_count, s.mesh->node,
-                                 s.mesh->element_count, s.mesh->element, region, &mesh));
+  mesh = check_tagged(context, bw_retain(s.mesh), region);
   for (int i = 0; i < 2; i++) {
     temporary(path, "n.msh");
     check_ok(context, i ? bw_msh22_write(context, mesh, path, 0, NULL)
@@ -109,7 +105,7 @@ static void msh22_text(void **state) {
   assert_string_equal(file.info.format, "MSH 2.2");
   assert_int_equal(file.mesh->node_count, 5);
   assert_int_equal(file.mesh->element_count, 2);
-  assert_int_equal(file.mesh->region[1], 5);
+  assert_int_equal(file.mesh->regions[file.mesh->region[1]].tag, 5);
   assert_int_equal(file.info.skipped, 3);
   assert_int_equal(file.set_count, 2);
   assert_string_equal(file.set[0].name, "clamped face");
@@ -181,7 +177,7 @@ static void medit_text(void **state) {
   bw_mesh_file file;
   check_ok(context, parse(context, "a.mesh", text, &file));
   assert_int_equal(file.mesh->element_count, 2);
-  assert_int_equal(file.mesh->region[0], -7);
+  assert_int_equal(file.mesh->regions[file.mesh->region[0]].tag, -7);
   assert_int_equal(file.info.skipped, 1);
   bw_mesh_file_clear(&file);
   refuse(state, "a.mesh", "MeshVersionFormatted 2\nDimension 2\n", "a.mesh:2: a mesh in 2");
@@ -206,7 +202,7 @@ static void tetgen_text(void **state) {
   fclose(out);
   for (int i = 0; i < 2; i++) {
     check_ok(context, bw_mesh_read(context, i ? ele : node, &file));
-    assert_int_equal(file.mesh->region[0], 17);
+    assert_int_equal(file.mesh->regions[file.mesh->region[0]].tag, 17);
     assert_int_equal(file.field_count, 5);
     assert_string_equal(file.field_name[0], "attribute_1");
     assert_true(bw_array_get(file.field_array[1], 0, 0) == -2);

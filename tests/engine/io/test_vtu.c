@@ -80,8 +80,8 @@ static void text_form(void **state) {
   check_ok(context, parse(context, ascii, &file));
   assert_int_equal(file.mesh->node_count, 5); /* point 3 is not used */
   assert_int_equal(file.mesh->element_count, 2);
-  assert_int_equal(file.mesh->region[0], 8);
-  assert_int_equal(file.mesh->region[1], 7);
+  assert_int_equal(file.mesh->regions[file.mesh->region[0]].tag, 8);
+  assert_int_equal(file.mesh->regions[file.mesh->region[1]].tag, 7);
   assert_int_equal(file.info.skipped, 1);
   assert_int_equal(file.field_count, 2);
   assert_string_equal(file.field_name[0], "t < 0");

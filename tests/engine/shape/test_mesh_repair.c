@@ -448,14 +448,14 @@ static void test_regions(void **state) {
     region[e] = e % 3 == 0 ? -5 : 9;
     replace[e] = e < plain->element_count / 2;
   }
-  check_ok(context, bw_mesh_copy(context, 1, plain->node_count, plain->node, plain->element_count,
-                                 plain->element, region, &mesh));
+  mesh = check_tagged(context, bw_retain(plain), region);
   for (int i = 0; i < 2; i++) {
     int32_t *element_from;
     check_ok(context,
              bw_mesh_refill(context, mesh, mesh->node, replace, &made[i], NULL, &element_from));
     for (int32_t e = 0; e < made[i]->element_count; e++)
-      assert_int_equal(made[i]->region[e], element_from[e] < 0 ? 9 : region[element_from[e]]);
+      assert_int_equal(made[i]->regions[made[i]->region[e]].tag,
+                       element_from[e] < 0 ? 9 : region[element_from[e]]);
     bw_free(element_from);
   }
   assert_int_equal(made[0]->element_count, made[1]->element_count);

@@ -239,8 +239,9 @@ local function same_pieces(part, options)
   local static = assert(part:solve(options))
   local mesh, file = assert(bw.mesh.read(path, {renumber = false}))
   assert(largest(mesh.nodes - part.mesh.nodes) == 0 and largest(mesh.elements - part.mesh.elements) == 0)
-  assert((mesh.regions == nil) == (part.mesh.regions == nil))
-  if mesh.regions then assert(largest(mesh.regions - part.mesh.regions) == 0) end
+  assert(#mesh.regions == #part.mesh.regions)
+  for i, region in ipairs(part.mesh.regions) do assert(mesh.regions[i].tag == region.tag) end
+  if mesh.element_regions then assert(largest(mesh.element_regions - part.mesh.element_regions) == 0) end
   for _, name in ipairs {"displacement", "force", "reaction", "stress", "von_mises", "max_principal",
     "element_stress"} do
     if largest(static[name]) > 0 then same_field(static[name], file.fields[name], 1e-12, name) end

@@ -1,0 +1,56 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+local bw = require "barwright"
+local check = require "check"
+
+local function halves()
+  local mesh = assert(bw.mesh.box {max = {2, 1, 1}, cells = {4, 2, 2}, order = 2})
+  local tags = {}
+  for e, corners in ipairs(mesh.elements:totable()) do
+    local x = 0
+    for a = 1, 4 do x = x + mesh.nodes:rows(corners[a], corners[a]):totable()[1][1] / 4 end
+    tags[e] = x < 0.5 and 9 or -2
+  end
+  return mesh, tags
+end
+
+describe("regions of a mesh", function()
+  it("are listed, found by name and selected", function()
+    local plain, tags = halves()
+    local mesh = assert(plain:with_regions(tags, {[9] = "insert"}))
+    assert.equal(2, #mesh.regions)
+    assert.equal(0, #plain.regions)
+    assert.is_nil(plain.element_regions)
+    assert.equal("region -2", mesh.regions[1].name)
+    assert.equal("insert", mesh.regions[2].name)
+    assert.equal(9, mesh:region("insert").tag)
+    check.near(0.5, mesh:region("insert").volume, 1e-12)
+    check.near(1.5, mesh:region("region -2").volume, 1e-12)
+    assert.equal(mesh.element_count, mesh.regions[1].elements.row_count + mesh.regions[2].elements.row_count)
+    for i = 1, mesh:region("insert").elements.row_count do
+      local e = mesh:region("insert").elements[i]
+      assert.equal(9, tags[e])
+      assert.equal(2, mesh.element_regions[e])
+    end
+    check.near(1 + 4 * 0.5, mesh.boundary:region("insert").area, 1e-12)
+    check.near(1, mesh.boundary:region("insert"):below("x", 0).area, 1e-12)
+    assert.truthy(tostring(mesh):find("regions 'region -2', 'insert'", 1, true))
+    local other = assert(bw.mesh.new {nodes = plain.nodes, elements = plain.elements, order = 2, regions = tags,
+      region_names = {[9] = "insert"}})
+    assert.equal(tostring(mesh), tostring(other))
+    assert.equal(0, #assert(mesh:with_regions()).regions)
+    assert.equal("insert", assert(assert(mesh:with_order(1)):renumbered()).regions[2].name)
+  end)
+
+  it("refuse wrong names and tags", function()
+    local plain, tags = halves()
+    local mesh = assert(plain:with_regions(tags, {[9] = "insert"}))
+    check.raises("did you mean 'insert'", mesh.region, mesh, "insret")
+    check.raises("the mesh has no regions", plain.region, plain, "insert")
+    check.raises("did you mean 'insert'", mesh.boundary.region, mesh.boundary, "Insert")
+    check.raises("two regions are called 'a'", plain.with_regions, plain, tags, {[9] = "a", [-2] = "a"})
+    check.raises("a tag, a whole number of 32 bits", plain.with_regions, plain, tags, {[2 ^ 31 | 0] = "a"})
+    check.raises("a name of at most 47 bytes", plain.with_regions, plain, tags, {[9] = ("n"):rep(48)})
+    check.raises("rows", plain.with_regions, plain, {1, 2})
+    check.raises("whole number", plain.with_regions, plain, bw.array.zeros(plain.element_count, 1) + 0.5)
+  end)
+end)
