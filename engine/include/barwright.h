@@ -109,6 +109,7 @@
 
 #include "barwright/analysis.h"
 #include "barwright/flow.h"
+#include "barwright/heat.h"
 #include "barwright/responsive.h"
 
 #include "barwright/picture.h"

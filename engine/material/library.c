@@ -18,11 +18,13 @@
 typedef struct entry {
   const char *name;
   bool isotropic;
-  bw_value young[3];    /* Pa; isotropic: the first only */
-  bw_value poisson;     /* nu12 = nu23 = nu13 */
-  bw_value strength[3]; /* Pa; isotropic: the first only */
-  bw_value density;     /* kg/m3 */
-  bw_value toughness;   /* Pa m^1/2; none where no published value fits the material */
+  bw_value young[3];      /* Pa; isotropic: the first only */
+  bw_value poisson;       /* nu12 = nu23 = nu13 */
+  bw_value strength[3];   /* Pa; isotropic: the first only */
+  bw_value density;       /* kg/m3 */
+  bw_value toughness;     /* Pa m^1/2; none where no published value fits the material */
+  bw_value conductivity;  /* W/(m K), alike in all directions; none likewise */
+  bw_value heat_capacity; /* J/(kg K) */
 } entry;
 
 #define PAPER "worst-case structural analysis (2013), section 6: three-point bending"
@@ -45,7 +47,9 @@ static const entry library[] = {
      .density = {7850, 0, "EN 1991-1-1, table A.4"},
      .toughness = {61.5e6, 11.8e6,
                    "Cambridge University Engineering Department, Materials Data Book (2003): low "
-                   "carbon steels, 41 to 82; S235 yields before it fractures in plane strain"}},
+                   "carbon steels, 41 to 82; S235 yields before it fractures in plane strain"},
+     .conductivity = {53.3, 0, "carbon steel at 20 degrees C, EN 1993-1-2, 3.4.1.3"},
+     .heat_capacity = {440, 0, "carbon steel at 20 degrees C, EN 1993-1-2, 3.4.1.2"}},
     {.name = "aluminium",
      .isotropic = true,
      .young = {{70e9, 0, EC9}},
@@ -54,7 +58,9 @@ static const entry library[] = {
      .density = {2700, 0, EC9},
      .toughness = {29e6, 3.8e6,
                    "6061-T6 across the rolling direction, supplier's data by ASM; scatter of "
-                   "aluminium alloys, 22 to 35, Materials Data Book (2003)"}},
+                   "aluminium alloys, 22 to 35, Materials Data Book (2003)"},
+     .conductivity = {167, 0, "6061-T6, supplier's data by ASM"},
+     .heat_capacity = {896, 0, "6061-T6, supplier's data by ASM"}},
     {.name = "pla",
      .isotropic = true,
      .young = {{3.6e9, 0, "NatureWorks Ingeo 4043D data sheet, the resin, ASTM D882"}},
@@ -62,7 +68,12 @@ static const entry library[] = {
      .strength = {{53e6, 0,
                    "NatureWorks Ingeo 4043D data sheet, the resin at break, ASTM D882; across "
                    "printed layers often half of it or less"}},
-     .density = {1240, 0, "NatureWorks Ingeo 4043D data sheet"}},
+     .density = {1240, 0, "NatureWorks Ingeo 4043D data sheet"},
+     .conductivity = {0.15, 0.023,
+                      "customary for solid PLA; published values lie between 0.11 and 0.19"},
+     .heat_capacity = {1500, 170,
+                       "customary for PLA at room temperature; published values lie between 1200 "
+                       "and 1800"}},
     {.name = "abs",
      .isotropic = true,
      .young = {{2.413e9, 0, "Stratasys, Fortus ABS-M30, ASTM D638"}},
@@ -133,7 +144,11 @@ static bw_status make(bw_context *context, const entry *e, bw_material **materia
   }
   if (status != BW_OK)
     return status;
+  (*material)->thermal.heat_capacity = e->heat_capacity.mean;
+  (*material)->heat_capacity_value = e->heat_capacity;
   for (int i = 0; i < 3; i++) {
+    (*material)->thermal.conductivity[i] = e->conductivity.mean;
+    (*material)->conductivity_value[i] = e->conductivity;
     (*material)->young_value[i] = e->young[e->isotropic ? 0 : i];
     (*material)->strength_value[i] = e->strength[e->isotropic ? 0 : i];
     (*material)->poisson_value[i] = e->poisson;

@@ -32,7 +32,19 @@ typedef enum bw_formulation {
   BW_B_BAR     /* with the mean of the volumetric strain */
 } bw_formulation;
 
-/* A linear elastic law with strength, density and toughness. */
+enum { BW_THERMAL_ROWS = 16 /* the most of a table of conductivity */ };
+/* What a material does with heat (docs/theory/heat.md). */
+typedef struct bw_thermal {
+  double conductivity[3]; /* (W/(m K)) along the axes 1 2 3; 0: not known */
+  double heat_capacity;   /* (J/(kg K)) per mass; 0: not known */
+  /* The conductivity is `factor` times the one above at each `temperature`, linear between, and
+   * constant outside of the table. */
+  int rows;                            /* (count) of the table; 0: it does not depend on it */
+  double temperature[BW_THERMAL_ROWS]; /* (K, rows) ascending */
+  double factor[BW_THERMAL_ROWS];      /* (-, rows) above 0 */
+} bw_thermal;
+
+/* A linear elastic law with strength, density, toughness, and what conducts and stores heat. */
 typedef struct bw_material bw_material;
 struct bw_material {
   bw_object object;
@@ -47,10 +59,12 @@ struct bw_material {
   double shear[3];    /* (Pa) G23 G31 G12 */
   double strength[3]; /* (Pa) tensile strength along axes 1 2 3; 0 when not known */
   double toughness;   /* (Pa m^0.5) fracture toughness K_Ic; 0 when not known */
+  bw_thermal thermal; /* conductivity and heat capacity */
   double lame_lambda, lame_mu; /* (Pa) when isotropic */
   bw_formulation formulation;  /* of the elements that have this material */
   /* with scatter and source, where they are known (the library's materials) */
   bw_value young_value[3], poisson_value[3], strength_value[3], density_value, toughness_value;
+  bw_value conductivity_value[3], heat_capacity_value; /* likewise, of `thermal` */
   /* Of a material rotated by element (bw_material_rotated_by_element), else NULL. Axes and matrices
    * above are then those of the unrotated material; the functions below give those of an
    * element. */
@@ -100,6 +114,13 @@ typedef struct bw_orthotropic {
  * a rotation: BW_INVALID names the constants. */
 BW_API bw_status bw_material_orthotropic(bw_context *context, const bw_orthotropic *constants,
                                          bw_material **material);
+/* The same material with other thermal constants. BW_INVALID names one that is negative or not
+ * finite, and a table that does not ascend; it is returned too for a material rotated by element.
+ */
+BW_API bw_status bw_material_with_thermal(bw_context *context, const bw_material *material,
+                                          const bw_thermal *constants, bw_material **result);
+/* The factor (-) of the conductivity at a temperature (K); 1 without a table. */
+BW_API double bw_thermal_factor(const bw_thermal *thermal, double temperature);
 /* The same material turned by a 3x3 rotation (-): axes' = axes * rotation^T, so that each
  * material axis e_i goes to rotation * e_i. BW_INVALID when the matrix is not a rotation. */
 BW_API bw_status bw_material_rotated(bw_context *context, const bw_material *material,

@@ -1,0 +1,367 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Steady conduction against closed forms, NAFEMS T2 and T4, a manufactured solution, and what holds
+ * for every body: the balance of heat, and the same answer by every solver. */
+#include "heat_bodies.h"
+
+/* A slab between two fluids: 1/h1 + L/k + 1/h2 in series. Linear, so that elements are exact. */
+static void test_slab(void **state) {
+  bw_context *context = check_context(state);
+  for (int order = 1; order <= 2; order++) {
+    const double k = 40, L = 0.05, h1 = 200, h2 = 50, t1 = 400, t2 = 300;
+    bw_heat *heat = heat_body(context, body_box(context, L, 0.02, 0.03, 5, 2, 3, order),
+                              heat_material(context, k, 0, 0));
+    heat_on_plane(context, heat, 0, 0,
+                  (bw_heat_condition){.kind = BW_HEAT_CONVECTION, .value = t1, .coefficient = h1});
+    heat_on_plane(context, heat, 0, L,
+                  (bw_heat_condition){.kind = BW_HEAT_CONVECTION, .value = t2, .coefficient = h2});
+    bw_heat_solution *solution = heat_steady(context, heat, NULL);
+    double q = (t1 - t2) / (1 / h1 + L / k + 1 / h2);
+    for (int i = 0; i < solution->mesh->node_count; i++)
+      check_near(solution->temperature[i], t1 - q / h1 - q / k * solution->mesh->node[3 * i], 1e-9);
+    check_near(solution->heat_in[0], q * 0.02 * 0.03, 1e-9 * q);
+    double *flux = numbers(3 * (int64_t)solution->mesh->node_count), relative;
+    check_ok(context, bw_heat_flux(context, solution, flux));
+    check_near(flux[0], q, 1e-7 * q);
+    check_near(flux[1], 0, 1e-7 * q);
+    check_ok(context, bw_heat_error(context, solution, NULL, &relative));
+    check_near(relative, 0, 1e-8);
+    free(flux);
+    bw_release(solution);
+    bw_release(heat);
+  }
+}
+
+/* An orthotropic body turned by 30 degrees about z: T linear, the flux is -K grad T. */
+static void test_orthotropic(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *plain = NULL, *warm = NULL, *turned = NULL;
+  const bw_orthotropic constants = {.name = "wood",
+                                    .young = {10e9, 1e9, 1e9},
+                                    .poisson = {0.3, 0, 0.3},
+                                    .poisson_t = {0, 0.03, 0}};
+  const bw_thermal thermal = {.conductivity = {3, 1, 0.5}};
+  double c = sqrt(0.75), s = 0.5;
+  const double rotation[9] = {c, -s, 0, s, c, 0, 0, 0, 1};
+  check_ok(context, bw_material_orthotropic(context, &constants, &plain));
+  check_ok(context, bw_material_with_thermal(context, plain, &thermal, &warm));
+  check_ok(context, bw_material_rotated(context, warm, rotation, &turned));
+  bw_release(plain);
+  bw_release(warm);
+  bw_heat *heat = heat_body(context, body_box(context, 1, 1, 1, 2, 3, 2, 2), turned);
+  bw_array *field = NULL;
+  check_ok(context, bw_array_create(context, BW_F64, heat->mesh->node_count, 1, &field));
+  for (int i = 0; i < heat->mesh->node_count; i++)
+    ((double *)field->data)[i] = heat->mesh->node[3 * i]; /* T = x */
+  heat_on_all(context, heat,
+              (bw_heat_condition){.kind = BW_HEAT_TEMPERATURE, .value = 1, .nodal = field});
+  bw_heat_solution *solution = heat_steady(context, heat, NULL);
+  double *flux = numbers(3 * (int64_t)heat->mesh->element_count);
+  check_ok(context, bw_heat_element_flux(context, solution, flux));
+  check_near(flux[0], -(3 * c * c + s * s), 1e-10);
+  check_near(flux[1], -(3 - 1) * c * s, 1e-10);
+  check_near(flux[2], 0, 1e-10);
+  free(flux);
+  bw_release(field);
+  bw_release(solution);
+  bw_release(heat);
+}
+
+static double wave(const double x[3]) {
+  return exp(x[0]) * sin(2 * x[1]) * cos(x[2]);
+}
+
+/* T = exp(x) sin 2y cos z with the source that it needs, -k (1 - 4 - 1) T: errors fall as h^2 with
+ * tet4 and h^3 with tet10. */
+static void test_orders(void **state) {
+  bw_context *context = check_context(state);
+  for (int order = 1; order <= 2; order++) {
+    double error[2];
+    for (int level = 0; level < 2; level++) {
+      const double k = 2.5;
+      int cells = level ? 8 : 4;
+      bw_heat *heat = heat_body(context, body_box(context, 1, 1, 1, cells, cells, cells, order),
+                                heat_material(context, k, 0, 0));
+      bw_array *field = NULL;
+      check_ok(context, bw_array_create(context, BW_F64, heat->mesh->node_count, 1, &field));
+      for (int i = 0; i < heat->mesh->node_count; i++)
+        ((double *)field->data)[i] = wave(heat->mesh->node + 3 * i);
+      heat_on_all(context, heat,
+                  (bw_heat_condition){.kind = BW_HEAT_TEMPERATURE, .value = 1, .nodal = field});
+      const bw_heat_condition source = {.kind = BW_HEAT_SOURCE, .value = 4 * k, .nodal = field};
+      check_ok(context, bw_heat_add(context, heat, &source));
+      bw_heat_solution *solution = heat_steady(context, heat, NULL);
+      error[level] = heat_error(solution, wave);
+      bw_release(field);
+      bw_release(solution);
+      bw_release(heat);
+    }
+    check_near(log2(error[0] / error[1]), order + 1, 0.15);
+  }
+}
+
+/* A hollow cylinder, a quarter of it: T = T1 + (T2 - T1) ln(r/a) / ln(b/a); tet10. */
+static void test_cylinder(void **state) {
+  bw_context *context = check_context(state);
+  const double a = 0.1, b = 0.3, t1 = 500, t2 = 300, k = 15, pi = 3.14159265358979323846;
+  bw_mesh *box = body_box(context, 1, 1, 0.05, 10, 10, 1, 2), *mesh = NULL;
+  double *node = numbers(3 * (int64_t)box->node_count);
+  for (int i = 0; i < box->node_count; i++) {
+    double r = a + (b - a) * box->node[3 * i], angle = pi / 2 * box->node[3 * i + 1];
+    node[3 * i] = r * cos(angle);
+    node[3 * i + 1] = r * sin(angle);
+    node[3 * i + 2] = box->node[3 * i + 2];
+  }
+  check_ok(context, bw_mesh_moved(context, box, node, &mesh));
+  free(node);
+  bw_release(box);
+  bw_heat *heat = heat_body(context, mesh, heat_material(context, k, 0, 0));
+  for (int side = 0; side < 2; side++) {
+    uint8_t *facets = calloc((size_t)mesh->facet_count, 1);
+    bw_selection *on = NULL;
+    for (int f = 0; f < mesh->facet_count; f++) {
+      facets[f] = 1;
+      for (int c = 0; c < 3; c++) {
+        const double *x = mesh->node + 3 * mesh->facet[6 * f + c];
+        facets[f] = facets[f] && fabs(hypot(x[0], x[1]) - (side ? b : a)) < 1e-9;
+      }
+    }
+    check_ok(context, bw_select_mask(context, mesh, facets, NULL, &on));
+    const bw_heat_condition held = {.kind = BW_HEAT_TEMPERATURE, .on = on, .value = side ? t2 : t1};
+    check_ok(context, bw_heat_add(context, heat, &held));
+    bw_release(on);
+    free(facets);
+  }
+  bw_heat_solution *solution = heat_steady(context, heat, NULL);
+  for (int i = 0; i < mesh->node_count; i++) {
+    double r = hypot(mesh->node[3 * i], mesh->node[3 * i + 1]);
+    check_near(solution->temperature[i], t1 + (t2 - t1) * log(r / a) / log(b / a), 0.05);
+  }
+  double through = k * 0.05 * pi / 2 * (t1 - t2) / log(b / a);
+  check_near(solution->heat_in[0], through, 1e-4 * through);
+  bw_release(solution);
+  bw_release(heat);
+}
+
+/* A plate heated on one side that radiates from the other: sigma eps (T^4 - Ts^4) = q there, and
+ * linear through the thickness. */
+static void test_radiating_plate(void **state) {
+  bw_context *context = check_context(state);
+  const double q = 2e4, emissivity = 0.8, sink = 280, k = 20, L = 0.04;
+  double surface = pow(q / (emissivity * BW_STEFAN_BOLTZMANN) + pow(sink, 4), 0.25);
+  for (int order = 1; order <= 2; order++) {
+    bw_heat *heat = heat_body(context, body_box(context, 0.1, 0.1, L, 2, 2, 2, order),
+                              heat_material(context, k, 0, 0));
+    heat_on_plane(context, heat, 2, 0, (bw_heat_condition){.kind = BW_HEAT_FLUX, .value = q});
+    heat_on_plane(
+        context, heat, 2, L,
+        (bw_heat_condition){.kind = BW_HEAT_RADIATION, .value = sink, .coefficient = emissivity});
+    bw_heat_solution *solution = heat_steady(context, heat, NULL);
+    assert_true(solution->iterations > 2 && solution->change <= 1e-10);
+    check_near(heat_at(solution, 0, 0, L), surface, 1e-7);
+    check_near(heat_at(solution, 0, 0, 0), surface + q * L / k, 1e-7);
+    bw_release(solution);
+    bw_release(heat);
+  }
+  /* Linearised about the right temperature it gives the same, in one iteration. */
+  bw_heat *heat = heat_body(context, body_box(context, 0.1, 0.1, L, 2, 2, 2, 1),
+                            heat_material(context, k, 0, 0));
+  heat_on_plane(context, heat, 2, 0, (bw_heat_condition){.kind = BW_HEAT_FLUX, .value = q});
+  heat_on_plane(
+      context, heat, 2, L,
+      (bw_heat_condition){
+          .kind = BW_HEAT_RADIATION, .value = sink, .coefficient = emissivity, .about = surface});
+  bw_heat_solution *solution = heat_steady(context, heat, NULL);
+  assert_int_equal(solution->iterations, 1);
+  check_near(heat_at(solution, 0, 0, L), surface, 1e-7);
+  bw_release(solution);
+  bw_release(heat);
+}
+
+/* NAFEMS T2: a bar of 0.1 m at 1000 K that radiates from its end: 927.0 K there. */
+static void test_nafems_t2(void **state) {
+  bw_context *context = check_context(state);
+  bw_heat *heat = heat_body(context, body_box(context, 0.1, 0.01, 0.01, 10, 1, 1, 2),
+                            heat_material(context, 55.6, 0, 0));
+  heat_on_plane(context, heat, 0, 0,
+                (bw_heat_condition){.kind = BW_HEAT_TEMPERATURE, .value = 1000});
+  heat_on_plane(context, heat, 0, 0.1,
+                (bw_heat_condition){.kind = BW_HEAT_RADIATION, .value = 300, .coefficient = 0.98});
+  bw_heat_solution *solution = heat_steady(context, heat, NULL);
+  check_near(heat_at(solution, 0.1, 0, 0), 927.0, 0.1);
+  bw_release(solution);
+  bw_release(heat);
+}
+
+/* NAFEMS T4: 0.6 m x 1 m, one edge at 100, one insulated, two in convection: 18.25 degrees C. */
+static void test_nafems_t4(void **state) {
+  bw_context *context = check_context(state);
+  bw_heat *heat = heat_body(context, body_box(context, 0.6, 1, 0.05, 12, 20, 1, 2),
+                            heat_material(context, 52, 0, 0));
+  const bw_heat_condition film = {.kind = BW_HEAT_CONVECTION, .value = 0, .coefficient = 750};
+  heat_on_plane(context, heat, 0, 0.6, film);
+  heat_on_plane(context, heat, 1, 1, film);
+  heat_on_plane(context, heat, 1, 0,
+                (bw_heat_condition){.kind = BW_HEAT_TEMPERATURE, .value = 100});
+  bw_heat_solution *solution = heat_steady(context, heat, NULL);
+  check_near(heat_at(solution, 0.6, 0.2, 0), 18.25, 0.1);
+  bw_release(solution);
+  bw_release(heat);
+}
+
+/* k = k0 (1 + b T) between two temperatures: the flux is that of k at their mean (Kirchhoff's
+ * transformation), and k0 (T + b T^2 / 2) is linear. */
+static void test_conductivity_by_temperature(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *plain = heat_material(context, 10, 0, 0), *material = NULL;
+  bw_thermal thermal = plain->thermal;
+  thermal.rows = 2;
+  thermal.temperature[0] = 0, thermal.factor[0] = 1;
+  thermal.temperature[1] = 1000, thermal.factor[1] = 3;
+  check_ok(context, bw_material_with_thermal(context, plain, &thermal, &material));
+  bw_release(plain);
+  bw_heat *heat = heat_body(context, body_box(context, 0.2, 0.05, 0.05, 16, 1, 1, 2), material);
+  heat_on_plane(context, heat, 0, 0,
+                (bw_heat_condition){.kind = BW_HEAT_TEMPERATURE, .value = 800});
+  heat_on_plane(context, heat, 0, 0.2,
+                (bw_heat_condition){.kind = BW_HEAT_TEMPERATURE, .value = 200});
+  bw_heat_solution *solution = heat_steady(context, heat, NULL);
+  double b = 2e-3, flux = 10 * (1 + b * 500) * 600 / 0.2;
+  check_near(solution->heat_in[0], flux * 0.0025, 1e-5 * flux * 0.0025);
+  for (int i = 0; i < heat->mesh->node_count; i++) {
+    double t = solution->temperature[i], left = 800 + b / 2 * 800 * 800;
+    check_near(t + b / 2 * t * t, left - flux / 10 * heat->mesh->node[3 * i], 0.05);
+  }
+  assert_true(solution->iterations > 2);
+  bw_release(solution);
+  bw_release(heat);
+}
+
+/* On a shaken box with every kind of condition: what goes in is what goes out, and solvers agree.
+ */
+static void test_balance_and_solvers(void **state) {
+  bw_context *context = check_context(state);
+  bw_solver *jacobi = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_JACOBI});
+  bw_solver *two_level = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_TWO_LEVEL});
+  for (int order = 1; order <= 2; order++)
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+      bw_mesh *box = body_box(context, 0.1, 0.08, 0.06, 8, 6, 5, order), *mesh = NULL;
+      double *node = numbers(3 * (int64_t)box->node_count), *shift = numbers(9);
+      random_field(seed, 9, shift);
+      for (int i = 0; i < box->node_count; i++)
+        for (int c = 0; c < 3; c++) {
+          const double *x = box->node + 3 * i;
+          node[3 * i + c] = x[c] + 0.2 * (shift[3 * c] * x[0] + shift[3 * c + 1] * x[1] +
+                                          shift[3 * c + 2] * x[2] * x[0] / 0.1);
+        }
+      bw_selection *on[3] = {NULL};
+      check_ok(context, bw_mesh_moved(context, box, node, &mesh));
+      bw_heat *heat = heat_body(context, mesh, heat_material(context, 1 + (double)seed, 0, 0));
+      for (int part = 0; part < 3; part++) { /* facets in turn */
+        uint8_t *facets = calloc((size_t)mesh->facet_count, 1);
+        for (int f = 0; f < mesh->facet_count; f++)
+          facets[f] = f * 5 / mesh->facet_count == part;
+        check_ok(context, bw_select_mask(context, mesh, facets, NULL, &on[part]));
+        free(facets);
+      }
+      const bw_heat_condition all[] = {
+          {.kind = BW_HEAT_TEMPERATURE, .on = on[0], .value = 350},
+          {.kind = BW_HEAT_CONVECTION, .on = on[1], .value = 290, .coefficient = 30},
+          {.kind = BW_HEAT_RADIATION, .on = on[2], .value = 400, .coefficient = 0.5},
+          {.kind = BW_HEAT_FLUX, .on = on[2], .value = -500},
+          {.kind = BW_HEAT_POWER, .on = on[1], .value = 7},
+          {.kind = BW_HEAT_POWER, .value = 3},
+          {.kind = BW_HEAT_SOURCE, .value = 2000}};
+      for (size_t c = 0; c < sizeof all / sizeof *all; c++)
+        check_ok(context, bw_heat_add(context, heat, &all[c]));
+      bw_heat_solution *first = heat_steady(context, heat, NULL);
+      check_near(first->heat_in[4], 7, 1e-9);
+      check_near(first->heat_in[5], 3, 1e-9);
+      assert_string_equal(first->report.preconditioner, "cholesky"); /* kept while T changes */
+      for (int way = 0; way < order; way++) {
+        bw_solver *pcg =
+            body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG,
+                                                     .preconditioner = way ? two_level : jacobi});
+        bw_heat_solution *other = heat_steady(context, heat, pcg);
+        for (int i = 0; i < mesh->node_count; i++)
+          check_near(other->temperature[i], first->temperature[i], 1e-6);
+        assert_string_equal(other->report.preconditioner, way ? "two_level" : "jacobi");
+        if (way) /* whatever the size: a few dozen for each iteration of Newton */
+          assert_true(other->report.iterations <= 50 * other->iterations);
+        bw_release(other);
+        bw_release(pcg);
+      }
+      bw_release(first);
+      bw_release(heat);
+      bw_release(box);
+      for (int part = 0; part < 3; part++)
+        bw_release(on[part]);
+      free(node), free(shift);
+    }
+  bw_release(jacobi);
+  bw_release(two_level);
+}
+
+static void test_misuse(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 1, 1, 1, 2, 2, 2, 1);
+  bw_material *cold = body_material(context);
+  bw_heat *heat = NULL;
+  bw_heat_solution *solution = NULL;
+  check_fails(context, BW_INVALID, "has no conductivity",
+              bw_heat_create(context, mesh, cold, &heat));
+  heat = heat_body(context, mesh, heat_material(context, 1, 0, 0));
+  check_fails(context, BW_UNCONSTRAINED, "no steady temperature",
+              bw_heat_steady(context, heat, NULL, &solution));
+  bw_heat_condition wrong = {.kind = BW_HEAT_FLUX, .value = 1};
+  check_fails(context, BW_INVALID, "needs a selection", bw_heat_add(context, heat, &wrong));
+  wrong = (bw_heat_condition){.kind = BW_HEAT_SOURCE, .value = NAN};
+  check_fails(context, BW_INVALID, "not a finite", bw_heat_add(context, heat, &wrong));
+  bw_selection *on = NULL;
+  check_ok(context, bw_select_all(context, heat->mesh, &on));
+  wrong = (bw_heat_condition){.kind = BW_HEAT_RADIATION, .on = on, .value = 300, .coefficient = 2};
+  check_fails(context, BW_INVALID, "emissivity", bw_heat_add(context, heat, &wrong));
+  wrong.coefficient = 1, wrong.value = -20;
+  check_fails(context, BW_INVALID, "kelvin", bw_heat_add(context, heat, &wrong));
+  bw_release(on);
+  /* more heat out than a body at absolute zero can give */
+  heat_on_plane(context, heat, 0, 0,
+                (bw_heat_condition){.kind = BW_HEAT_RADIATION, .value = 10, .coefficient = 1});
+  heat_on_plane(context, heat, 0, 1, (bw_heat_condition){.kind = BW_HEAT_FLUX, .value = -1e4});
+  assert_int_not_equal(bw_heat_steady(context, heat, NULL, &solution), BW_OK);
+  bw_release(heat);
+  bw_release(cold);
+}
+
+static void test_memory(void **state) {
+  bw_context *context = check_context(state);
+  bw_solver *two_level = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_TWO_LEVEL});
+  bw_solver *pcg =
+      body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = two_level});
+  bw_heat *heat =
+      heat_body(context, body_box(context, 1, 1, 1, 1, 1, 1, 2), heat_material(context, 1, 0, 0));
+  heat_on_plane(context, heat, 0, 0,
+                (bw_heat_condition){.kind = BW_HEAT_RADIATION, .value = 300, .coefficient = 1});
+  heat_on_plane(context, heat, 0, 1, (bw_heat_condition){.kind = BW_HEAT_POWER, .value = 10});
+  bw_heat_solution *solution = NULL;
+  const bw_heat_options options = {.solver = pcg};
+  check_allocations(context, solution, bw_heat_steady(context, heat, NULL, &solution));
+  check_allocations(context, solution, bw_heat_steady(context, heat, &options, &solution));
+  bw_release(heat);
+  bw_release(pcg);
+  bw_release(two_level);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(test_slab),
+                                     check_test(test_orthotropic),
+                                     check_test(test_orders),
+                                     check_test(test_cylinder),
+                                     check_test(test_radiating_plate),
+                                     check_test(test_nafems_t2),
+                                     check_test(test_nafems_t4),
+                                     check_test(test_conductivity_by_temperature),
+                                     check_test(test_balance_and_solvers),
+                                     check_test(test_misuse),
+                                     check_test(test_memory)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
