@@ -56,7 +56,7 @@ bw_status bwi_solve_error_open(bw_context *context, bw_system *system, bwi_solve
   bw_modes *modes = NULL;
   bw_modes_options options;
   *error = (bwi_solve_error){.system = system};
-  BW_TRY(bwi_need_equations(context, system));
+  BW_TRY(bw_system_stiffness(context, system));
   error->compliance = BW_NEW0(context, double, pattern->node_count);
   if (!error->compliance)
     return BW_MEMORY;

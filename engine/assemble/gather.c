@@ -60,11 +60,14 @@ typedef struct tensor {
 } tensor;
 static const tensor zero;
 
+/* What becomes of the tensors: 9 numbers per block from a material, or the trace. */
+typedef enum gather_kind { ISOTROPIC, GENERAL, TRACE } gather_kind;
+
 typedef struct gather_data {
   bwi_row_sums rows;
   bwi_frames frames;
   bwi_block_term table[256];
-  bwi_gather_kind kind;
+  gather_kind kind;
   double lambda, mu;
   /* by group: of the component T[m], what it adds to the block's rows; and of mean gradients, in
      elements with B-bar (NULL: without) */
@@ -72,7 +75,10 @@ typedef struct gather_data {
   const int32_t *group; /* by element: where the material is rotated by element, or NULL */
   tensor *sum; /* threads x 2 x longest row: of gradients, then of mean gradients with B-bar */
   int64_t longest;
-  double *values;
+  double *values;          /* all, or NULL: a row at a time, to `take` */
+  double *row;             /* then threads x longest row x 9 */
+  bwi_stiffness_row *take; /* with `data` */
+  void *data;
 } gather_data;
 
 /* Add a curved element's tensor of local nodes (a, b). */
@@ -150,7 +156,7 @@ static void add_general(const bwi_vector (*map)[3], tensor *from, double *out) {
 /* Takes the sums of a row that the elements from `begin` to `end` - 1 around it contributed to, all
  * of one group, into its values. */
 static void take_group(const gather_data *g, int64_t i, int64_t begin, int64_t end,
-                       const int32_t *place, tensor *sum) {
+                       const int32_t *place, tensor *sum, double *row) {
   const bwi_row_sums *r = &g->rows;
   int32_t group = g->group ? g->group[r->incidence.element[begin]] : 0;
   for (int64_t k = begin; k < end; k++) {
@@ -158,7 +164,7 @@ static void take_group(const gather_data *g, int64_t i, int64_t begin, int64_t e
     for (int b = 0; b < r->nodes_per_element; b++) {
       if (node[b] > i || memcmp(sum[place[node[b]]].t, zero.t, sizeof zero.t) == 0)
         continue; /* taken already */
-      double *out = g->values + 9 * (r->pattern->start[i] + place[node[b]]);
+      double *out = row + 9 * (int64_t)place[node[b]];
       add_general(g->map[group], &sum[place[node[b]]], out);
       if (g->mean_map)
         add_general(g->mean_map[group], &sum[g->longest + place[node[b]]], out);
@@ -168,24 +174,25 @@ static void take_group(const gather_data *g, int64_t i, int64_t begin, int64_t e
 
 /* A row by general maps: run by run of elements of one group of the material. */
 static void gather_groups(const gather_data *g, int64_t i, int64_t count, const int32_t *place,
-                          tensor *sum) {
+                          tensor *sum, double *row) {
   const bwi_row_sums *r = &g->rows;
   int64_t end = r->incidence.start[i + 1];
-  memset(g->values + 9 * r->pattern->start[i], 0, (size_t)count * 9 * sizeof *g->values);
+  memset(row, 0, (size_t)count * 9 * sizeof *row);
   for (int64_t k = r->incidence.start[i], next = k; k < end; k = next) {
     int32_t group = g->group ? g->group[r->incidence.element[k]] : 0;
     for (; next < end && (!g->group || g->group[r->incidence.element[next]] == group); next++)
       add_element(g, i, next, place, false, sum);
-    take_group(g, i, k, next, place, sum);
+    take_group(g, i, k, next, place, sum, row);
   }
 }
 
-static void gather_row(const gather_data *g, int64_t i, int32_t *place, tensor *sum) {
+/* `row`: where its values come. */
+static void gather_row(const gather_data *g, int64_t i, int32_t *place, tensor *sum, double *row) {
   const bwi_row_sums *r = &g->rows;
-  int64_t first = r->pattern->start[i], count = bwi_row_places(r, i, place);
+  int64_t count = bwi_row_places(r, i, place);
   bool groups = g->group || g->mean_map;
   if (groups)
-    gather_groups(g, i, count, place, sum);
+    gather_groups(g, i, count, place, sum, row);
   else if (g->frames.curved)
     for (int64_t k = r->incidence.start[i]; k < r->incidence.start[i + 1]; k++)
       add_element(g, i, k, place, false, sum);
@@ -194,24 +201,30 @@ static void gather_row(const gather_data *g, int64_t i, int32_t *place, tensor *
       add_element(g, i, k, place, true, sum);
   for (int64_t p = 0; !groups && p < count; p++) {
     const bwi_vector *t = sum[p].t;
-    double *out = g->values + 9 * (first + p);
-    if (g->kind == BWI_TRACE)
-      g->values[first + p] = t[0][0] + t[1][1] + t[2][2];
-    else if (g->kind == BWI_ISOTROPIC)
+    double *out = row + 9 * p;
+    if (g->kind == TRACE)
+      row[p] = t[0][0] + t[1][1] + t[2][2];
+    else if (g->kind == ISOTROPIC)
       bwi_apply_isotropic(g->lambda, g->mu, t, out);
     else
       bwi_apply_general(g->map[0], t, out);
     sum[p] = zero;
   }
-  if (g->kind != BWI_TRACE)
-    bwi_make_symmetric(g->values + 9 * (first + count - 1));
+  if (g->kind != TRACE)
+    bwi_make_symmetric(row + 9 * (count - 1));
 }
 
 static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker) {
   const gather_data *g = (const gather_data *)data;
-  int32_t *place = g->rows.place + (int64_t)worker * g->rows.pattern->node_count;
-  for (int64_t i = begin; i < end; i++)
-    gather_row(g, i, place, g->sum + 2 * worker * g->longest);
+  const bw_block_pattern *pattern = g->rows.pattern;
+  int32_t *place = g->rows.place + (int64_t)worker * pattern->node_count;
+  for (int64_t i = begin; i < end; i++) {
+    double *row = g->values ? g->values + (g->kind == TRACE ? 1 : 9) * pattern->start[i]
+                            : g->row + 9 * worker * g->longest;
+    gather_row(g, i, place, g->sum + 2 * worker * g->longest, row);
+    if (g->take)
+      g->take(g->data, i, row);
+  }
   return BW_OK;
 }
 
@@ -256,49 +269,75 @@ static bw_status general_maps(bw_context *context, const bw_material *material, 
   return BW_OK;
 }
 
-bw_status bwi_gather(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
-                     bwi_gather_kind kind, const bw_material *material, double *values) {
+/* `material` NULL: the Laplacian. `g` says where values go. */
+static bw_status gather(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
+                        const bw_material *material, gather_data *g) {
   bw_status status = BW_OK;
-  gather_data g = {.kind = kind, .values = values};
   void *memory = NULL;
   BW_TRY(bwi_block_pattern_fits(context, pattern, mesh));
-  BW_TRY(bwi_frames_create(context, mesh, &g.frames));
+  BW_TRY(bwi_frames_create(context, mesh, &g->frames));
   BW_TRY(bwi_row_sums_open(context, pattern, mesh->element_count, mesh->nodes_per_element,
-                           mesh->element, &g.rows));
+                           mesh->element, &g->rows));
   for (int64_t i = 0; i < pattern->node_count; i++)
-    if (pattern->start[i + 1] - pattern->start[i] > g.longest)
-      g.longest = pattern->start[i + 1] - pattern->start[i];
-  memory = BW_NEW0(context, tensor, 2 * g.longest * bw_threads(context) + 1);
-  BW_TRY_MEMORY(memory);
-  g.sum =
+    if (pattern->start[i + 1] - pattern->start[i] > g->longest)
+      g->longest = pattern->start[i + 1] - pattern->start[i];
+  memory = BW_NEW0(context, tensor, 2 * g->longest * bw_threads(context) + 1);
+  if (!g->values)
+    g->row = BW_NEW(context, double, 9 * g->longest * bw_threads(context));
+  BW_TRY_MEMORY(memory && (g->values || g->row));
+  g->sum =
       (tensor *)(((uintptr_t)memory + _Alignof(tensor) - 1) & ~(uintptr_t)(_Alignof(tensor) - 1));
-  bwi_product_table(mesh->order, g.table);
-  if (kind == BWI_ISOTROPIC) {
-    g.lambda = material->lame_lambda;
-    g.mu = material->lame_mu;
-  }
-  if (kind == BWI_GENERAL) {
+  bwi_product_table(mesh->order, g->table);
+  g->kind = TRACE;
+  if (material && material->isotropic && bwi_projected_bulk(mesh, material) == 0) {
+    g->kind = ISOTROPIC;
+    g->lambda = material->lame_lambda;
+    g->mu = material->lame_mu;
+  } else if (material) {
+    g->kind = GENERAL;
     BW_TRY(bw_material_fits(context, material, mesh->element_count));
-    BW_TRY(general_maps(context, material, bwi_projected_bulk(mesh, material), &g));
+    BW_TRY(general_maps(context, material, bwi_projected_bulk(mesh, material), g));
   }
-  BW_TRY(bw_parallel(context, pattern->node_count, BWI_ROWS_PER_CHUNK, gather_rows, &g));
+  BW_TRY(bw_parallel(context, pattern->node_count, BWI_ROWS_PER_CHUNK, gather_rows, g));
 done:
-  bw_free(g.map);
-  bw_free(g.mean_map);
+  bw_free(g->map);
+  bw_free(g->mean_map);
+  bw_free(g->row);
   bw_free(memory);
-  bwi_row_sums_close(&g.rows);
-  bwi_frames_clear(&g.frames);
+  bwi_row_sums_close(&g->rows);
+  bwi_frames_clear(&g->frames);
   return status;
 }
 
 bw_status bw_stiffness(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
                        const bw_material *material, double *values) {
-  bool isotropic = material->isotropic && bwi_projected_bulk(mesh, material) == 0;
-  return bwi_gather(context, pattern, mesh, isotropic ? BWI_ISOTROPIC : BWI_GENERAL, material,
-                    values);
+  return gather(context, pattern, mesh, material, &(gather_data){.values = values});
+}
+
+typedef struct stored {
+  const bw_block_pattern *pattern;
+  const double *values;
+  bwi_stiffness_row *take;
+  void *data;
+} stored;
+
+static bw_status take_stored(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const stored *k = data;
+  for (int64_t i = begin; i < end; i++)
+    k->take(k->data, i, k->values + 9 * k->pattern->start[i]);
+  return BW_OK;
+}
+
+bw_status bwi_stiffness_rows(bw_context *context, const bw_block_pattern *pattern,
+                             const bwi_stiffness *stiffness, bwi_stiffness_row *take, void *data) {
+  stored k = {pattern, stiffness->values, take, data};
+  return k.values ? bw_parallel(context, pattern->node_count, BWI_ROWS_PER_CHUNK, take_stored, &k)
+                  : gather(context, pattern, stiffness->mesh, stiffness->material,
+                           &(gather_data){.take = take, .data = data});
 }
 
 bw_status bw_laplacian(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
                        double *values) {
-  return bwi_gather(context, pattern, mesh, BWI_TRACE, NULL, values);
+  return gather(context, pattern, mesh, NULL, &(gather_data){.values = values});
 }

@@ -32,9 +32,4 @@ double bwi_element_frame(const bw_mesh *mesh, int64_t element, bwi_vector *h);
 bw_status bwi_frames_create(bw_context *context, const bw_mesh *mesh, bwi_frames *frames);
 void bwi_frames_clear(bwi_frames *frames);
 
-/* What becomes of the tensors: 9 numbers per block from a material, or the trace. */
-typedef enum bwi_gather_kind { BWI_ISOTROPIC, BWI_GENERAL, BWI_TRACE } bwi_gather_kind;
-bw_status bwi_gather(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
-                     bwi_gather_kind kind, const bw_material *material, double *values);
-
 #endif

@@ -112,6 +112,20 @@ void bwi_block_pattern_mark_surface(const bw_block_pattern *pattern, const bw_me
 bw_status bwi_fail_inverted(bw_context *context, const bw_mesh *mesh, int64_t element,
                             double determinant);
 
+/* A stiffness that is read row by row: one that is stored (block_count x 9), or else that of a mesh
+ * and a material, whose rows are made one by one and kept by nobody. */
+typedef struct bwi_stiffness {
+  const double *values; /* or NULL */
+  const bw_mesh *mesh;
+  const bw_material *material;
+} bwi_stiffness;
+/* Of row i: its blocks on and left of the diagonal, 9 numbers each. */
+typedef void bwi_stiffness_row(void *data, int64_t i, const double *row);
+/* Every row once, several at the same time. The same numbers either way. Statuses of
+ * bw_stiffness. */
+bw_status bwi_stiffness_rows(bw_context *context, const bw_block_pattern *pattern,
+                             const bwi_stiffness *stiffness, bwi_stiffness_row *take, void *data);
+
 /* Which elements are curved: *number has an entry per element, its index among the curved ones or
  * -1; NULL when all are straight (always for tet4). */
 bw_status bwi_find_curved(bw_context *context, const bw_mesh *mesh, int32_t **number,

@@ -125,14 +125,17 @@ static bw_status elastic_precondition(bw_context *context, void *data, int64_t c
 
 static bw_status multiply(bw_context *context, const elastic *problem, bool mass, int64_t count,
                           const double *x, double *y) {
-  const bw_system *system = problem->system;
+  bw_system *system = problem->system;
   const bw_dof_map *dof_map = system->dof_map;
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)system->mesh->node_count;
-  for (int64_t first = 0; first < count && status == BW_OK; first += SIDES)
-    status = bw_block_multiply(context, system->pattern, mass ? system->mass : system->stiffness,
-                               mass ? 1 : 9, 3, count - first < SIDES ? count - first : SIDES,
-                               x + first * size, y + first * size);
+  for (int64_t first = 0; first < count && status == BW_OK; first += SIDES) {
+    int64_t sides = count - first < SIDES ? count - first : SIDES;
+    const double *from = x + first * size;
+    double *to = y + first * size;
+    status = mass ? bw_block_multiply(context, system->pattern, system->mass, 1, 3, sides, from, to)
+                  : bwi_system_multiply(context, system, sides, from, to, NULL);
+  }
   if (problem->constrained)
     for (int64_t k = 0; status == BW_OK && k < count; k++)
       bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, y + k * size);

@@ -20,7 +20,7 @@ static bw_status update_two_level(bw_context *context, const bw_incremental_syst
     bool even;
     BW_TRY(bwi_element_product_serves(context, inner->rest->mesh, inner->rest->material, &even));
     BW_TRY(bwi_two_level_create(context, inner->rest->mesh, system->pattern,
-                                even && !inner->rotate_material, &inner->two_level));
+                                even && !inner->rotate_material, NULL, &inner->two_level));
   }
   if (!inner->two_level_known)
     BW_TRY(bwi_two_level_follow(context, inner->two_level, inner->model, system->dof_map,

@@ -456,14 +456,13 @@ bw_status bw_incremental_statics(bw_context *context, bw_incremental_system *inc
                    "the model is not the one that the system last followed: update the system "
                    "first");
   BW_TRY(options_of(context, given, &options));
-  const bw_system *system = incremental->system;
+  bw_system *system = incremental->system;
   BW_TRY(bwi_static_begin(context, model, statics, system->dof_map, &result));
   static_data data = {incremental, options, reuse ? reuse : &own};
   const bw_reuse before = *data.reuse;
   bwi_static_solver solver = {
       .solve = solve_one, .data = &data, .refine_to = options.tolerance, .once = options.energy};
-  BW_TRY(bwi_static_solve(context, system->dof_map, system->pattern, system->stiffness, &solver,
-                          result));
+  BW_TRY(bwi_static_solve(context, system->dof_map, system, &solver, result));
   if (!data.reuse->solver) /* without a load there was nothing to solve */
     bwi_incremental_note(BWI_REFACTOR, data.reuse);
   fill_report(incremental, options.solver, &before, data.reuse, bw_seconds() - start, result);

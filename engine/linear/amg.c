@@ -95,7 +95,8 @@ bw_status bwi_amg_create(bw_context *context, const bwi_matrix *matrix, bool sol
   g->dof_map = bw_retain(matrix->dof_map);
   BW_TRY(bwi_smoother_create(context, solves ? matrix->dof_map->mesh : NULL, matrix->pattern,
                              solves && matrix->even, false, NULL, &g->smoother));
-  BW_TRY(bwi_smoother_follow(context, g->smoother, matrix->stiffness, matrix->dof_map, &usable));
+  BW_TRY(bwi_smoother_follow(context, g->smoother, &(bwi_stiffness){.values = matrix->stiffness},
+                             matrix->dof_map, &usable));
   if (!usable) {
     status = bw_fail(context, BW_SINGULAR, "the block of a node is not positive definite");
     goto done;

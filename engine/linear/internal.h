@@ -299,7 +299,7 @@ void bwi_project_unknowns(const bw_dof_map *dof_map, int64_t node, const double 
 void bwi_prescribed_field(const bw_dof_map *dof_map, double *field);
 /* ---- systems (system.c) -------------------------------------------------------------------- */
 
-/* Block sparsity pattern and stiffness: no mass, no factor yet. `previous` (may be NULL), of the
+/* Block sparsity pattern: no stiffness, no mass, no factor yet. `previous` (may be NULL), of the
  * same topology, gives its pattern. */
 bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                            const bw_dof_map *dof_map, const bw_system *previous,
@@ -325,6 +325,11 @@ bw_status bwi_system_precondition(bw_context *context, bw_system *system, const 
 bw_status bwi_system_begin_external(bw_context *context, const bw_model *model,
                                     const bw_dof_map *dof_map, const bw_solver *solver,
                                     bw_system **system);
+/* y = K x for `count` fields, and *noise (may be NULL, else of one field) as bwi_residual_noise has
+ * it: by elements where the system has no stiffness but a preconditioner that multiplies so; else
+ * by the stiffness, which is made where there is none. */
+bw_status bwi_system_multiply(bw_context *context, bw_system *system, int64_t count,
+                              const double *x, double *y, double *noise);
 /* The mass, where the system has none yet. */
 bw_status bwi_system_mass(bw_context *context, bw_system *system);
 

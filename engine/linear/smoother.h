@@ -24,6 +24,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "assemble/internal.h"
 #include "linear/internal.h"
 
 enum { BWI_SMOOTHER_SIDES = 12, BWI_SMOOTHER_ROWS = 512, BWI_SMOOTHER_MAX_CHUNKS = 16 };
@@ -37,7 +38,6 @@ typedef struct bwi_smoother_part {
   const int64_t *outside; /* rows: end of those that are not of the row's own block */
   int64_t *within;        /* rows: the same, or NULL where there are no blocks */
   int32_t *column;        /* of an entry: a row, ascending in each row */
-  uint16_t *place;        /* of its block among those of the row's node (bwi_smoother_block) */
   float *value;           /* unit * K: the sign, the exponent and 24 bits of each number */
   uint32_t *rest;         /* the 29 bits that follow; NULL where no product reads them */
 } bwi_smoother_part;
@@ -92,36 +92,26 @@ typedef struct bwi_smoother {
   bwi_element_product *elements; /* of the shape followed; or NULL */
 } bwi_smoother;
 
-/* The block of the pattern that entry e of row k is; *across: its transpose. */
-static inline int64_t bwi_smoother_block(const bwi_smoother *s, const bwi_smoother_part *part,
-                                         int64_t k, int64_t e, bool *across) {
-  const bw_block_pattern *pattern = s->pattern;
-  int64_t i = s->node[k], place = part->place[e];
-  int64_t before = pattern->start[i + 1] - 1 - pattern->start[i]; /* left of the diagonal */
-  *across = place >= before;
-  return *across ? bw_upper_block(pattern, pattern->upper_start[i] + place - before)
-                 : pattern->start[i] + place;
-}
-
 /* The width for up to BWI_SMOOTHER_SIDES fields at once. */
 static inline int bwi_smoother_width(int64_t count) {
   return count <= 1                    ? 1
          : count >= BWI_SMOOTHER_SIDES ? BWI_SMOOTHER_SIDES
                                        : (int)(count + 3) / 4 * 4;
 }
-/* For matrices on the pattern of a mesh, none of whose nodes has 2^16 neighbours (BW_LIMIT).
- * `even`: bwi_blocks_even. `by_elements`: it is what bwi_element_product_serves, and
- * bwi_smoother_follow_elements comes before products. `stiffness`: nodes that it couples strongly
- * are swept together; NULL: each by itself. `mesh` NULL: not `even`, and for sweeps alone, without
- * products. Release with bw_release. */
+/* For matrices on the pattern of a mesh. `even`: bwi_blocks_even. `by_elements`: it is what
+ * bwi_element_product_serves, and bwi_smoother_follow_elements comes before products. `stiffness`:
+ * nodes that it couples strongly are swept together; NULL: each by itself. `mesh` NULL: not `even`,
+ * and for sweeps alone, without products. Release with bw_release. */
 bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
                               const bw_block_pattern *pattern, bool even, bool by_elements,
-                              const double *stiffness, bwi_smoother **out);
-/* Take over a stiffness (9 numbers per block) at the unknowns of a DOF map; isostatic constraints
- * are unknowns here: K is singular where there are any. *usable is false where
- * a node's own block is not positive definite. */
-bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *smoother, const double *stiffness,
-                              const bw_dof_map *dof_map, bool *usable);
+                              const bwi_stiffness *stiffness, bwi_smoother **out);
+/* Take over a stiffness, row by row, at the unknowns of a DOF map; isostatic constraints are
+ * unknowns here: K is singular where there are any. One that is not stored is that of
+ * bwi_smoother_create, where `unit` comes from. *usable is false where a node's own block is not
+ * positive definite. */
+bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *smoother,
+                              const bwi_stiffness *stiffness, const bw_dof_map *dof_map,
+                              bool *usable);
 /* And the elements of that shape, where products are by elements: before the first one. *usable is
  * false where these no longer serve. */
 bw_status bwi_smoother_follow_elements(bw_context *context, bwi_smoother *smoother,

@@ -45,15 +45,30 @@ static double square_of(const double *block) {
   return bwi_dot(9, block, block);
 }
 
+typedef struct norms {
+  const bw_block_pattern *pattern;
+  double *square;  /* by block */
+  double *largest; /* by node: diagonal entry */
+} norms;
+
+static void take_norms(void *data, int64_t i, const double *row) {
+  const norms *n = data;
+  int64_t begin = n->pattern->start[i], end = n->pattern->start[i + 1];
+  for (int64_t p = begin; p < end; p++)
+    n->square[p] = square_of(row + 9 * (p - begin));
+  const double *own = row + 9 * (end - 1 - begin);
+  n->largest[i] = fmax(own[0], fmax(own[4], own[8]));
+}
+
 /* Those of at least a ratio, or their number alone where list is NULL; own: by node, the norm of
  * its block. */
-static int64_t list_couplings(const bw_block_pattern *pattern, const double *stiffness,
+static int64_t list_couplings(const bw_block_pattern *pattern, const double *squares,
                               const double *own, double ratio, coupling *list) {
   int64_t count = 0;
   for (int32_t i = 0; i < pattern->node_count; i++)
     for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++) {
       int32_t j = pattern->column[p];
-      double square = square_of(stiffness + 9 * p);
+      double square = squares[p];
       if (!(square >= ratio * ratio * own[i] * own[j]))
         continue;
       if (list)
@@ -170,36 +185,42 @@ void bwi_node_blocks_clear(bwi_node_blocks *blocks) {
 }
 
 bw_status bwi_node_blocks_find(bw_context *context, const bw_block_pattern *pattern,
-                               const double *stiffness, bwi_node_blocks *blocks) {
+                               const bwi_stiffness *stiffness, bwi_node_blocks *blocks) {
   bw_status status = BW_OK;
   int32_t nodes = pattern->node_count;
   int64_t count = 0;
   double ratio = STRONG;
   coupling *list = NULL;
   double *own = BW_NEW(context, double, nodes);
+  norms n = {pattern, BW_NEW(context, double, stiffness ? pattern->block_count : 1), own};
   int32_t *size = BW_NEW(context, int32_t, nodes), *parent = BW_NEW(context, int32_t, nodes);
   blocks->of = BW_NEW(context, int32_t, nodes);
   blocks->start = BW_NEW(context, int32_t, (int64_t)nodes + 1);
   blocks->member = BW_NEW(context, int32_t, nodes);
-  BW_TRY_MEMORY(own && size && parent && blocks->of && blocks->start && blocks->member);
-  for (int64_t i = 0; i < nodes && stiffness; i++)
-    own[i] = sqrt(square_of(stiffness + 9 * (pattern->start[i + 1] - 1)));
-  count = stiffness ? list_couplings(pattern, stiffness, own, ratio, NULL) : 0;
+  BW_TRY_MEMORY(own && n.square && size && parent && blocks->of && blocks->start && blocks->member);
+  if (stiffness)
+    BW_TRY(bwi_stiffness_rows(context, pattern, stiffness, take_norms, &n));
+  for (int64_t i = 0; i < nodes && stiffness; i++) {
+    blocks->largest = fmax(blocks->largest, own[i]);
+    own[i] = sqrt(n.square[pattern->start[i + 1] - 1]);
+  }
+  count = stiffness ? list_couplings(pattern, n.square, own, ratio, NULL) : 0;
   blocks->lines = count <= MOST_COUPLINGS * (int64_t)nodes;
   if (!blocks->lines) {
     ratio = STRONGER;
-    count = list_couplings(pattern, stiffness, own, ratio, NULL);
+    count = list_couplings(pattern, n.square, own, ratio, NULL);
   }
   list = BW_NEW(context, coupling, count + 1);
   BW_TRY_MEMORY(list);
   if (stiffness)
-    list_couplings(pattern, stiffness, own, ratio, list);
+    list_couplings(pattern, n.square, own, ratio, list);
   qsort(list, (size_t)count, sizeof *list, stronger_first);
   join(list, count, blocks->lines, nodes, parent, size, blocks->member);
   list_members(nodes, parent, blocks);
   lay_out(pattern, blocks, size);
 done:
   bw_free(list);
+  bw_free(n.square);
   bw_free(own);
   bw_free(size);
   bw_free(parent);
@@ -262,26 +283,11 @@ done:
 
 typedef struct factoring {
   bwi_smoother *s;
-  const double *stiffness;
   const bw_dof_map *dof_map;
-  int64_t length; /* of what a worker has */
-  double *works;  /* workers x length */
+  double *within;
+  int64_t longest;  /* block */
+  double *inverses; /* workers x longest x 9 */
 } factoring;
-
-/* K of row k within its block, at the columns of its envelope (9 each, by rows). */
-static void collect(const factoring *v, int32_t k, double *row) {
-  const bwi_smoother *s = v->s;
-  const bwi_smoother_part *parts[2] = {&s->even, &s->odd};
-  memset(row, 0, 9 * (size_t)(k - s->envelope[k]) * sizeof *row);
-  for (int n = 0; n < 2; n++)
-    for (int64_t e = parts[n]->outside[k]; e < parts[n]->start[k + 1]; e++) {
-      bool across;
-      const double *stored = v->stiffness + 9 * bwi_smoother_block(s, parts[n], k, e, &across);
-      double *to = row + 9 * (parts[n]->column[e] - s->envelope[k]);
-      for (int c = 0; c < 9; c++)
-        to[c] = stored[across ? 3 * (c % 3) + c / 3 : c];
-    }
-}
 
 /* c -= a b^T */
 static void subtract_product(const double *a, const double *b, double *c) {
@@ -292,20 +298,20 @@ static void subtract_product(const double *a, const double *b, double *c) {
 
 /* Components that are no unknowns have zero rows and columns in the inverses of D, which keeps them
  * out of the rest. */
-static void factor_block(const factoring *v, int32_t begin, int32_t end, double *inverse,
-                         double *l) {
+static void factor_block(const factoring *v, int32_t begin, int32_t end, double *inverse) {
   const unsigned states = 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC;
   bwi_smoother *s = v->s;
   const int64_t *start = s->factor_start;
   const int32_t *envelope = s->envelope;
   for (int32_t k = begin; k < end; k++) {
-    double *row = l + 9 * (start[k] - start[begin]), d[9];
-    int64_t i = s->node[k];
-    memcpy(d, v->stiffness + 9 * (s->pattern->start[i + 1] - 1), sizeof d);
+    const double *own = s->diagonal + 6 * (int64_t)k;
+    double *row = v->within + 9 * start[k];
+    double d[9] = {own[0], own[1], own[2], own[1], own[3], own[4], own[2], own[4], own[5]};
+    for (int c = 0; c < 9; c++)
+      d[c] /= s->unit;
     double trace = d[0] + d[4] + d[8];
-    collect(v, k, row);
     for (int32_t j = envelope[k]; j < k; j++) { /* L D of row k */
-      const double *other = l + 9 * (start[j] - start[begin]);
+      const double *other = v->within + 9 * start[j];
       int32_t m = envelope[j] > envelope[k] ? envelope[j] : envelope[k];
       for (; m < j; m++)
         subtract_product(row + 9 * (m - envelope[k]), other + 9 * (m - envelope[j]),
@@ -319,8 +325,9 @@ static void factor_block(const factoring *v, int32_t begin, int32_t end, double 
       for (int c = 0; c < 9; c++)
         s->factor[9 * (start[k] + j - envelope[k]) + c] = (float)at[3 * (c % 3) + c / 3];
     }
-    bool sound = d[0] + d[4] + d[8] > WEAKEST * trace &&
-                 bwi_invert_node_block(v->dof_map, i, states, 0, d, inverse + 9 * (k - begin));
+    bool sound =
+        d[0] + d[4] + d[8] > WEAKEST * trace &&
+        bwi_invert_node_block(v->dof_map, s->node[k], states, 0, d, inverse + 9 * (k - begin));
     for (int c = 0; c < 9; c++)
       s->inverse[9 * (int64_t)k + c] =
           sound ? (float)(inverse[9 * (k - begin) + 3 * (c % 3) + c / 3] / s->unit) : NAN;
@@ -331,27 +338,25 @@ static void factor_block(const factoring *v, int32_t begin, int32_t end, double 
 
 static bw_status factor_blocks(void *data, int64_t begin, int64_t end, int worker) {
   const factoring *v = data;
-  double *work = v->works + v->length * worker;
   for (int64_t b = begin; b < end; b++) {
     int32_t first = v->s->block_start[b], last = v->s->block_start[b + 1];
     if (last > first + 1)
-      factor_block(v, first, last, work, work + 9 * (int64_t)(last - first));
+      factor_block(v, first, last, v->inverses + 9 * v->longest * worker);
   }
   return BW_OK;
 }
 
-bw_status bwi_smoother_factor_blocks(bw_context *context, bwi_smoother *s, const double *stiffness,
+bw_status bwi_smoother_factor_blocks(bw_context *context, bwi_smoother *s, double *within,
                                      const bw_dof_map *dof_map) {
-  factoring v = {.s = s, .stiffness = stiffness, .dof_map = dof_map};
+  factoring v = {.s = s, .dof_map = dof_map, .within = within};
   for (int32_t b = 0; b < s->block_count; b++) {
     int64_t rows = s->block_start[b + 1] - s->block_start[b];
-    int64_t entries = s->factor_start[s->block_start[b + 1]] - s->factor_start[s->block_start[b]];
-    v.length = 9 * (rows + entries) > v.length ? 9 * (rows + entries) : v.length;
+    v.longest = rows > v.longest ? rows : v.longest;
   }
-  v.works = BW_NEW(context, double, bw_threads(context) * v.length);
-  if (!v.works)
+  v.inverses = BW_NEW(context, double, 9 * bw_threads(context) * v.longest);
+  if (!v.inverses)
     return BW_MEMORY;
   bw_status status = bw_parallel(context, s->block_count, GRAIN, factor_blocks, &v);
-  bw_free(v.works);
+  bw_free(v.inverses);
   return status;
 }

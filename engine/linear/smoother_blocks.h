@@ -26,17 +26,20 @@ typedef struct bwi_node_blocks {
   int32_t *start;  /* count + 1: members */
   int32_t *member; /* nodes, those of a line from one end to the other */
   bool lines;      /* strong couplings have a direction */
+  double largest;  /* diagonal entry of the stiffness; 0 without one */
 } bwi_node_blocks;
 
 /* `stiffness` NULL: each node is a block. *blocks is zero. Release with bwi_node_blocks_clear. */
 bw_status bwi_node_blocks_find(bw_context *context, const bw_block_pattern *pattern,
-                               const double *stiffness, bwi_node_blocks *blocks);
+                               const bwi_stiffness *stiffness, bwi_node_blocks *blocks);
 void bwi_node_blocks_clear(bwi_node_blocks *blocks);
 /* The blocks of the rows as they are ordered, and which entries of the parts are within them. */
 bw_status bwi_smoother_set_blocks(bw_context *context, bwi_smoother *smoother,
                                   const bwi_node_blocks *blocks);
-/* Factors of the blocks at the unknowns. Where one is not positive definite, an inverse is NAN. */
-bw_status bwi_smoother_factor_blocks(bw_context *context, bwi_smoother *smoother,
-                                     const double *stiffness, const bw_dof_map *dof_map);
+/* Factors of the blocks at the unknowns, from the stiffness in their envelopes (9 each, by rows, as
+ * `factor`), which is overwritten, and `diagonal`. Where one is not positive definite, an inverse
+ * is NAN. */
+bw_status bwi_smoother_factor_blocks(bw_context *context, bwi_smoother *smoother, double *within,
+                                     const bw_dof_map *dof_map);
 
 #endif

@@ -13,80 +13,109 @@ enum { ROWS = BWI_SMOOTHER_ROWS };
 
 typedef struct taking {
   bwi_smoother *s;
-  const double *stiffness;
   const bw_dof_map *dof_map;
+  double *within; /* K within blocks, where factors come from; NULL: without blocks */
 } taking;
 
 static const int of_six[6] = {0, 1, 2, 4, 5, 8}; /* of the nine of a block */
 
-static void take_even(const taking *t, int64_t k, int64_t e) {
-  const bwi_smoother_part *even = &t->s->even;
-  bool across;
-  const double *block = t->stiffness + 9 * bwi_smoother_block(t->s, even, k, e, &across);
-  for (int c = 0; c < 6; c++) {
-    int n = of_six[c];
-    uint32_t rest;
-    double number = 0.5 * t->s->unit * (block[n] + block[3 * (n % 3) + n / 3]);
-    even->value[6 * e + c] =
-        bwi_smoother_halves(number, even->rest ? &even->rest[6 * e + c] : &rest);
-  }
+static void put(bwi_smoother_part *part, int64_t at, double number) {
+  uint32_t rest;
+  part->value[at] = bwi_smoother_halves(number, part->rest ? &part->rest[at] : &rest);
 }
 
-static void take_odd(const taking *t, int64_t k, int64_t e) {
-  const bwi_smoother_part *odd = &t->s->odd;
-  bool across;
-  const double *block = t->stiffness + 9 * bwi_smoother_block(t->s, odd, k, e, &across);
-  for (int c = 0; c < 9; c++) {
-    uint32_t rest;
-    double number = t->s->unit * block[across ? c : 3 * (c % 3) + c / 3];
-    odd->value[9 * e + c] = bwi_smoother_halves(number, odd->rest ? &odd->rest[9 * e + c] : &rest);
+/* The entry of a row in a column, or -1. */
+static int64_t entry_at(const bwi_smoother_part *part, int64_t row, int32_t column) {
+  int64_t begin = part->start[row], end = part->start[row + 1];
+  while (end - begin > 1) {
+    int64_t middle = begin + (end - begin) / 2;
+    begin = part->column[middle] <= column ? middle : begin;
+    end = part->column[middle] <= column ? end : middle;
   }
+  return begin < end && part->column[begin] == column ? begin : -1;
 }
 
-/* The blocks on and left of the diagonal; an inverse that there is not is NAN. */
-static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
-  (void)worker;
+/* K of row k and the column c before it. */
+static void take_block(const taking *t, int32_t k, int32_t c, const double block[9]) {
+  bwi_smoother *s = t->s;
+  int64_t e = entry_at(&s->even, k, c);
+  if (e >= 0)
+    for (int n = 0; n < 6; n++) {
+      int m = of_six[n];
+      put(&s->even, 6 * e + n, 0.5 * s->unit * (block[m] + block[3 * (m % 3) + m / 3]));
+    }
+  else {
+    e = entry_at(&s->odd, k, c);
+    for (int n = 0; n < 9; n++)
+      put(&s->odd, 9 * e + n, s->unit * block[3 * (n % 3) + n / 3]);
+  }
+  if (t->within && c >= s->envelope[k])
+    memcpy(t->within + 9 * (s->factor_start[k] + c - s->envelope[k]), block, 9 * sizeof *block);
+}
+
+/* Row i of K: every block goes to one place, whichever thread has it. An inverse that there is not
+ * is NAN. */
+static void take(void *data, int64_t i, const double *row) {
   const taking *t = data;
   const bwi_smoother *s = t->s;
-  for (int64_t k = begin; k < end; k++) {
-    int64_t i = s->node[k];
-    const double *own = t->stiffness + 9 * (s->pattern->start[i + 1] - 1); /* the last of its row */
-    double inverse[9];
-    bool sound = bwi_invert_node_block(t->dof_map, i, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC,
-                                       0, own, inverse);
-    for (int c = 0; c < 9; c++)
-      s->inverse[9 * k + c] = sound ? (float)(inverse[3 * (c % 3) + c / 3] / s->unit) : NAN;
-    for (int c = 0; c < 6; c++)
-      s->diagonal[6 * k + c] = s->unit * own[of_six[c]];
-    for (int64_t e = s->even.start[k]; e < s->even.start[k + 1]; e++)
-      take_even(t, k, e);
-    for (int64_t e = s->odd.start[k]; e < s->odd.start[k + 1]; e++)
-      take_odd(t, k, e);
+  const bw_block_pattern *pattern = s->pattern;
+  int32_t k = s->row_of[i];
+  for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++, row += 9) {
+    int32_t other = s->row_of[pattern->column[p]];
+    double across[9];
+    if (other < k) {
+      take_block(t, k, other, row);
+      continue;
+    }
+    for (int n = 0; n < 9; n++)
+      across[n] = row[3 * (n % 3) + n / 3];
+    take_block(t, other, k, across);
   }
-  return BW_OK;
+  double inverse[9];
+  bool sound = bwi_invert_node_block(t->dof_map, i, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC,
+                                     0, row, inverse);
+  for (int n = 0; n < 9; n++)
+    s->inverse[9 * (int64_t)k + n] = sound ? (float)(inverse[3 * (n % 3) + n / 3] / s->unit) : NAN;
+  for (int n = 0; n < 6; n++)
+    s->diagonal[6 * (int64_t)k + n] = s->unit * row[of_six[n]];
 }
 
-bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *s, const double *stiffness,
+static double largest_of_diagonal(const bw_block_pattern *pattern, const double *values) {
+  double largest = 0;
+  for (int64_t i = 0; i < pattern->node_count; i++)
+    for (int d = 0; d < 9; d += 4)
+      largest = fmax(largest, values[9 * (pattern->start[i + 1] - 1) + d]);
+  return largest;
+}
+
+/* 0 where there is none. */
+static double unit_for(double largest) {
+  int exponent = 0;
+  frexp(largest, &exponent);
+  return largest > 0 && isfinite(largest) ? ldexp(1, -exponent) : 0;
+}
+
+bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *s, const bwi_stiffness *stiffness,
                               const bw_dof_map *dof_map, bool *usable) {
   bw_status status = BW_OK;
-  double max = 0;
-  int exponent = 0;
+  taking t = {.s = s, .dof_map = dof_map};
   *usable = false;
-  for (int64_t i = 0; i < s->count; i++)
-    for (int d = 0; d < 9; d += 4)
-      max = fmax(max, stiffness[9 * (s->pattern->start[i + 1] - 1) + d]);
-  if (!(max > 0) || !isfinite(max))
+  if (stiffness->values)
+    s->unit = unit_for(largest_of_diagonal(s->pattern, stiffness->values));
+  if (!(s->unit > 0))
     return BW_OK;
-  frexp(max, &exponent);
-  s->unit = ldexp(1, -exponent);
-  taking t = {s, stiffness, dof_map};
-  BW_TRY(bw_parallel(context, s->count, ROWS, take, &t));
+  if (s->block_start) {
+    t.within = BW_NEW0(context, double, 9 * s->factor_start[s->count]);
+    BW_TRY_MEMORY(t.within);
+  }
+  BW_TRY(bwi_stiffness_rows(context, s->pattern, stiffness, take, &t));
   if (s->block_start)
-    BW_TRY(bwi_smoother_factor_blocks(context, s, stiffness, dof_map));
+    BW_TRY(bwi_smoother_factor_blocks(context, s, t.within, dof_map));
   *usable = true;
   for (int64_t k = 0; k < s->count; k++)
     *usable &= isfinite(s->inverse[9 * k]) != 0;
 done:
+  bw_free(t.within);
   return status;
 }
 
@@ -186,7 +215,7 @@ static void cut(bwi_smoother *s, const ordering *o) {
 }
 
 /* `o`: zero; its blocks are wanted later. */
-static bw_status order_nodes(bw_context *context, bwi_smoother *s, const double *stiffness,
+static bw_status order_nodes(bw_context *context, bwi_smoother *s, const bwi_stiffness *stiffness,
                              ordering *o) {
   bw_status status = BW_OK;
   o->pattern = s->pattern;
@@ -197,6 +226,7 @@ static bw_status order_nodes(bw_context *context, bwi_smoother *s, const double 
   if (!o->near || !o->at || !o->chunk || !o->between)
     return BW_MEMORY;
   BW_TRY(bwi_node_blocks_find(context, s->pattern, stiffness, &o->blocks));
+  s->unit = unit_for(o->blocks.largest);
   for (int32_t i = 0, end = 0; i < s->count; i++)
     if (o->at[i] == 0) { /* a body, from one end of it: the node farthest from any */
       int32_t last = spread_from(o, i, end, 1);
@@ -216,7 +246,6 @@ done:
 typedef struct entry {
   int32_t column;
   bool odd;
-  uint16_t place;
 } entry;
 
 static void sort_row(entry *row, int64_t count) {
@@ -233,21 +262,18 @@ static bw_status make_part(bw_context *context, bwi_smoother_part *part, int64_t
                            int64_t entries, int numbers, bool products) {
   part->start = BW_NEW0(context, int64_t, rows + 1);
   part->column = BW_NEW(context, int32_t, entries + 1);
-  part->place = BW_NEW(context, uint16_t, entries + 1);
   part->value = BW_NEW0(context, float, numbers *entries + BWI_SMOOTHER_SPARE);
   part->outside = part->start + 1;
   if (products)
     part->rest = BW_NEW0(context, uint32_t, numbers * entries + BWI_SMOOTHER_SPARE);
-  return part->start && part->column && part->place && part->value && (part->rest || !products)
-             ? BW_OK
-             : BW_MEMORY;
+  return part->start && part->column && part->value && (part->rest || !products) ? BW_OK
+                                                                                 : BW_MEMORY;
 }
 
 static void free_part(bwi_smoother_part *part) {
   bw_free(part->start);
   bw_free(part->within);
   bw_free(part->column);
-  bw_free(part->place);
   bw_free(part->value);
   bw_free(part->rest);
 }
@@ -259,14 +285,12 @@ static void list_rows(bwi_smoother *s, const uint8_t *odd, entry *row) {
   for (int32_t k = 0; k < s->count; k++) {
     int32_t i = s->node[k];
     int64_t count = 0;
-    uint16_t place = 0;
-    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++, place++)
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++)
       if (s->row_of[pattern->column[p]] < k)
-        row[count++] = (entry){s->row_of[pattern->column[p]], odd[p], place};
-    for (int64_t u = pattern->upper_start[i]; u < pattern->upper_start[i + 1]; u++, place++)
+        row[count++] = (entry){s->row_of[pattern->column[p]], odd[p]};
+    for (int64_t u = pattern->upper_start[i]; u < pattern->upper_start[i + 1]; u++)
       if (s->row_of[pattern->upper_row[u]] < k)
-        row[count++] =
-            (entry){s->row_of[pattern->upper_row[u]], odd[bw_upper_block(pattern, u)], place};
+        row[count++] = (entry){s->row_of[pattern->upper_row[u]], odd[bw_upper_block(pattern, u)]};
     sort_row(row, count);
     for (int n = 0; n < 2; n++)
       parts[n]->start[k + 1] = parts[n]->start[k];
@@ -274,7 +298,6 @@ static void list_rows(bwi_smoother *s, const uint8_t *odd, entry *row) {
       bwi_smoother_part *part = parts[row[e].odd];
       int64_t at = part->start[k + 1]++;
       part->column[at] = row[e].column;
-      part->place[at] = row[e].place;
     }
   }
 }
@@ -296,12 +319,6 @@ static bw_status make_rows(bw_context *context, bwi_smoother *s, const bw_mesh *
     longest = length > longest ? length : longest;
     for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++)
       entries[odd[p]]++;
-  }
-  if (longest - 1 > UINT16_MAX) {
-    status = bw_fail(context, BW_LIMIT,
-                     "a node shares elements with %lld others: fewer than 65536 are possible",
-                     (long long)longest - 1);
-    goto done;
   }
   row = BW_NEW(context, entry, longest + 1);
   BW_TRY_MEMORY(row);
@@ -336,7 +353,7 @@ static void smoother_destroy(void *object) {
 static size_t part_bytes(const bwi_smoother_part *part, size_t rows, size_t numbers) {
   size_t entries = part->start ? (size_t)part->start[rows] : 0;
   return (rows + 1) * sizeof *part->start +
-         entries * (sizeof *part->column + sizeof *part->place +
+         entries * (sizeof *part->column +
                     numbers * (sizeof *part->value + (part->rest ? sizeof *part->rest : 0)));
 }
 
@@ -356,7 +373,7 @@ static const bw_kind smoother_kind = {"smoother", smoother_destroy, smoother_byt
 
 bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
                               const bw_block_pattern *pattern, bool even, bool by_elements,
-                              const double *stiffness, bwi_smoother **out) {
+                              const bwi_stiffness *stiffness, bwi_smoother **out) {
   bw_status status = BW_OK;
   ordering o = {0};
   bwi_smoother *s = BW_NEW0(context, bwi_smoother, 1);

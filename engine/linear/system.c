@@ -15,6 +15,7 @@
 #include "linear/external.h"
 #include "linear/pcg.h"
 #include "linear/system_two_level.h"
+#include "linear/two_level_apply.h"
 
 static void system_destroy(void *object) {
   bw_system *system = object;
@@ -35,9 +36,9 @@ static void system_destroy(void *object) {
 static size_t system_bytes(const void *object) {
   const bw_system *system = object;
   size_t blocks = system->pattern ? (size_t)system->pattern->block_count : 0;
-  return sizeof *system + blocks * (system->mass ? 10 : 9) * sizeof(double) +
-         bw_bytes(system->pattern) + bw_bytes(system->factor) + bw_bytes(system->two_level) +
-         bw_bytes(system->preconditioner);
+  size_t numbers = (system->stiffness ? 9 : 0) + (system->mass ? 1 : 0);
+  return sizeof *system + blocks * numbers * sizeof(double) + bw_bytes(system->pattern) +
+         bw_bytes(system->factor) + bw_bytes(system->two_level) + bw_bytes(system->preconditioner);
 }
 
 static const bw_kind system_kind = {"system", system_destroy, system_bytes};
@@ -146,17 +147,46 @@ bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_ma
   else
     BW_TRY(bw_block_pattern_create(context, mesh, &system->pattern));
   system->times.pattern = bw_seconds() - start;
-
-  start = bw_seconds();
-  system->stiffness = BW_NEW(context, double, 9 * system->pattern->block_count);
-  BW_TRY_MEMORY(system->stiffness);
-  BW_TRY(bw_stiffness(context, system->pattern, mesh, material, system->stiffness));
-  system->times.stiffness = bw_seconds() - start;
 done:
   if (status == BW_OK)
     *out = system;
   else
     bw_release(system);
+  return status;
+}
+
+bw_status bw_system_stiffness(bw_context *context, bw_system *system) {
+  bw_status status = bwi_need_equations(context, system);
+  double start = bw_seconds();
+  if (status != BW_OK || system->stiffness)
+    return status;
+  bw_progress(context, "assembly", 0);
+  double *stiffness = BW_NEW(context, double, 9 * system->pattern->block_count);
+  if (!stiffness)
+    return BW_MEMORY;
+  status = bw_stiffness(context, system->pattern, system->mesh, system->material, stiffness);
+  if (status == BW_OK)
+    system->stiffness = stiffness;
+  else
+    bw_free(stiffness);
+  system->times.stiffness += bw_seconds() - start;
+  return status;
+}
+
+bw_status bwi_system_multiply(bw_context *context, bw_system *system, int64_t count,
+                              const double *x, double *y, double *noise) {
+  bw_status status = BW_OK;
+  const bwi_two_level *l = system->two_level ? system->two_level->preconditioner : NULL;
+  if (l && l->smoother->elements && !system->stiffness) {
+    if (noise)
+      *noise = bwi_two_level_noise(l, x);
+    return bwi_two_level_multiply(context, l, count, x, y);
+  }
+  BW_TRY(bw_system_stiffness(context, system));
+  if (noise)
+    *noise = bwi_residual_noise(system->pattern, system->stiffness, x);
+  status = bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, count, x, y);
+done:
   return status;
 }
 
@@ -308,6 +338,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_sol
     leave_pcg(system);
     return BW_OK;
   }
+  BW_TRY(bw_system_stiffness(context, system));
   BW_TRY(analyse(context, system, solver, old, available, &symbolic));
   double start = bw_seconds();
   BW_TRY(bwi_system_mass(context, system));
@@ -345,13 +376,14 @@ bw_status bwi_system_precondition(bw_context *context, bw_system *system, const 
   bwi_symbolic *symbolic = NULL;
   bwi_preconditioner *made = NULL;
   bw_solver *amg = NULL;
+  int32_t bad = 0;
+  if (bwi_preconditioner_serves(system->preconditioner, solver))
+    return BW_OK;
+  BW_TRY(bw_system_stiffness(context, system));
   bwi_matrix matrix = {.pattern = system->pattern,
                        .stiffness = system->stiffness,
                        .dof_map = system->dof_map,
                        .memory = available};
-  int32_t bad = 0;
-  if (bwi_preconditioner_serves(system->preconditioner, solver))
-    return BW_OK;
   if (!solver) {
     BW_TRY(bw_solver_create(context, &(bw_solver_options){.kind = BW_SOLVER_AMG}, &amg));
     solver = amg;

@@ -97,13 +97,13 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-bw_status bw_system_matrix(bw_context *context, const bw_system *system, bw_system_part part,
-                           bool whole, bw_sparse_matrix **matrix) {
+bw_status bw_system_matrix(bw_context *context, bw_system *system, bw_system_part part, bool whole,
+                           bw_sparse_matrix **matrix) {
   enum { NODES_PER_CHUNK = 512 };
   bw_status status = BW_OK;
   copy c = {.system = system, .dof_map = whole ? NULL : system->dof_map};
   int64_t rows = whole ? 3 * (int64_t)system->mesh->node_count : system->dof_map->unknown_count;
-  BW_TRY(bwi_need_equations(context, system));
+  BW_TRY(bw_system_stiffness(context, system));
   if (part != BW_STIFFNESS && part != BW_MASS)
     return bw_fail(context, BW_INVALID, "part %d of a system is not known", (int)part);
   if (part == BW_MASS && !system->mass)
@@ -153,8 +153,8 @@ void bw_system_displacement(const bw_system *system, const double *x, double *di
   }
 }
 
-bw_status bw_system_right_hand_side(bw_context *context, const bw_system *system,
-                                    const double *force, double *b) {
+bw_status bw_system_right_hand_side(bw_context *context, bw_system *system, const double *force,
+                                    double *b) {
   const bw_dof_map *dof_map = system->dof_map;
   bw_status status = BW_OK;
   size_t n = 3 * (size_t)system->mesh->node_count;
@@ -165,7 +165,7 @@ bw_status bw_system_right_hand_side(bw_context *context, const bw_system *system
   if (dof_map->prescribed) {
     BW_TRY(bwi_need_equations(context, system));
     bwi_prescribed_field(dof_map, u);
-    BW_TRY(bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1, u, product));
+    BW_TRY(bwi_system_multiply(context, system, 1, u, product, NULL));
     for (size_t k = 0; k < n; k++)
       rest[k] -= product[k];
   }

@@ -358,8 +358,7 @@ static bw_status solve_block(bw_context *context, bw_system *system, bwi_system_
     return BW_OK;
   if (problem->way == BWI_BY_TWO_LEVEL)
     bwi_two_level_say(system->two_level->preconditioner, &system->report);
-  BW_TRY(bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, count, displacement,
-                           r.product));
+  BW_TRY(bwi_system_multiply(context, system, count, displacement, r.product, NULL));
   BW_TRY(bw_parallel(context, count, 1, measure_residual, &r));
   for (int64_t k = 0; k < count; k++)
     system->report.residual = fmax(system->report.residual, r.value[k]);

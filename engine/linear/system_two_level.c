@@ -125,8 +125,11 @@ bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_syst
   double start = bw_seconds();
   bw_progress(context, "factorisation", 0);
   BW_TRY(bwi_element_product_serves(context, system->mesh, system->material, &even));
+  if (!even) /* what multiplies then is read from it */
+    BW_TRY(bw_system_stiffness(context, system));
+  const bwi_stiffness stiffness = {system->stiffness, system->mesh, system->material};
   BW_TRY(bwi_two_level_create_over(context, l->coarse, system->mesh, system->pattern, even,
-                                   system->stiffness, &made));
+                                   &stiffness, &made));
   BW_TRY(bwi_two_level_follow(context, made, model, system->dof_map, system->stiffness, &usable));
   if (!usable) {
     status =

@@ -160,11 +160,12 @@ done:
 /* ---- life ---------------------------------------------------------------------------------- */
 
 bw_status bwi_two_level_create(bw_context *context, const bw_mesh *mesh,
-                               const bw_block_pattern *pattern, bool even, bwi_two_level **out) {
+                               const bw_block_pattern *pattern, bool even,
+                               const bwi_stiffness *stiffness, bwi_two_level **out) {
   bw_status status = BW_OK;
   bwi_coarse *coarse = NULL;
   BW_TRY(bwi_coarse_create(context, mesh, &coarse));
-  BW_TRY(bwi_two_level_create_over(context, coarse, mesh, pattern, even, NULL, out));
+  BW_TRY(bwi_two_level_create_over(context, coarse, mesh, pattern, even, stiffness, out));
 done:
   bw_release(coarse);
   return status;
@@ -172,7 +173,7 @@ done:
 
 bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
                                     const bw_block_pattern *pattern, bool even,
-                                    const double *stiffness, bwi_two_level **out) {
+                                    const bwi_stiffness *stiffness, bwi_two_level **out) {
   bw_status status = BW_OK;
   bwi_two_level *l = BW_NEW0(context, bwi_two_level, 1);
   if (!l)
@@ -208,12 +209,13 @@ bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *l, const bw_m
   l->rigid = NULL;
   l->rotations = NULL;
   l->stars = NULL;
-  bwi_two_level_forget(l, model, stiffness);
+  l->stiffness = (bwi_stiffness){stiffness, model->mesh, model->material};
+  bwi_two_level_forget(l, model);
   if (dof_map->rigid_mode_count > 0)
     BW_TRY(bwi_rigid_space_create(context, dof_map, l->smoother->row_of, &l->rigid));
   BW_TRY(bwi_coarse_follow(context, l->coarse, model, dof_map, usable));
   if (*usable)
-    BW_TRY(bwi_smoother_follow(context, l->smoother, stiffness, dof_map, usable));
+    BW_TRY(bwi_smoother_follow(context, l->smoother, &l->stiffness, dof_map, usable));
   if (*usable)
     BW_TRY(
         bwi_smoother_follow_elements(context, l->smoother, model->mesh, model->material, usable));

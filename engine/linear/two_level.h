@@ -36,7 +36,7 @@ typedef struct bwi_two_level {
   int32_t constrained_count; /* rows with a prescribed component */
   int32_t *constrained;
   /* What solutions learn (two_level_adapt.c). */
-  const double *stiffness; /* of the shape followed: its user's, until the next one */
+  bwi_stiffness stiffness; /* of the shape followed: its user's, until the next one */
   double fewer; /* of iterations, those that are predicted with rotations; 0: these do not help */
   bool asked;   /* for rotations, which may have been singular */
   double done[BWI_TWO_LEVEL_ASKED]; /* of a solution, in digits, when it was asked whether that is
@@ -67,17 +67,18 @@ static inline double bwi_two_level_sides(int64_t count) {
 /* Of following a shape over an iteration, where there is no preconditioner yet to count. */
 #define BWI_TWO_LEVEL_BEGIN 12.0
 
-/* Of a mesh for which bwi_coarse_fits, with its pattern; even: as in bwi_smoother_create. Release
- * with bw_release. */
+/* Of a mesh for which bwi_coarse_fits, with its pattern; even, stiffness: as in
+ * bwi_smoother_create. Release with bw_release. */
 bw_status bwi_two_level_create(bw_context *context, const bw_mesh *mesh,
-                               const bw_block_pattern *pattern, bool even, bwi_two_level **out);
-/* The same over a coarse space of that mesh that there is already, from now on its own.
- * `stiffness`: as in bwi_smoother_create. */
+                               const bw_block_pattern *pattern, bool even,
+                               const bwi_stiffness *stiffness, bwi_two_level **out);
+/* The same over a coarse space of that mesh that there is already, from now on its own. */
 bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
                                     const bw_block_pattern *pattern, bool even,
-                                    const double *stiffness, bwi_two_level **two_level);
-/* The equations of a shape, whose stiffness stays until the next one. *usable is false where they
- * are not positive definite. */
+                                    const bwi_stiffness *stiffness, bwi_two_level **two_level);
+/* The equations of a shape, whose stiffness (block_count x 9) stays until the next one. NULL: it is
+ * that of the model, as in creating, and never made whole but for stars and rotations. *usable is
+ * false where they are not positive definite. */
 bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *two_level, const bw_model *model,
                                const bw_dof_map *dof_map, const double *stiffness, bool *usable);
 /* Bytes that an iteration reads for up to BWI_SMOOTHER_SIDES right-hand sides. */
@@ -120,7 +121,7 @@ bw_status bwi_two_level_probe(bw_context *context, bwi_two_level *two_level, int
 /* ---- two_level_adapt.c --------------------------------------------------------------------- */
 
 /* What a shape that is followed says: before its first solution. */
-void bwi_two_level_forget(bwi_two_level *two_level, const bw_model *model, const double *stiffness);
+void bwi_two_level_forget(bwi_two_level *two_level, const bw_model *model);
 /* Stars (stars.h), and corners that rotate, where the body is so nearly incompressible that they
  * are predicted to pay for one solution. */
 bw_status bwi_two_level_take_stars(bw_context *context, bwi_two_level *two_level,

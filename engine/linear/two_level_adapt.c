@@ -37,7 +37,7 @@ static double bulk_over_shear(const bw_material *material) {
 
 /* Rotations cure linear elements that do not bend, not those that lock. Where nodes are coupled
  * strongly in one direction, or moduli differ strongly, elements do not bend in any case. */
-void bwi_two_level_forget(bwi_two_level *l, const bw_model *model, const double *stiffness) {
+void bwi_two_level_forget(bwi_two_level *l, const bw_model *model) {
   const bw_material *m = model->material;
   double least = INFINITY, most = 0;
   for (int k = 0; k < 3 && !m->isotropic; k++) {
@@ -47,7 +47,6 @@ void bwi_two_level_forget(bwi_two_level *l, const bw_model *model, const double 
   bool helps = l->smoother->columns || most > CONTRAST * least ||
                (m->isotropic && bulk_over_shear(m) < LOCKING_RATIO);
   l->fewer = !helps ? 0 : most > FIBRES * least ? FEWER_ALONG_FIBRES : FEWER;
-  l->stiffness = stiffness;
   l->asked = false;
 }
 
@@ -81,19 +80,41 @@ static double rotations_making(const bwi_two_level *l) {
          4 * rotations_bytes(l) / BWI_COST_BYTES_PER_SECOND;
 }
 
+/* Bytes of a stiffness that is whole while they are made. */
+static double whole_bytes(const bwi_two_level *l) {
+  return l->stiffness.values ? 0 : 72.0 * (double)l->smoother->pattern->block_count;
+}
+
 /* Whether rotations are predicted to save more than they cost, of `left` iterations. */
 static bool rotations_pay(const bwi_two_level *l, double left, int64_t count) {
   double bytes = rotations_bytes(l), one = one_iteration(l);
   double more = streaming(2 * bytes) - reading(bwi_coarse_pass_bytes(l->coarse));
   double saved = left * bwi_two_level_sides(count) * (one - l->fewer * (one + more));
   return rotations_making(l) < MAKING_FRACTION * saved &&
-         bytes < MEMORY_FRACTION * bw_available_memory();
+         bytes + whole_bytes(l) < MEMORY_FRACTION * bw_available_memory();
+}
+
+/* The whole stiffness, for what is made of it; *own is to be freed then. */
+static bw_status take_stiffness(bw_context *context, const bwi_two_level *l, double **own,
+                                const double **stiffness) {
+  const bw_block_pattern *pattern = l->smoother->pattern;
+  *own = NULL;
+  *stiffness = l->stiffness.values;
+  if (*stiffness)
+    return BW_OK;
+  *stiffness = *own = BW_NEW(context, double, 9 * pattern->block_count);
+  return *own ? bw_stiffness(context, pattern, l->stiffness.mesh, l->stiffness.material, *own)
+              : BW_MEMORY;
 }
 
 static bw_status rotate(bw_context *context, bwi_two_level *l) {
+  double *own = NULL;
+  const double *stiffness;
   bw_progress(context, "corner rotations", 0);
-  bw_status status =
-      bwi_corner_rotations_create(context, l, l->dof_map->mesh, l->stiffness, &l->rotations);
+  bw_status status = take_stiffness(context, l, &own, &stiffness);
+  if (status == BW_OK)
+    status = bwi_corner_rotations_create(context, l, l->dof_map->mesh, stiffness, &l->rotations);
+  bw_free(own);
   l->asked = status != BW_CANCELLED; /* then the next solution asks again */
   if (status != BW_MEMORY)
     return status;
@@ -115,15 +136,21 @@ static bool stars_pay(const bwi_two_level *l, const bw_material *material) {
       reading(BWI_SMOOTHER_PRODUCT_BYTES * blocks) + streaming(BWI_STARS_READ * blocks + 2 * bytes);
   double make = rotations_making(l) + BWI_STARS_FLOPS * blocks / BWI_COST_BLOCKS_FLOPS_PER_SECOND;
   return ratio > LOCKING_RATIO && make + by_stars * with < by_nodes * one_iteration(l) &&
-         BWI_STARS_BYTES * blocks + bytes < MEMORY_FRACTION * bw_available_memory();
+         BWI_STARS_BYTES * blocks + bytes + whole_bytes(l) <
+             MEMORY_FRACTION * bw_available_memory();
 }
 
 bw_status bwi_two_level_take_stars(bw_context *context, bwi_two_level *l, const bw_model *model) {
   bw_status status = BW_OK;
+  double *own = NULL;
+  const double *stiffness;
   if (!stars_pay(l, model->material))
     return BW_OK;
   bw_progress(context, "vertex stars", 0);
-  status = bwi_stars_create(context, l, l->stiffness, &l->stars);
+  status = take_stiffness(context, l, &own, &stiffness);
+  if (status == BW_OK)
+    status = bwi_stars_create(context, l, stiffness, &l->stars);
+  bw_free(own);
   if (status == BW_OK && l->stars)
     status = rotate(context, l);
   if (status == BW_OK && l->rotations)

@@ -1,8 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The two-level preconditioner on fields of doubles: packed several at a time into the order of its
- * rows, each times a power of two that brings it into the range of floats. */
+/* The two-level preconditioner, and products, on fields of doubles: packed several at a time into
+ * the order of its rows, each times a power of two that brings it into the range of floats. */
 #include "linear/two_level_apply.h"
 
+#include <float.h>
 #include <math.h>
 
 enum { SIDES = BWI_SMOOTHER_SIDES, ROWS = BWI_SMOOTHER_ROWS };
@@ -99,4 +100,77 @@ done:
   l->floats = own.floats;
   l->corner = own.corner;
   return status;
+}
+
+/* ---- products ------------------------------------------------------------------------------ */
+
+typedef struct product {
+  const bwi_smoother *s;
+  int width, used;
+  int64_t size;
+  const double *x;
+  double *y, *packed, *result;
+} product;
+
+static bw_status pack_doubles(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const product *p = data;
+  for (int64_t k = begin; k < end; k++)
+    for (int d = 0; d < 3; d++)
+      for (int i = 0; i < p->width; i++)
+        p->packed[(3 * k + d) * p->width + i] =
+            i < p->used ? p->x[i * p->size + 3 * (int64_t)p->s->node[k] + d] : 0;
+  return BW_OK;
+}
+
+static bw_status unpack_doubles(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const product *p = data;
+  for (int64_t k = begin; k < end; k++)
+    for (int d = 0; d < 3; d++)
+      for (int i = 0; i < p->used; i++)
+        p->y[i * p->size + 3 * (int64_t)p->s->node[k] + d] =
+            p->result[(3 * k + d) * p->width + i] / p->s->unit;
+  return BW_OK;
+}
+
+bw_status bwi_two_level_multiply(bw_context *context, const bwi_two_level *l, int64_t count,
+                                 const double *x, double *y) {
+  bw_status status = BW_OK;
+  const bwi_smoother *s = l->smoother;
+  int64_t size = 3 * (int64_t)s->count, numbers = size * bwi_smoother_width(count);
+  double *work = BW_NEW(context, double, 2 * numbers + 2 * BWI_SMOOTHER_SPARE);
+  if (!work)
+    return BW_MEMORY;
+  for (int64_t first = 0; first < count; first += SIDES) {
+    product p = {.s = s,
+                 .width = bwi_smoother_width(count - first),
+                 .used = (int)(count - first < SIDES ? count - first : SIDES),
+                 .size = size,
+                 .x = x + first * size,
+                 .y = y + first * size,
+                 .packed = work,
+                 .result = work + numbers + BWI_SMOOTHER_SPARE};
+    BW_TRY(bw_parallel(context, s->count, ROWS, pack_doubles, &p));
+    BW_TRY(bwi_smoother_product(context, s, p.width, p.packed, p.result, NULL));
+    BW_TRY(bw_parallel(context, s->count, ROWS, unpack_doubles, &p));
+  }
+done:
+  bw_free(work);
+  return status;
+}
+
+double bwi_two_level_noise(const bwi_two_level *l, const double *u) {
+  static const int six[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  double sum = 0;
+  for (int64_t k = 0; k < l->smoother->count; k++) {
+    const double *a = l->smoother->diagonal + 6 * k, *v = u + 3 * (int64_t)l->smoother->node[k];
+    for (int d = 0; d < 3; d++) {
+      double term = 0;
+      for (int c = 0; c < 3; c++)
+        term += fabs(a[six[c][d]] * v[c]);
+      sum += term * term;
+    }
+  }
+  return BWI_RESIDUAL_NOISE * DBL_EPSILON * sqrt(sum) / l->smoother->unit;
 }

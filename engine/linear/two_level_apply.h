@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The two-level preconditioner (two_level.h) as an operator on fields, for iterations of others. */
+/* The two-level preconditioner (two_level.h), and its product, as operators on fields, for
+ * iterations of others. */
 #ifndef BWI_LINEAR_TWO_LEVEL_APPLY_H
 #define BWI_LINEAR_TWO_LEVEL_APPLY_H
 
@@ -17,5 +18,10 @@ void bwi_two_level_workspace_clear(bwi_two_level_workspace *workspace);
 bw_status bwi_two_level_apply(bw_context *context, bwi_two_level *two_level,
                               const bwi_two_level_workspace *workspace, int64_t count,
                               const double *f, double *z);
+/* y = K x for `count` fields of a shape that is followed, and the noise of a residual of u as
+ * bwi_residual_noise has it. */
+bw_status bwi_two_level_multiply(bw_context *context, const bwi_two_level *two_level, int64_t count,
+                                 const double *x, double *y);
+double bwi_two_level_noise(const bwi_two_level *two_level, const double *u);
 
 #endif

@@ -108,7 +108,7 @@ bw_status bwi_statics_external(bw_context *context, const bw_model *model,
   BW_TRY_MEMORY(result->external);
   bwi_static_solver solver = {
       .solve = solve, .multiply = multiply_one, .data = external, .refine_to = tolerance};
-  BW_TRY(bwi_static_solve(context, dof_map, NULL, NULL, &solver, result));
+  BW_TRY(bwi_static_solve(context, dof_map, NULL, &solver, result));
   if (result->residual > tolerance)
     BW_TRY(check(context, external, result));
   if (statics->output)

@@ -11,7 +11,7 @@
 /* displacement = K^-1 force as bw_system_solve does for one right-hand side. */
 typedef struct bwi_static_solver {
   bw_status (*solve)(bw_context *context, void *data, const double *force, double *displacement);
-  /* product = K x and *noise as bwi_residual_noise, where no stiffness is given; else NULL */
+  /* product = K x and *noise as bwi_residual_noise, where no system is given; else NULL */
   bw_status (*multiply)(bw_context *context, void *data, const double *x, double *product,
                         double *noise);
   void *data;
@@ -22,10 +22,9 @@ typedef struct bwi_static_solver {
 bw_status bwi_static_begin(bw_context *context, const bw_model *model,
                            const bw_statics_options *options, const bw_dof_map *dof_map,
                            bw_static **result);
-/* Displacements, residual, energy, reactions. Pattern and stiffness are NULL where the solver
- * multiplies; its caller judges the residual then. BW_SINGULAR when a tenth of the load is left. */
-bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
-                           const bw_block_pattern *pattern, const double *stiffness,
+/* Displacements, residual, energy, reactions. `system` is NULL where the solver multiplies; its
+ * caller judges the residual then. BW_SINGULAR when a tenth of the load is left. */
+bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map, bw_system *system,
                            const bwi_static_solver *solver, bw_static *result);
 
 /* bw_statics by the external solver (external.c). */

@@ -152,9 +152,8 @@ static int limit_of(const statics *s) {
 /* ---- by iterations --------------------------------------------------------------------------- */
 
 static bw_status run(statics *s, const bwi_static_solver *solver) {
-  const bw_system *system = s->result->system;
-  return bwi_static_solve(s->context, system->dof_map, system->pattern, system->stiffness, solver,
-                          s->result);
+  bw_system *system = s->result->system;
+  return bwi_static_solve(s->context, system->dof_map, system, solver, s->result);
 }
 
 /* Of a pass: one that refines has only to remove what the last has left. */

@@ -112,15 +112,11 @@ done:
   return status;
 }
 
-/* product = K x, by the solver where it has a way of its own; noise may be NULL. */
-static bw_status multiply(bw_context *context, const bw_block_pattern *pattern,
-                          const double *stiffness, const bwi_static_solver *solver, const double *x,
-                          double *product, double *noise) {
-  if (solver->multiply)
-    return solver->multiply(context, solver->data, x, product, noise);
-  if (noise)
-    *noise = bwi_residual_noise(pattern, stiffness, x);
-  return bw_block_multiply(context, pattern, stiffness, 9, 3, 1, x, product);
+/* product = K x, by the system or else the solver; noise may be NULL. */
+static bw_status multiply(bw_context *context, bw_system *system, const bwi_static_solver *solver,
+                          const double *x, double *product, double *noise) {
+  return system ? bwi_system_multiply(context, system, 1, x, product, noise)
+                : solver->multiply(context, solver->data, x, product, noise);
 }
 
 /* Where K is nearly singular, every solver may end with displacements whose forces rounding hides.
@@ -155,8 +151,7 @@ static void swap(double **a, double **b) {
   *b = first;
 }
 
-bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
-                           const bw_block_pattern *pattern, const double *stiffness,
+bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map, bw_system *system,
                            const bwi_static_solver *solver, bw_static *result) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
@@ -174,7 +169,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
   bwi_prescribed_field(dof_map, result->displacement);
   memcpy(work, load, (size_t)size * sizeof(double));
   if (dof_map->prescribed) {
-    BW_TRY(multiply(context, pattern, stiffness, solver, result->displacement, step, NULL));
+    BW_TRY(multiply(context, system, solver, result->displacement, step, NULL));
     for (int64_t i = 0; i < size; i++)
       work[i] -= step[i];
   }
@@ -190,7 +185,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
       bw_rigid_modes_remove(dof_map, step);
     double noise = 0;
     BW_TRY(reserve(context, size, &product)); /* the solver's own room is free by now */
-    BW_TRY(multiply(context, pattern, stiffness, solver, step, product, &noise));
+    BW_TRY(multiply(context, system, solver, step, product, &noise));
     for (int64_t i = 0; i < size; i++)
       work[i] = load[i] - product[i];
     bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
@@ -209,8 +204,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
   BW_TRY(check_residual(context, solver, scale, result));
   if (!result->reaction) {
     BW_TRY(reserve(context, size, &result->reaction));
-    BW_TRY(multiply(context, pattern, stiffness, solver, result->displacement, result->reaction,
-                    NULL));
+    BW_TRY(multiply(context, system, solver, result->displacement, result->reaction, NULL));
   }
   for (int64_t i = 0; i < size; i++) {
     result->energy += 0.5 * result->displacement[i] * result->reaction[i];

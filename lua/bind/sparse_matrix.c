@@ -133,7 +133,7 @@ static int system_matrix(lua_State *L) {
   } opts = {false};
   static const lbw_option list[] = {{"whole", LBW_BOOLEAN, offsetof(struct opts, whole)},
                                     {NULL, LBW_OTHER, 0}};
-  const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
+  bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
   lua_settop(L, 3);
   int part = lbw_check_word(L, 2, words);
   lbw_options(L, 3, "matrix", list, &opts);
@@ -146,7 +146,7 @@ static int system_matrix(lua_State *L) {
 
 /* system:right_hand_side(force) */
 static int system_right_hand_side(lua_State *L) {
-  const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
+  bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
   int64_t rows;
   double *force = lbw_to_doubles(L, 2, "force", 3, &rows);
   lbw_check_rows(L, 2, "force", rows, system->mesh->node_count, "node");

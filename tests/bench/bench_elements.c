@@ -33,7 +33,7 @@ int main(int argc, char **argv) {
   double *stiffness = malloc(9 * (size_t)pattern->block_count * sizeof *stiffness);
   OK(bw_stiffness(context, pattern, mesh, material, stiffness));
   OK(bwi_smoother_create(context, mesh, pattern, false, false, NULL, &s));
-  OK(bwi_smoother_follow(context, s, stiffness, dof_map, &usable));
+  OK(bwi_smoother_follow(context, s, &(bwi_stiffness){.values = stiffness}, dof_map, &usable));
   OK(bwi_element_product_create(context, s, mesh, material, &product));
   size_t size = 3 * (size_t)mesh->node_count;
   double *x = calloc(12 * size + BWI_SMOOTHER_SPARE, sizeof *x), energy[BWI_SMOOTHER_SIDES];

@@ -115,7 +115,7 @@ struct bw_system {
   const bw_material *material; /* retained */
   const bw_dof_map *dof_map;   /* retained */
   bw_block_pattern *pattern;   /* retained */
-  double *stiffness;           /* (N/m, block_count x 9) */
+  double *stiffness;           /* (N/m, block_count x 9) or NULL: bw_system_stiffness makes it */
   double
       *mass; /* (kg, block_count) with density 1 when the material has none; NULL without factor */
   double density;
@@ -148,6 +148,10 @@ struct bw_system {
  * distributes the mesh when they are first used. BW_UNSUPPORTED where none is registered. */
 BW_API bw_status bw_system_of_model(bw_context *context, const bw_model *model,
                                     const bw_solver *solver, bw_system *given, bw_system **system);
+/* The stiffness, where the system has none yet: two-level PCG on straight tet10 of one material
+ * does without it. BW_GEOMETRY for an inverted element, BW_UNSUPPORTED for equations at the
+ * external solver. */
+BW_API bw_status bw_system_stiffness(bw_context *context, bw_system *system);
 /* Mass and factor, where the system has none yet, and solves by it. On failure it is as it was.
  * BW_MEMORY, before any is allocated, where the factor is larger than what is free
  * (bw_available_memory); BW_SINGULAR when a constrained body's matrix is not positive definite,
@@ -176,11 +180,11 @@ typedef enum bw_system_part {
  * body with unconstrained rigid-body modes the unknowns lack its isostatic constraints, so that the
  * matrix of the unknowns is positive definite. BW_INVALID for the mass of a system that has none
  * yet, BW_UNSUPPORTED for equations at the external solver, BW_LIMIT for 2^31 - 1 rows. */
-BW_API bw_status bw_system_matrix(bw_context *context, const bw_system *system, bw_system_part part,
+BW_API bw_status bw_system_matrix(bw_context *context, bw_system *system, bw_system_part part,
                                   bool whole, bw_sparse_matrix **matrix);
 /* The right-hand side of the unknowns for nodal forces, force (N, node_count x 3): b (N,
  * unknown_count), with what prescribed displacements cause taken off, so that K x = b. */
-BW_API bw_status bw_system_right_hand_side(bw_context *context, const bw_system *system,
+BW_API bw_status bw_system_right_hand_side(bw_context *context, bw_system *system,
                                            const double *force, double *b);
 /* The displacement (m, node_count x 3) of unknowns x (m, unknown_count), with the prescribed
  * components. */

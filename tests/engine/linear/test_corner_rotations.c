@@ -21,7 +21,7 @@ static void levels_make(bw_context *context, const bw_model *model, levels *v) {
   check_ok(context, bw_block_pattern_create(context, v->mesh, &v->pattern));
   v->stiffness = numbers(9 * v->pattern->block_count);
   check_ok(context, bw_stiffness(context, v->pattern, v->mesh, model->material, v->stiffness));
-  check_ok(context, bwi_two_level_create(context, v->mesh, v->pattern, true, &v->two_level));
+  check_ok(context, bwi_two_level_create(context, v->mesh, v->pattern, true, NULL, &v->two_level));
   check_ok(context,
            bwi_two_level_follow(context, v->two_level, model, v->dof_map, v->stiffness, &usable));
   assert_true(usable);

@@ -56,7 +56,9 @@ static void scene_make(bw_context *context, bw_mesh *mesh, const bw_material *ma
   check_ok(context, bw_stiffness(context, s->pattern, mesh, material, s->stiffness));
   check_ok(context,
            bwi_smoother_create(context, mesh, s->pattern, false, false, NULL, &s->smoother));
-  check_ok(context, bwi_smoother_follow(context, s->smoother, s->stiffness, s->dof_map, &usable));
+  check_ok(context,
+           bwi_smoother_follow(context, s->smoother, &(bwi_stiffness){.values = s->stiffness},
+                               s->dof_map, &usable));
   assert_true(usable);
   check_ok(context, bwi_element_product_create(context, s->smoother, mesh, material, &s->product));
 }

@@ -41,7 +41,8 @@ static void scene_make(bw_context *context, int across, int supports, scene *s) 
   s->stiffness = numbers(9 * s->pattern->block_count);
   s->size = 3 * (int64_t)s->b.mesh->node_count;
   check_ok(context, bw_stiffness(context, s->pattern, s->b.mesh, s->b.material, s->stiffness));
-  check_ok(context, bwi_two_level_create(context, s->b.mesh, s->pattern, false, &s->two_level));
+  check_ok(context,
+           bwi_two_level_create(context, s->b.mesh, s->pattern, false, NULL, &s->two_level));
   check_ok(context, bwi_two_level_follow(context, s->two_level, s->b.model, s->dof_map,
                                          s->stiffness, &usable));
   assert_true(usable);
