@@ -89,10 +89,11 @@ static void predict_levels(const bw_incremental_system *incremental, double tole
   if (!bwi_incremental_has_two_level(incremental) ||
       (inner->two_level_known && !inner->two_level_usable))
     return;
-  double bytes = inner->two_level
-                     ? bwi_two_level_bytes(inner->two_level)
-                     : 1.5 * bwi_smoother_bytes(pattern->block_count - pattern->node_count);
-  double one = BWI_TWO_LEVEL_PASS * bytes / BWI_COST_BYTES_PER_SECOND, follow = 0;
+  double one = inner->two_level
+                   ? bwi_two_level_seconds(inner->two_level)
+                   : 1.5 * BWI_TWO_LEVEL_PASS / BWI_COST_BYTES_PER_SECOND *
+                         bwi_smoother_bytes(pattern->block_count - pattern->node_count);
+  double follow = 0;
   if (!inner->two_level)
     follow = BWI_TWO_LEVEL_BEGIN * one;
   else if (!inner->two_level_known)

@@ -248,10 +248,3 @@ bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *l, int width
   l->width = width;
   return BW_OK;
 }
-
-double bwi_two_level_bytes(const bwi_two_level *l) {
-  int64_t blocks = l->smoother->pattern->block_count - l->smoother->count;
-  return (l->stars ? BWI_SMOOTHER_PRODUCT_BYTES * (double)blocks + bwi_stars_read(l->stars)
-                   : bwi_smoother_bytes(blocks)) +
-         (l->rotations ? bwi_corner_rotations_read(l->rotations) : bwi_coarse_bytes(l->coarse));
-}

@@ -81,9 +81,6 @@ bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, con
  * false where they are not positive definite. */
 bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *two_level, const bw_model *model,
                                const bw_dof_map *dof_map, const double *stiffness, bool *usable);
-/* Bytes that an iteration reads for up to BWI_SMOOTHER_SIDES right-hand sides. */
-double bwi_two_level_bytes(const bwi_two_level *two_level);
-
 /* Room for `width` fields side by side (bwi_smoother_width). */
 bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *two_level, int width);
 /* Gives that room back. */
@@ -129,6 +126,10 @@ bw_status bwi_two_level_take_stars(bw_context *context, bwi_two_level *two_level
 /* Corners rotate (corner_rotations.h) where solutions of another shape were slow without, and that
  * is predicted to pay for `count` right-hand sides. */
 bw_status bwi_two_level_remember(bw_context *context, bwi_two_level *two_level, int64_t count);
+/* Seconds of the reference machine of an iteration for one right-hand side, with what it has by
+ * now.
+ */
+double bwi_two_level_seconds(const bwi_two_level *two_level);
 /* bwi_pcg_task.adapt. The same, where the iterations of this solution are slow. */
 typedef struct bwi_two_level_watch {
   bwi_two_level *two_level;

@@ -69,6 +69,15 @@ static double one_iteration(const bwi_two_level *l) {
   return reading(bwi_smoother_bytes((int64_t)count_blocks(l)) + bwi_coarse_pass_bytes(l->coarse));
 }
 
+double bwi_two_level_seconds(const bwi_two_level *l) {
+  double blocks = count_blocks(l);
+  double bytes =
+      l->stars ? BWI_SMOOTHER_PRODUCT_BYTES * blocks : bwi_smoother_bytes((int64_t)blocks);
+  return reading(bytes + (l->rotations ? 0 : bwi_coarse_bytes(l->coarse))) +
+         streaming((l->stars ? bwi_stars_read(l->stars) : 0) +
+                   (l->rotations ? bwi_corner_rotations_read(l->rotations) : 0));
+}
+
 /* Bytes of rotations, and the time to make them. */
 static double rotations_bytes(const bwi_two_level *l) {
   return 4 * BWI_ROTATIONS_ENTRIES * bwi_coarse_entries(l->coarse);

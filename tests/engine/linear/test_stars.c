@@ -1,6 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Sweeps over vertex stars beside their equations, and bodies that are nearly incompressible, or
  * have stiff fibres in no direction of the mesh, beside a factor. */
+#include "base/cost.h"
+#include "linear/corner_rotations.h"
 #include "linear/stars.h"
 
 #include "base/dense.h"
@@ -230,6 +232,13 @@ static int solve_both(bw_context *context, const bw_model *model, double toleran
   *stars = l->stars != NULL;
   assert_true(!l->stars || (l->rotations && strstr(result[0]->report.reason, "vertex stars")));
   assert_true(!l->stars || bw_bytes(l->stars) > 0);
+  if (l->stars) { /* they are read from one end to the other */
+    double streamed = bwi_stars_read(l->stars) + bwi_corner_rotations_read(l->rotations);
+    double rest = bwi_two_level_seconds(l) - streamed / BWI_COST_BYTES_PER_SECOND;
+    double blocks = (double)(l->smoother->pattern->block_count - l->smoother->count);
+    check_near(rest * BWI_COST_BYTES_PER_SECOND / (BWI_TWO_LEVEL_PASS * blocks),
+               BWI_SMOOTHER_PRODUCT_BYTES, 1e-9);
+  }
   bw_release(direct);
   bw_release(result[0]);
   bw_release(result[1]);
