@@ -58,7 +58,7 @@ typedef struct drop_test {
 /* ---- mass ---------------------------------------------------------------------------------- */
 
 /* Second moments of a tetrahedron: V/20 (sum x x^T + (sum x)(sum x)^T). */
-static bw_status weigh(bw_context *context, const bw_mesh *mesh, double density,
+static bw_status weigh(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                        mass_properties *body) {
   double *second = BW_NEW0(context, double, 9 * (size_t)mesh->component_count);
   double low[3], high[3];
@@ -68,7 +68,8 @@ static bw_status weigh(bw_context *context, const bw_mesh *mesh, double density,
   for (int32_t e = 0; e < mesh->element_count; e++) {
     const int32_t *node = mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
     int32_t c = mesh->component[node[0]];
-    double m = density * mesh->volume[e], sum[3] = {0, 0, 0}, products[9] = {0};
+    double m = bw_material_of(material, e)->density * mesh->volume[e], sum[3] = {0, 0, 0},
+           products[9] = {0};
     for (int a = 0; a < 4; a++) {
       const double *x = mesh->node + 3 * (size_t)node[a];
       double p[3] = {x[0] - low[0], x[1] - low[1], x[2] - low[2]};
@@ -345,10 +346,13 @@ static bw_status check_drops(bw_context *context, const bw_system *system,
                    "a drop of %g m on a peg of radius %g m for %g s: height and duration must be "
                    "positive, the radius not negative",
                    options->height, options->peg_radius, options->duration);
-  if (!(system->material->density > 0))
-    return bw_fail(context, BW_INVALID,
-                   "a drop test needs the density of the material, and %s has none",
-                   system->material->name[0] ? system->material->name : "this one");
+  for (int32_t i = 0; i < bw_material_part_count(system->material); i++) {
+    const bw_material *part = bw_material_part(system->material, i);
+    if (!(part->density > 0))
+      return bw_fail(context, BW_INVALID,
+                     "a drop test needs the density of the material, and %s has none",
+                     part->name[0] ? part->name : "this one");
+  }
   if (system->dof_map->rigid_mode_count != 6 * system->mesh->component_count)
     return bw_fail(context, BW_INVALID,
                    "a drop test needs a body without supports: of the %d rigid-body modes of this "
@@ -377,9 +381,11 @@ bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_opt
     test.options.peg_radius = 0.02 * bw_norm(high);
   }
   test.speed = sqrt(2 * 9.80665 * test.options.height);
-  double bulk = bw_material_bulk(system->material),
-         shear = bw_material_mean_shear(system->material);
-  test.modulus = 4 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear);
+  for (int32_t i = 0; i < bw_material_part_count(system->material); i++) {
+    const bw_material *part = bw_material_part(system->material, i);
+    double bulk = bw_material_bulk(part), shear = bw_material_mean_shear(part);
+    test.modulus = fmax(test.modulus, 4 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear));
+  }
   size_t drops = (size_t)test.options.drops, elements = (size_t)mesh->element_count;
   test.body = BW_NEW0(context, mass_properties, mesh->component_count);
   test.block = BW_NEW(context, double, BATCH * 3 * (size_t)mesh->node_count);
@@ -401,7 +407,7 @@ bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_opt
                 result.mean_peak && result.contact && result.force && result.direction &&
                 result.resultant && result.nodes && result.area && result.peak && test.part);
   test.result = &result;
-  BW_TRY(weigh(context, mesh, system->material->density, test.body));
+  BW_TRY(weigh(context, mesh, system->material, test.body));
   if (!(bw_material_strength(system->material, system->material->axes) > 0)) {
     histogram = BW_NEW0(context, double, HISTOGRAM_BINS);
     BW_TRY_MEMORY(histogram);

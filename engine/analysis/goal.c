@@ -98,18 +98,25 @@ bw_status bw_stress_functional(bw_context *context, const bw_mesh *mesh,
                                const double *weight, double *force) {
   bw_status status;
   bwi_incidence around = {NULL, NULL, NULL};
-  double projected = bwi_projected_bulk(mesh, material); /* acts on the mean dilatation */
   BW_TRY(bw_material_fits(context, material, mesh->element_count));
   BW_TRY(bwi_incidence_create(context, mesh, &around));
   memset(force, 0, 3 * (size_t)mesh->node_count * sizeof *force);
   for (int64_t i = 0; i < count; i++) {
     double volume = 0;
-    for (int64_t k = around.start[node[i]]; k < around.start[node[i] + 1]; k++)
+    for (int64_t k = around.start[node[i]]; k < around.start[node[i] + 1]; k++) {
       volume += mesh->volume[around.element[k]];
+      if (bw_material_unrotated(material, around.element[k]) !=
+          bw_material_unrotated(material, around.element[around.start[node[i]]]))
+        BW_TRY(bw_fail(context, BW_UNSUPPORTED,
+                       "node %d lies between two materials, where the stress has two values",
+                       node[i] + 1));
+    }
     for (int64_t k = around.start[node[i]]; k < around.start[node[i] + 1]; k++) {
       int64_t e = around.element[k];
       const int32_t *own = mesh->element + e * mesh->nodes_per_element;
       double gradient[10][3], s[6], fraction = mesh->volume[e] / volume;
+      /* acts on the mean dilatation */
+      double projected = bwi_projected_bulk(mesh, bw_material_of(material, e));
       bwi_gradients_at_node(mesh, e, around.local[k], gradient);
       bwi_multiply6(bw_material_elasticity(material, e), weight + 6 * i, s);
       const double full[3][3] = {{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}};

@@ -3,7 +3,6 @@
 #include "barwright/analysis.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { ROWS_PER_CHUNK = 4096 };
 
@@ -75,16 +74,12 @@ static bw_status max_principal(void *data, int64_t begin, int64_t end, int worke
 static bw_status utilisation(void *data, int64_t begin, int64_t end, int worker) {
   const field *f = (const field *)data;
   (void)worker;
-  const double *strength = f->material->strength;
-  const bw_material_orientations *orientations = f->material->orientations;
-  bw_material own = *f->material; /* its axes are those of each element in turn */
-  bool same = strength[0] > 0 && strength[0] == strength[1] && strength[1] == strength[2];
   for (int64_t i = begin; i < end; i++) { /* directions cost five times as much as values */
-    if (orientations)
-      memcpy(own.axes, orientations->axes + 9 * (int64_t)orientations->of_element[i],
-             sizeof own.axes);
+    const bw_material *own = bw_material_of(f->material, i);
+    const double *strength = own->strength;
+    bool same = strength[0] > 0 && strength[0] == strength[1] && strength[1] == strength[2];
     f->value[i] = same ? largest(f->stress + 6 * i) / strength[0]
-                       : bw_material_utilisation(&own, f->stress + 6 * i);
+                       : bw_material_utilisation(own, f->stress + 6 * i);
   }
   return BW_OK;
 }
@@ -111,11 +106,11 @@ bw_status bw_utilisation_field(bw_context *context, const bw_material *material,
                                const double *stress, double *value) {
   if (!material)
     return bw_fail(context, BW_INVALID, "a utilisation field needs a material");
-  if (material->orientations && material->orientations->element_count != count)
+  if (material->parts && material->parts->element_count != count)
     return bw_fail(context, BW_INVALID,
-                   "%lld stresses for a material with axes for each of %d elements: the "
-                   "utilisation is of the stresses of elements then",
-                   (long long)count, material->orientations->element_count);
+                   "%lld stresses for a material given for each of %d elements: the utilisation is "
+                   "of the stresses of elements then",
+                   (long long)count, material->parts->element_count);
   field f = {material, stress, value, NULL};
   return bw_parallel(context, count, ROWS_PER_CHUNK, utilisation, &f);
 }

@@ -367,7 +367,10 @@ bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
   if (state->basis->mesh != mesh || state->basis->directions > 1 || !state->basis->parts)
     return bw_fail(context, BW_UNSUPPORTED,
                    "the shape gradient is for pressures without friction on the same mesh");
-  if (bwi_projected_bulk(mesh, material) > 0)
+  bool projects = false;
+  for (int32_t i = 0; i < bw_material_part_count(material); i++)
+    projects |= bwi_projected_bulk(mesh, bw_material_part(material, i)) > 0;
+  if (projects)
     return bw_fail(context, BW_UNSUPPORTED,
                    "the shape gradient is not implemented for the B-bar formulation");
   BW_TRY(patch_begin(context, mesh, state->dof_map, state->radius, state->node, &p));

@@ -144,6 +144,11 @@ bw_status bw_recovered_stress(bw_context *context, const bw_mesh *mesh, const bw
   int32_t corners = 0, *number = NULL;
   int width = mesh->nodes_per_element;
   BW_TRY(bwi_check_stress_input(context, mesh, material, displacement, "a stress field"));
+  if (bw_material_mixed(material))
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "stresses are recovered by patches in bodies of one material; this one has "
+                   "several (%s)",
+                   material->name);
   BW_TRY(bwi_incidence_create(context, mesh, &r.around));
   bwi_rule_make(mesh->order, mesh->order == 2 ? 2 : 1, &r.rule);
   number = BW_NEW(context, int32_t, mesh->node_count);

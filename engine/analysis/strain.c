@@ -40,7 +40,7 @@ void bwi_element_state_load(const bw_mesh *mesh, const bw_material *material,
   s->volume = bw_tet_barycentric_gradient(
       mesh->node + 3 * (int64_t)node[0], mesh->node + 3 * (int64_t)node[1],
       mesh->node + 3 * (int64_t)node[2], mesh->node + 3 * (int64_t)node[3], s->g);
-  s->projected = bwi_projected_bulk(mesh, material);
+  s->projected = bwi_projected_bulk(mesh, bw_material_of(material, element));
   s->dilatation = s->projected > 0 ? mean_dilatation(s) : 0;
 }
 

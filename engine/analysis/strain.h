@@ -74,6 +74,11 @@ typedef struct bwi_rule {
 } bwi_rule;
 void bwi_rule_make(int order, int degree, bwi_rule *rule);
 
+/* stress.c: the stress of every node (node_count x 6) from those of points: where materials meet
+ * that of the side with the largest von Mises stress, the first of equal ones. */
+void bwi_governing_stress(const bw_stress_points *points, int32_t node_count,
+                          const double *of_points, double *stress);
+
 /* BW_INVALID when there is no displacement or material to work with, or one of another mesh. */
 bw_status bwi_check_stress_input(bw_context *context, const bw_mesh *mesh,
                                  const bw_material *material, const double *displacement,

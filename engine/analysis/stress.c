@@ -5,6 +5,7 @@
 
 #include "barwright/analysis.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { ELEMENTS_PER_CHUNK = 1024, NODES_PER_CHUNK = 256 };
@@ -123,25 +124,29 @@ bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh, const bw_m
 
 typedef struct node_data {
   element_data element;
+  const bw_stress_points *points;
   bwi_incidence incidence;
 } node_data;
 
-static bw_status stress_of_nodes(void *data, int64_t begin, int64_t end, int worker) {
+static bw_status stress_of_points(void *data, int64_t begin, int64_t end, int worker) {
   const node_data *d = (const node_data *)data;
   const element_data *of = &d->element;
   const bw_material *material = of->material;
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
     double sum[6] = {0}, volume = 0, pressure = 0; /* pressure: what the projection adds */
-    for (int64_t k = d->incidence.start[i]; k < d->incidence.start[i + 1]; k++) {
+    int32_t node = bw_stress_point_node(d->points, (int32_t)i);
+    for (int64_t k = d->incidence.start[node]; k < d->incidence.start[node + 1]; k++) {
       bwi_element_state state;
       double strain[6];
       int a = d->incidence.local[k];
+      if (!bw_stress_point_has(d->points, (int32_t)i, material, d->incidence.element[k]))
+        continue;
       bwi_element_state_load(of->mesh, material, of->displacement, d->incidence.element[k], &state);
       bwi_strain_at(&state, of->at_node[a], of->node_l[a], strain);
       pressure +=
           state.volume * state.projected * (state.dilatation - (strain[0] + strain[1] + strain[2]));
-      if (material->orientations) {
+      if (material->parts) {
         double own[6];
         bwi_multiply6(bw_material_elasticity(material, d->incidence.element[k]), strain, own);
         memcpy(strain, own, sizeof strain); /* stresses are averaged then */
@@ -152,7 +157,7 @@ static bw_status stress_of_nodes(void *data, int64_t begin, int64_t end, int wor
     }
     for (int c = 0; c < 6; c++)
       sum[c] = volume > 0 ? sum[c] / volume : 0;
-    if (material->orientations)
+    if (material->parts)
       memcpy(of->out + 6 * i, sum, sizeof sum);
     else
       bwi_multiply6(material->elasticity, sum, of->out + 6 * i);
@@ -162,15 +167,50 @@ static bw_status stress_of_nodes(void *data, int64_t begin, int64_t end, int wor
   return BW_OK;
 }
 
-bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                          const double *displacement, double *stress) {
+bw_status bw_point_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                          const double *displacement, const bw_stress_points *points,
+                          double *stress) {
   bw_status status;
-  node_data d = {.incidence = {NULL, NULL, NULL}};
+  node_data d = {.points = points};
   BW_TRY(bwi_check_stress_input(context, mesh, material, displacement, "a stress field"));
   BW_TRY(bwi_incidence_create(context, mesh, &d.incidence));
   prepare(mesh, material, displacement, stress, &d.element);
-  BW_TRY(bw_parallel(context, mesh->node_count, NODES_PER_CHUNK, stress_of_nodes, &d));
+  BW_TRY(bw_parallel(context, points->count, NODES_PER_CHUNK, stress_of_points, &d));
 done:
   bwi_incidence_clear(&d.incidence);
+  return status;
+}
+
+void bwi_governing_stress(const bw_stress_points *points, int32_t node_count,
+                          const double *of_points, double *stress) {
+  for (int32_t i = 0; i < node_count; i++) {
+    int32_t most = i;
+    double largest = bw_von_mises(of_points + 6 * (int64_t)i);
+    for (int32_t k = points->point ? points->point[i].next : -1; k >= 0;
+         k = points->point[k].next) {
+      double own = bw_von_mises(of_points + 6 * (int64_t)k);
+      most = own > largest ? k : most;
+      largest = fmax(own, largest);
+    }
+    memmove(stress + 6 * (int64_t)i, of_points + 6 * (int64_t)most, 6 * sizeof *stress);
+  }
+}
+
+bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                          const double *displacement, double *stress) {
+  bw_status status;
+  bw_stress_points points = {0};
+  double *all = NULL;
+  BW_TRY(bwi_check_stress_input(context, mesh, material, displacement, "a stress field"));
+  BW_TRY(bw_stress_points_create(context, mesh, material, &points));
+  if (points.point)
+    all = BW_NEW(context, double, 6 * (int64_t)points.count);
+  BW_TRY_MEMORY(all || !points.point);
+  BW_TRY(bw_point_stress(context, mesh, material, displacement, &points, all ? all : stress));
+  if (all)
+    bwi_governing_stress(&points, mesh->node_count, all, stress);
+done:
+  bw_free(all);
+  bw_stress_points_clear(&points);
   return status;
 }

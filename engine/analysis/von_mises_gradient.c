@@ -39,7 +39,7 @@ typedef struct gradient_data {
   bwi_rule rule;
   double at_node[10][10][4]; /* dN_a/dL_k at each node of an element */
   double *expansion;         /* node_count: alpha dT of all temperature loads, or NULL */
-  double weight[3];          /* density times the sum of the gravity loads */
+  double gravity[3];         /* the sum of the gravity loads */
   inertia *body;             /* component_count, or NULL where nothing is balanced by inertia */
   int count;                 /* of the batch */
   const double *lambda;      /* count x node_count x 3 */
@@ -255,8 +255,9 @@ static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker
         add_transposed_product(a, volume, grad_u[q], sigma);
         add_identity(a, -volume * contract(tau[q], grad));
       }
+      double mass = bw_material_of(d->material, e)->density * state.volume;
       for (int i = 0; i < state.nodes; i++)
-        add_identity(a, state.volume * shape_mean(state.order, i) * bw_dot(d->weight, lambda[i]));
+        add_identity(a, mass * shape_mean(state.order, i) * bw_dot(d->gravity, lambda[i]));
       for (int k = 0; k < 4; k++)
         add_product(a, state.g[k], corner[k]);
       if (d->body) {
@@ -299,7 +300,7 @@ static bw_status take_loads(bw_context *context, const bw_model *model, gradient
     const bw_load *load = &model->load[l];
     if (load->kind == BW_LOAD_GRAVITY)
       for (int k = 0; k < 3; k++)
-        d->weight[k] += model->material->density * load->vector[k];
+        d->gravity[k] += load->vector[k];
     if (load->kind != BW_LOAD_TEMPERATURE)
       continue;
     if (!d->expansion)
@@ -307,7 +308,7 @@ static bw_status take_loads(bw_context *context, const bw_model *model, gradient
     if (!d->expansion)
       return BW_MEMORY;
     for (int32_t i = 0; i < model->mesh->node_count; i++)
-      d->expansion[i] += load->expansion * bw_array_get(load->nodal, i, 0);
+      d->expansion[i] += bwi_expansion(model, load, 0) * bw_array_get(load->nodal, i, 0);
   }
   return BW_OK;
 }
@@ -387,6 +388,10 @@ static bw_status check_input(bw_context *context, const bw_model *model, const b
     if (node[i] < 0 || node[i] >= mesh->node_count)
       BW_TRY(bw_fail(context, BW_INVALID, "node %d of a stress gradient: the mesh has %d nodes",
                      node[i] + 1, mesh->node_count));
+  if (bw_material_mixed(model->material))
+    BW_TRY(bw_fail(context, BW_UNSUPPORTED,
+                   "a stress gradient is of a body of one material; the model has several (%s)",
+                   model->material->name));
   if (model->material->formulation == BW_B_BAR)
     BW_TRY(bw_fail(context, BW_UNSUPPORTED,
                    "a stress gradient is of the standard formulation; the model's is B-bar"));

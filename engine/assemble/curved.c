@@ -67,7 +67,7 @@ bw_status bwi_blocks_even(bw_context *context, const bw_mesh *mesh, const bw_mat
   int32_t *number = NULL;
   int64_t curved = 0;
   bw_status status = bwi_find_curved(context, mesh, &number, &curved);
-  *even = curved == 0 && !material->orientations && !(bw_material_projected_bulk(material) > 0);
+  *even = curved == 0 && !material->parts && !(bw_material_projected_bulk(material) > 0);
   bw_free(number);
   return status;
 }

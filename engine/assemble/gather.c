@@ -241,31 +241,32 @@ static void fill_map(const double c[36], bwi_vector map[9][3]) {
 }
 
 /* The maps of a material that is not isotropic, or of elements with B-bar: one, or one for each of
- * the material's groups. `projected` is the bulk modulus that acts on mean gradients. */
-static bw_status general_maps(bw_context *context, const bw_material *material, double projected,
+ * its parts. The projected bulk modulus acts on mean gradients. */
+static bw_status general_maps(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                               gather_data *g) {
-  const bw_material_orientations *orientations = material->orientations;
-  int32_t count = orientations ? orientations->count : 1;
+  int32_t count = bw_material_part_count(material);
   g->map = (bwi_vector(*)[9][3])bw_alloc(context, (size_t)count, sizeof *g->map);
-  if (projected > 0)
+  bool projects = false;
+  for (int32_t n = 0; n < count; n++)
+    projects |= bwi_projected_bulk(mesh, bw_material_part(material, n)) > 0;
+  if (projects)
     g->mean_map = (bwi_vector(*)[9][3])bw_alloc(context, (size_t)count, sizeof *g->mean_map);
-  if (!g->map || (projected > 0 && !g->mean_map))
+  if (!g->map || (projects && !g->mean_map))
     return BW_MEMORY;
   for (int32_t n = 0; n < count; n++) {
-    const double *c =
-        orientations ? orientations->elasticity + 36 * (int64_t)n : material->elasticity;
-    double rest[36], on_mean[36] = {0};
-    memcpy(rest, c, sizeof rest);
+    const bw_material *part = bw_material_part(material, n);
+    double projected = bwi_projected_bulk(mesh, part), rest[36], on_mean[36] = {0};
+    memcpy(rest, part->elasticity, sizeof rest);
     for (int i = 0; i < 3; i++)
       for (int k = 0; k < 3; k++) {
         on_mean[6 * i + k] = projected;
         rest[6 * i + k] -= projected;
       }
-    if (projected > 0)
+    if (projects)
       fill_map(on_mean, g->mean_map[n]);
     fill_map(rest, g->map[n]);
   }
-  g->group = orientations ? orientations->of_element : NULL;
+  g->group = material->parts ? material->parts->of_element : NULL;
   return BW_OK;
 }
 
@@ -296,7 +297,7 @@ static bw_status gather(bw_context *context, const bw_block_pattern *pattern, co
   } else if (material) {
     g->kind = GENERAL;
     BW_TRY(bw_material_fits(context, material, mesh->element_count));
-    BW_TRY(general_maps(context, material, bwi_projected_bulk(mesh, material), g));
+    BW_TRY(general_maps(context, mesh, material, g));
   }
   BW_TRY(bw_parallel(context, pattern->node_count, BWI_ROWS_PER_CHUNK, gather_rows, g));
 done:

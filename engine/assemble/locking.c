@@ -5,10 +5,17 @@
 
 static const double locking_ratio = 0.48;
 
-const char *bw_locking(const bw_mesh *mesh, const bw_material *material) {
+static bool locks(const bw_mesh *mesh, const bw_material *material) {
   double bulk = bw_material_bulk(material), shear = bw_material_mean_shear(material);
   double ratio = (3 * bulk - 2 * shear) / (2 * (3 * bulk + shear));
-  if (!(ratio > locking_ratio) || bwi_projected_bulk(mesh, material) > 0)
+  return ratio > locking_ratio && !(bwi_projected_bulk(mesh, material) > 0);
+}
+
+const char *bw_locking(const bw_mesh *mesh, const bw_material *material) {
+  bool any = false;
+  for (int32_t i = 0; i < bw_material_part_count(material); i++)
+    any |= locks(mesh, bw_material_part(material, i));
+  if (!any)
     return NULL;
   if (mesh->order == 1)
     return "volumetric locking: Poisson's ratio is above 0.48, and linear tetrahedra are far too "

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Mass per unit density: consistent (integrals of N_i N_j) and lumped.
+/* Mass: consistent (integrals of N_i N_j) and lumped.
  *
  * On a straight element the integrals are the volume times constants,
  *     tet4:  (1 + d_ij) / 20
@@ -16,8 +16,9 @@ typedef struct mass_data {
   bwi_row_sums rows;
   const bw_mesh *mesh;
   int32_t *curved;
-  double *curved_mass; /* curved elements x 100 */
-  double factor[256];  /* of V, by local pair (a << 4 | b) */
+  double *curved_mass;         /* curved elements x 100 */
+  double factor[256];          /* of V, by local pair (a << 4 | b) */
+  const bw_material *material; /* NULL: density 1 */
   double *values;
 } mass_data;
 
@@ -78,13 +79,20 @@ static void clear(mass_data *m) {
   bw_free(m->curved_mass);
 }
 
+/* 1 where a density is not known, in some element or all */
+static double density_of(const bw_material *material, int64_t element) {
+  return material->density > 0 ? bw_material_of(material, element)->density : 1;
+}
+
 static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker) {
   const mass_data *m = (const mass_data *)data;
   const bwi_row_sums *r = &m->rows;
   int32_t *place = r->place + (int64_t)worker * r->pattern->node_count;
+  bool several = m->material && m->material->parts;
   for (int64_t i = begin; i < end; i++) {
     double *row = m->values + r->pattern->start[i];
-    memset(row, 0, (size_t)bwi_row_places(r, i, place) * sizeof *row);
+    int64_t count = bwi_row_places(r, i, place);
+    memset(row, 0, (size_t)count * sizeof *row);
     for (int64_t k = r->incidence.start[i]; k < r->incidence.start[i + 1]; k++) {
       int64_t e = r->incidence.element[k];
       int a = r->incidence.local[k];
@@ -93,19 +101,25 @@ static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker)
       const double *of_pair =
           curved ? m->curved_mass + 100 * (int64_t)m->curved[e] + 10 * a : m->factor + (a << 4);
       double volume = curved ? 1 : m->mesh->volume[e];
+      if (several)
+        volume *= density_of(m->material, e);
       for (int b = 0; b < r->nodes_per_element; b++)
         if (node[b] <= i)
           row[place[node[b]]] += of_pair[b] * volume;
     }
+    for (int64_t k = 0; m->material && !several && k < count; k++)
+      row[k] *= density_of(m->material, 0);
   }
   return BW_OK;
 }
 
 bw_status bw_mass(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
-                  double *values) {
+                  const bw_material *material, double *values) {
   bw_status status;
-  mass_data m = {.values = values};
+  mass_data m = {.material = material, .values = values};
   BW_TRY(bwi_block_pattern_fits(context, pattern, mesh));
+  if (material)
+    BW_TRY(bw_material_fits(context, material, mesh->element_count));
   BW_TRY(prepare(context, mesh, &m));
   BW_TRY(bwi_row_sums_open(context, pattern, mesh->element_count, mesh->nodes_per_element,
                            mesh->element, &m.rows));

@@ -61,11 +61,8 @@ typedef struct bwi_subdomain_coefficients {
   double *present;      /* T as it is now, of segments of sets, where a subdomain is reshaped */
   double *map;          /* BWI_SUBDOMAIN_MAP subdomain_count: what makes entries of T now */
 
-  double
-      elasticity[81]; /* [3 i + k][3 j + l]: C_ijkl, of a material rotated by element unrotated */
-  double
-      *rest_orientation; /* subdomain_count x 9: then how each subdomain's lies at rest; or NULL */
-  bool orientation_matters; /* the material is not isotropic */
+  double *elasticity;       /* subdomain_count x 81, [3 i + k][3 j + l]: C_ijkl at rest */
+  bool orientation_matters; /* the material of a subdomain is not isotropic */
 
   /* Frames met on a subdomain's nodes, -1 the global one; with a material that is not isotropic
      also the frame in which the material rests. */

@@ -93,24 +93,16 @@ void bwi_rotate_elasticity(const double elasticity[81], const double rotation[9]
 void bwi_subdomain_elasticity(const bw_subdomain_stiffness *stiffness, int32_t subdomain,
                               const double frame[9], double elasticity[81]) {
   const bwi_subdomain_coefficients *c = stiffness->coefficients;
-  const double *rest = c->rest_orientation ? c->rest_orientation + 9 * (int64_t)subdomain : NULL;
-  bool rotates = c->orientation_matters && stiffness->rotate_material;
+  const double *rest = c->elasticity + 81 * (int64_t)subdomain;
   double rotation[9];
-  if (!rotates && !rest) {
-    memcpy(elasticity, c->elasticity, sizeof c->elasticity);
+  if (!c->orientation_matters || !stiffness->rotate_material) {
+    memcpy(elasticity, rest, 81 * sizeof *elasticity);
     return;
   }
   for (int r = 0; r < 3; r++)
-    for (int s = 0; s < 3; s++) {
-      if (!rotates)
-        rotation[3 * r + s] = rest[3 * r + s];
-      else if (!rest)
-        rotation[3 * r + s] = frame[3 * s + r];
-      else
-        rotation[3 * r + s] =
-            frame[r] * rest[s] + frame[3 + r] * rest[3 + s] + frame[6 + r] * rest[6 + s];
-    }
-  bwi_rotate_elasticity(c->elasticity, rotation, elasticity);
+    for (int s = 0; s < 3; s++)
+      rotation[3 * r + s] = frame[3 * s + r];
+  bwi_rotate_elasticity(rest, rotation, elasticity);
 }
 
 void bwi_subdomain_entries(const double *map, const double *tensor, int numbers, double block[9]) {

@@ -28,7 +28,7 @@ static void destroy(void *object) {
     bw_free(c->tensor);
     bw_free(c->present);
     bw_free(c->map);
-    bw_free(c->rest_orientation);
+    bw_free(c->elasticity);
     bw_free(c->frame_start);
     bw_free(c->frame_subdomain);
     bw_free(c->written);
@@ -60,7 +60,7 @@ static size_t bytes(const void *object) {
          nodes * (sizeof *c->node + 6 * sizeof *c->written_position) +
          frames * (sizeof *c->frame_subdomain + 9 * sizeof *c->reported_frame) +
          subdomains * (2 * sizeof *c->written + 2 * sizeof(int32_t) + sizeof(int64_t) +
-                       (BWI_SUBDOMAIN_MAP + (c->rest_orientation ? 9 : 0)) * sizeof *c->map + 1);
+                       (BWI_SUBDOMAIN_MAP + 81) * sizeof *c->map + 1);
 }
 
 static const bw_kind stiffness_kind = {"subdomain stiffness", destroy, bytes};
@@ -94,34 +94,37 @@ static bw_status check_arguments(bw_context *context, const bw_mesh *mesh, int32
   return BW_OK;
 }
 
-/* How each subdomain's material lies at rest where it is rotated by element: alike in all
- * of a subdomain. */
-static bw_status take_orientations(bw_context *context, const bw_material *material,
-                                   int32_t subdomain_count, const int32_t *element_subdomain,
-                                   bwi_subdomain_coefficients *c) {
-  const bw_material_orientations *t = material->orientations;
-  if (!t)
-    return BW_OK;
-  c->rest_orientation =
-      BW_NEW0(context, double, 9 * (int64_t)subdomain_count); /* zero: not met yet */
-  if (!c->rest_orientation)
-    return BW_MEMORY;
-  for (int32_t e = 0; e < t->element_count; e++) {
-    double *rest = c->rest_orientation + 9 * (int64_t)element_subdomain[e];
-    const double *own = t->rotation + 9 * (int64_t)t->of_element[e];
-    if (bw_norm(rest) == 0)
-      memcpy(rest, own, 9 * sizeof *rest);
-    else if (memcmp(rest, own, 9 * sizeof *rest) != 0) {
-      bw_fail(
-          context, BW_INVALID,
-          "element %d of subdomain %d has another material orientation than the elements before "
-          "it: each subdomain needs one orientation",
-          e + 1, element_subdomain[e] + 1);
+/* The material of each subdomain, alike in all of it. */
+static bw_status take_materials(bw_context *context, const bw_mesh *mesh,
+                                const bw_material *material, int32_t subdomain_count,
+                                const int32_t *element_subdomain, bwi_subdomain_coefficients *c) {
+  static const int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+  bw_status status = BW_OK;
+  const bw_material **of = BW_NEW0(context, const bw_material *, subdomain_count);
+  c->elasticity = BW_NEW0(context, double, 81 * (int64_t)subdomain_count);
+  BW_TRY_MEMORY(of && c->elasticity);
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    const bw_material *own = bw_material_of(material, e), **known = &of[element_subdomain[e]];
+    if (*known && *known != own) {
+      bool turned = (*known)->isotropic == own->isotropic && strcmp((*known)->name, own->name) == 0;
+      status = bw_fail(context, BW_INVALID,
+                       "element %d of subdomain %d has another material%s than the elements before "
+                       "it: each subdomain needs one",
+                       e + 1, element_subdomain[e] + 1, turned ? " orientation" : "");
       bw_detail_number(context, "element", e + 1);
-      return BW_INVALID;
+      goto done;
     }
+    *known = own;
+    c->orientation_matters |= !own->isotropic;
   }
-  return BW_OK;
+  for (int32_t d = 0; d < subdomain_count; d++)
+    for (int n = 0; of[d] && n < 81; n++) {
+      int i = n / 27, k = n / 9 % 3, j = n / 3 % 3, l = n % 3;
+      c->elasticity[81 * (int64_t)d + n] = of[d]->elasticity[6 * voigt[i][j] + voigt[k][l]];
+    }
+done:
+  bw_free(of);
+  return status;
 }
 
 bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_pattern *pattern,
@@ -130,7 +133,6 @@ bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_patt
                                         const int32_t *element_subdomain,
                                         const int32_t *node_subdomain,
                                         bw_subdomain_stiffness **stiffness) {
-  static const int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
   static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   bw_status status = BW_OK;
   bwi_subdomain_work work = {0};
@@ -159,14 +161,7 @@ bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_patt
   s->revision = s->object.revision;
   bwi_subdomain_coefficients *c = s->coefficients = BW_NEW0(context, bwi_subdomain_coefficients, 1);
   BW_TRY_MEMORY(c);
-  for (int i = 0; i < 3; i++)
-    for (int k = 0; k < 3; k++)
-      for (int j = 0; j < 3; j++)
-        for (int l = 0; l < 3; l++)
-          c->elasticity[9 * (3 * i + k) + 3 * j + l] =
-              material->elasticity[6 * voigt[i][j] + voigt[k][l]];
-  c->orientation_matters = !material->isotropic;
-  BW_TRY(take_orientations(context, material, subdomain_count, element_subdomain, c));
+  BW_TRY(take_materials(context, mesh, material, subdomain_count, element_subdomain, c));
   BW_TRY(bwi_contributions_create(context, pattern, mesh->element_count, mesh->nodes_per_element,
                                   mesh->element, &c->contributions));
   BW_TRY(bwi_subdomain_lists(context, pattern, subdomain_count, element_subdomain, node_subdomain,

@@ -45,7 +45,7 @@ static bw_status make_plan(bw_context *context, bwd_system *system, bwd_partitio
   p->direct = system->direct;
   p->iterations = system->max_iterations;
   p->tolerance = system->tolerance;
-  bwd_material_read(system->problem->material, &p->material);
+  bwd_material_read(bw_material_unrotated(system->problem->material, 0), &p->material);
 done:
   return status;
 }

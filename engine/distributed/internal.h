@@ -90,24 +90,27 @@ typedef struct bwd_material {
  * sum of the same numbers in the same order on any number of ranks. */
 typedef struct bwd_local_mesh {
   struct bwd_local_counts {
-    int32_t order, nodes_per_element, elements, nodes, owned, frames, groups;
+    int32_t order, nodes_per_element, elements, nodes, owned, frames, parts;
   } count;
   int32_t *element; /* (local index, elements x nodes_per_element) */
   uint8_t *mine;    /* (elements) 1: this rank's by the partition, where each element counts once */
-  int32_t *group;   /* (elements) of a material rotated by element, or NULL */
-  double *rotation; /* (groups x 9) */
-  double *node;     /* (m, nodes x 3) */
-  int32_t *row;     /* (nodes) */
-  uint8_t *state;   /* (nodes x 3) bw_dof_state */
+  int32_t *part;    /* (elements) of a material with parts, or NULL */
+  bwd_material *kind;    /* (parts) unrotated */
+  double *rotation;      /* (parts x 9) by which each is turned */
+  double *node;          /* (m, nodes x 3) */
+  int32_t *row;          /* (nodes) */
+  uint8_t *state;        /* (nodes x 3) bw_dof_state */
   int32_t *frame_of;     /* (nodes) row of `frame` or -1; NULL without frames */
   double *frame;         /* (frames x 9) */
-  bw_material *material; /* not rotated by element */
+  bw_material *material; /* of all elements */
 } bwd_local_mesh;
 /* local_mesh.c: from rank 0, where `problem` and `partition` are given, to all ranks. Collective.
  */
 bw_status bwd_local_mesh_distribute(bw_context *context, const bw_external_problem *problem,
                                     const bwd_partition *partition, const bwd_material *material,
                                     bwd_local_mesh *local);
+/* The material of the local elements: of their parts, or `all` where there are none. */
+bw_status bwd_local_material(bw_context *context, bwd_local_mesh *local, const bwd_material *all);
 /* The arrays for `local->count`. */
 bw_status bwd_local_mesh_allocate(bw_context *context, bwd_local_mesh *local);
 void bwd_local_mesh_clear(bwd_local_mesh *local);

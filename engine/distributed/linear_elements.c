@@ -26,7 +26,7 @@ static bw_status make_mesh(bw_context *context, const bwd_local_mesh *fine, int3
     for (int a = 0; a < 4; a++)
       number[fine->element[e * n->nodes_per_element + a]] = 0;
   mesh->count = (struct bwd_local_counts){
-      .order = 1, .nodes_per_element = 4, .elements = n->elements, .groups = n->groups};
+      .order = 1, .nodes_per_element = 4, .elements = n->elements, .parts = n->parts};
   for (int32_t i = 0; i < n->nodes; i++) {
     if (number[i] < 0)
       continue;
@@ -54,9 +54,10 @@ static bw_status make_mesh(bw_context *context, const bwd_local_mesh *fine, int3
   for (int64_t e = 0; e < n->elements; e++)
     for (int a = 0; a < 4; a++)
       mesh->element[4 * e + a] = number[fine->element[e * n->nodes_per_element + a]];
-  if (n->groups) {
-    memcpy(mesh->group, fine->group, (size_t)n->elements * sizeof *fine->group);
-    memcpy(mesh->rotation, fine->rotation, 9 * (size_t)n->groups * sizeof *fine->rotation);
+  if (n->parts) {
+    memcpy(mesh->part, fine->part, (size_t)n->elements * sizeof *fine->part);
+    memcpy(mesh->kind, fine->kind, (size_t)n->parts * sizeof *fine->kind);
+    memcpy(mesh->rotation, fine->rotation, 9 * (size_t)n->parts * sizeof *fine->rotation);
   }
   mesh->material = bw_retain(fine->material);
   return BW_OK;
@@ -161,10 +162,17 @@ done:
 
 /* ---- all of it ------------------------------------------------------------------------------- */
 
+static bool projects(const bw_material *material) {
+  for (int32_t i = 0; i < bw_material_part_count(material); i++)
+    if (bw_material_projected_bulk(bw_material_part(material, i)) > 0)
+      return true;
+  return false;
+}
+
 bool bwd_has_linear_elements(const bwd_system *system) {
   const bwd_local_mesh *mesh = &system->mesh;
   int64_t own = 0, all = 0;
-  if (mesh->count.order != 2 || bw_material_projected_bulk(mesh->material) > 0)
+  if (mesh->count.order != 2 || projects(mesh->material))
     return false;
   for (int64_t e = 0; e < mesh->count.elements; e++)
     for (int a = 0; mesh->mine[e] && a < 4; a++)

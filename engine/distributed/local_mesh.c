@@ -5,13 +5,14 @@
 
 #include "distributed/internal.h"
 
-enum { MESH_TAG = 2, ANSWER_TAG = 3, BLOCKS = 9 };
+enum { MESH_TAG = 2, ANSWER_TAG = 3, BLOCKS = 10 };
 static const size_t piece_bytes = 1u << 24; /* of one message */
 
 void bwd_local_mesh_clear(bwd_local_mesh *local) {
   bw_free(local->element);
   bw_free(local->mine);
-  bw_free(local->group);
+  bw_free(local->part);
+  bw_free(local->kind);
   bw_free(local->rotation);
   bw_free(local->node);
   bw_free(local->row);
@@ -30,7 +31,7 @@ const double *bwd_local_frame(const bwd_local_mesh *local, int32_t node) {
 /* ---- material -------------------------------------------------------------------------------- */
 
 void bwd_material_read(const bw_material *material, bwd_material *constants) {
-  const bw_material *m = material->unrotated ? material->unrotated : material;
+  const bw_material *m = material;
   *constants = (bwd_material){
       .isotropic = m->isotropic, .formulation = (int)m->formulation, .density = m->density};
   memcpy(constants->young, m->young, sizeof m->young);
@@ -64,6 +65,33 @@ bw_status bwd_material_create(bw_context *context, const bwd_material *constants
   return status;
 }
 
+bw_status bwd_local_material(bw_context *context, bwd_local_mesh *local, const bwd_material *all) {
+  bw_status status = BW_OK;
+  int32_t count = local->count.parts;
+  const bw_material **part = NULL;
+  if (count == 0)
+    return bwd_material_create(context, all, &local->material);
+  part = BW_NEW0(context, const bw_material *, count);
+  BW_TRY_MEMORY(part);
+  for (int32_t i = 0; i < count; i++) {
+    bw_material *unrotated = NULL, *turned = NULL;
+    status = bwd_material_create(context, local->kind + i, &unrotated);
+    if (status == BW_OK)
+      status = bw_material_rotated(context, unrotated, local->rotation + 9 * (int64_t)i, &turned);
+    bw_release(unrotated);
+    part[i] = turned;
+    if (status != BW_OK)
+      goto done;
+  }
+  status = bw_material_by_element(context, local->count.elements, count, local->part, part,
+                                  &local->material);
+done:
+  for (int32_t i = 0; part && i < count; i++)
+    bw_release(part[i]);
+  bw_free(part);
+  return status;
+}
+
 /* ---- arrays ---------------------------------------------------------------------------------- */
 
 typedef struct block {
@@ -77,8 +105,9 @@ static void list_blocks(bwd_local_mesh *local, block list[BLOCKS]) {
   const block all[BLOCKS] = {
       {(void **)&local->element, sizeof(int32_t), (int64_t)n->elements * n->nodes_per_element},
       {(void **)&local->mine, 1, n->elements},
-      {(void **)&local->group, sizeof(int32_t), n->groups ? n->elements : 0},
-      {(void **)&local->rotation, sizeof(double), 9 * (int64_t)n->groups},
+      {(void **)&local->part, sizeof(int32_t), n->parts ? n->elements : 0},
+      {(void **)&local->kind, sizeof *local->kind, n->parts},
+      {(void **)&local->rotation, sizeof(double), 9 * (int64_t)n->parts},
       {(void **)&local->node, sizeof(double), 3 * (int64_t)n->nodes},
       {(void **)&local->row, sizeof(int32_t), n->nodes},
       {(void **)&local->state, 1, 3 * (int64_t)n->nodes},
@@ -123,7 +152,7 @@ typedef struct maker {
   const bwd_partition *partition;
   int32_t *node_at;  /* by row */
   int32_t *local_of; /* by node: its local number on the rank in work, or -1 */
-  int32_t *group_of; /* by group of the material, likewise; or NULL */
+  int32_t *part_of;  /* by part of the material, likewise; or NULL */
   int64_t *first;    /* ranks + 1: of each rank's elements in `element` */
   int32_t *element;  /* ascending for each rank */
 } maker;
@@ -131,26 +160,26 @@ typedef struct maker {
 static void clear_maker(maker *m) {
   bw_free(m->node_at);
   bw_free(m->local_of);
-  bw_free(m->group_of);
+  bw_free(m->part_of);
   bw_free(m->first);
   bw_free(m->element);
 }
 
 static bw_status make_lists(bw_context *context, int ranks, maker *m) {
   const bw_mesh *mesh = m->problem->dof_map->mesh;
-  const bw_material_orientations *turned = m->problem->material->orientations;
+  const bw_material_parts *turned = m->problem->material->parts;
   m->node_at = BW_NEW(context, int32_t, mesh->node_count);
   m->local_of = BW_NEW(context, int32_t, mesh->node_count);
   if (turned)
-    m->group_of = BW_NEW(context, int32_t, turned->count);
-  if (!m->node_at || !m->local_of || (turned && !m->group_of))
+    m->part_of = BW_NEW(context, int32_t, turned->count);
+  if (!m->node_at || !m->local_of || (turned && !m->part_of))
     return BW_MEMORY;
   for (int32_t i = 0; i < mesh->node_count; i++) {
     m->node_at[m->partition->row_of[i]] = i;
     m->local_of[i] = -1;
   }
   for (int32_t g = 0; turned && g < turned->count; g++)
-    m->group_of[g] = -1;
+    m->part_of[g] = -1;
   return bwd_group_elements(context, mesh->element_count, mesh->nodes_per_element, mesh->element,
                             m->partition->owner, ranks, &m->first, &m->element);
 }
@@ -165,7 +194,7 @@ static void take_node(maker *m, int32_t node, struct bwd_local_counts *n) {
 /* Sizes, and local numbers of nodes and groups. */
 static void number(maker *m, int rank, struct bwd_local_counts *n) {
   const bw_mesh *mesh = m->problem->dof_map->mesh;
-  const bw_material_orientations *turned = m->problem->material->orientations;
+  const bw_material_parts *turned = m->problem->material->parts;
   const int32_t *start = m->partition->start;
   *n = (struct bwd_local_counts){.order = mesh->order,
                                  .nodes_per_element = mesh->nodes_per_element,
@@ -177,8 +206,8 @@ static void number(maker *m, int rank, struct bwd_local_counts *n) {
     const int32_t *node = mesh->element + (int64_t)m->element[k] * n->nodes_per_element;
     for (int a = 0; a < n->nodes_per_element; a++)
       take_node(m, node[a], n);
-    if (turned && m->group_of[turned->of_element[m->element[k]]] < 0)
-      m->group_of[turned->of_element[m->element[k]]] = n->groups++;
+    if (turned && m->part_of[turned->of_element[m->element[k]]] < 0)
+      m->part_of[turned->of_element[m->element[k]]] = n->parts++;
   }
 }
 
@@ -199,7 +228,7 @@ static void fill_node(const maker *m, int32_t node, int32_t *frames, bwd_local_m
 /* The arrays. A node's number is forgotten as soon as it is filled in for the last time. */
 static void fill(maker *m, int rank, bwd_local_mesh *local) {
   const bw_mesh *mesh = m->problem->dof_map->mesh;
-  const bw_material_orientations *turned = m->problem->material->orientations;
+  const bw_material_parts *turned = m->problem->material->parts;
   const int32_t *start = m->partition->start, *list = m->element + m->first[rank];
   int width = mesh->nodes_per_element;
   int32_t frames = 0, ghosts = local->count.owned;
@@ -216,9 +245,10 @@ static void fill(maker *m, int rank, bwd_local_mesh *local) {
     }
     local->mine[e] = m->partition->rank_of_element[list[e]] == rank;
     if (turned) {
-      int32_t group = turned->of_element[list[e]];
-      local->group[e] = m->group_of[group];
-      memcpy(local->rotation + 9 * (int64_t)local->group[e], turned->rotation + 9 * (int64_t)group,
+      int32_t part = turned->of_element[list[e]];
+      local->part[e] = m->part_of[part];
+      bwd_material_read(turned->unrotated[part], local->kind + local->part[e]);
+      memcpy(local->rotation + 9 * (int64_t)local->part[e], turned->rotation + 9 * (int64_t)part,
              9 * sizeof(double));
     }
   }
@@ -226,13 +256,13 @@ static void fill(maker *m, int rank, bwd_local_mesh *local) {
 
 static void forget(maker *m, int rank) {
   const bw_mesh *mesh = m->problem->dof_map->mesh;
-  const bw_material_orientations *turned = m->problem->material->orientations;
+  const bw_material_parts *turned = m->problem->material->parts;
   for (int64_t k = m->first[rank]; k < m->first[rank + 1]; k++) {
     const int32_t *node = mesh->element + (int64_t)m->element[k] * mesh->nodes_per_element;
     for (int a = 0; a < mesh->nodes_per_element; a++)
       m->local_of[node[a]] = -1;
     if (turned)
-      m->group_of[turned->of_element[m->element[k]]] = -1;
+      m->part_of[turned->of_element[m->element[k]]] = -1;
   }
 }
 
@@ -303,6 +333,6 @@ bw_status bwd_local_mesh_distribute(bw_context *context, const bw_external_probl
   } else
     status = receive_mesh(context, local);
   if (status == BW_OK)
-    status = bwd_material_create(context, material, &local->material);
+    status = bwd_local_material(context, local, material);
   return bwd_agree(context, status);
 }

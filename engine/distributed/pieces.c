@@ -15,22 +15,18 @@ typedef struct cut {
   int64_t *first;   /* count + 1: of the elements of each piece in `element` */
   int32_t *element; /* ascending in each piece */
   int32_t *number;  /* local nodes: in the piece in work, or -1 */
-  int32_t *group;   /* groups: likewise */
 } cut;
 
 static void clear_cut(cut *c) {
   bw_free(c->first);
   bw_free(c->element);
   bw_free(c->number);
-  bw_free(c->group);
 }
 
 static bw_status make_cut(bw_context *context, const bwd_local_mesh *local, cut *c) {
   *c = (cut){.local = local, .count = (local->count.owned + ROWS - 1) / ROWS};
   c->number = BW_NEW(context, int32_t, local->count.nodes);
-  if (local->count.groups)
-    c->group = BW_NEW(context, int32_t, local->count.groups);
-  if (!c->number || (local->count.groups && !c->group))
+  if (!c->number)
     return BW_MEMORY;
   for (int32_t i = 0; i < local->count.nodes; i++)
     c->number[i] = i < local->count.owned ? i / ROWS : -1;
@@ -38,40 +34,6 @@ static bw_status make_cut(bw_context *context, const bwd_local_mesh *local, cut 
       bwd_group_elements(context, local->count.elements, local->count.nodes_per_element,
                          local->element, c->number, c->count, &c->first, &c->element);
   memset(c->number, -1, (size_t)local->count.nodes * sizeof *c->number);
-  if (c->group)
-    memset(c->group, -1, (size_t)local->count.groups * sizeof *c->group);
-  return status;
-}
-
-/* The material of the piece's elements. */
-static bw_status make_material(bw_context *context, cut *c, int32_t p, bw_material **material) {
-  const bwd_local_mesh *local = c->local;
-  const int32_t *list = c->element + c->first[p];
-  int32_t elements = (int32_t)(c->first[p + 1] - c->first[p]), groups = 0;
-  if (!c->group) {
-    *material = bw_retain(local->material);
-    return BW_OK;
-  }
-  bw_status status = BW_MEMORY;
-  int32_t *of_element = BW_NEW(context, int32_t, elements);
-  double *rotation = BW_NEW(context, double, 9 * (int64_t)elements);
-  if (of_element && rotation) {
-    for (int32_t e = 0; e < elements; e++) {
-      int32_t group = local->group[list[e]];
-      if (c->group[group] < 0) {
-        memcpy(rotation + 9 * (int64_t)groups, local->rotation + 9 * (int64_t)group,
-               9 * sizeof *rotation);
-        c->group[group] = groups++;
-      }
-      of_element[e] = c->group[group];
-    }
-    for (int32_t e = 0; e < elements; e++)
-      c->group[local->group[list[e]]] = -1;
-    status = bw_material_rotated_by_element(context, local->material, elements, groups, of_element,
-                                            rotation, material);
-  }
-  bw_free(of_element);
-  bw_free(rotation);
   return status;
 }
 
@@ -132,7 +94,8 @@ static bw_status make_piece(bw_context *context, cut *c, int32_t p, bool mass, b
   int32_t rest = local->count.owned - p * ROWS;
   *piece = (bwd_piece){.local = local, .first = p * ROWS, .rows = rest < ROWS ? rest : ROWS};
   BW_TRY(make_mesh(context, c, p, piece));
-  BW_TRY(make_material(context, c, p, &material));
+  BW_TRY(bw_material_carried(context, local->material, (int32_t)(c->first[p + 1] - c->first[p]),
+                             c->element + c->first[p], &material));
   BW_TRY(bw_block_pattern_create(context, piece->mesh, &piece->pattern));
   int64_t blocks = piece->pattern->block_count;
   piece->stiffness = BW_NEW(context, double, 9 * blocks);
@@ -143,12 +106,8 @@ static bw_status make_piece(bw_context *context, cut *c, int32_t p, bool mass, b
     goto done;
   }
   BW_TRY(bw_stiffness(context, piece->pattern, piece->mesh, material, piece->stiffness));
-  if (mass) {
-    double density = material->density > 0 ? material->density : 1;
-    BW_TRY(bw_mass(context, piece->pattern, piece->mesh, piece->mass));
-    for (int64_t k = 0; k < blocks; k++)
-      piece->mass[k] *= density;
-  }
+  if (mass)
+    BW_TRY(bw_mass(context, piece->pattern, piece->mesh, material, piece->mass));
 done:
   bw_release(material);
   return status;

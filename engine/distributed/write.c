@@ -248,12 +248,7 @@ static bw_status make_body(bw_context *context, const bwd_local_mesh *local, bw_
                        element, NULL, mesh));
   node = NULL;
   element = NULL;
-  if (local->group)
-    status = bw_material_rotated_by_element(context, local->material, local->count.elements,
-                                            local->count.groups, local->group, local->rotation,
-                                            material);
-  else
-    *material = bw_retain(local->material);
+  *material = bw_retain(local->material);
 done:
   bw_free(node);
   bw_free(element);

@@ -86,7 +86,7 @@ static bw_status open_laplacian(bw_context *context, const bw_mesh *mesh,
   l->sum = BW_NEW0(context, double, mesh->component_count);
   BW_TRY_MEMORY(unknown && l->stiffness && l->mass && l->weight && l->sum);
   BW_TRY(bw_laplacian(context, pattern, mesh, l->stiffness));
-  BW_TRY(bw_mass(context, pattern, mesh, l->mass));
+  BW_TRY(bw_mass(context, pattern, mesh, NULL, l->mass));
   BW_TRY(bwi_order_create(context, pattern, NULL, &order));
   BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &l->unconstrained));
   /* constrain the node that comes last in the order of each body */

@@ -10,18 +10,25 @@
 enum { CHUNK = 2048 };
 
 void bwi_heat_conductivity(const bw_material *material, int64_t element, double tensor[9]) {
-  const bw_material_orientations *t = material->orientations;
-  const double *axes = t ? t->axes + 9 * (int64_t)t->of_element[element] : material->axes;
+  const bw_material *part = bw_material_of(material, element);
+  const double *axes = part->axes;
   memset(tensor, 0, 9 * sizeof *tensor);
   for (int k = 0; k < 3; k++)
     for (int i = 0; i < 3; i++) {
-      if (material->isotropic)
-        tensor[4 * i] = material->thermal.conductivity[0];
+      if (part->isotropic)
+        tensor[4 * i] = part->thermal.conductivity[0];
       else
         for (int j = 0; j < 3; j++)
           tensor[3 * i + j] +=
-              material->thermal.conductivity[k] * axes[3 * k + i] * axes[3 * k + j];
+              part->thermal.conductivity[k] * axes[3 * k + i] * axes[3 * k + j];
     }
+}
+
+bool bwi_heat_varies(const bw_material *material) {
+  bool varies = false;
+  for (int32_t i = 0; i < bw_material_part_count(material); i++)
+    varies |= bw_material_part(material, i)->thermal.rows > 0;
+  return varies;
 }
 
 typedef struct conduction {
@@ -43,6 +50,7 @@ static bw_status conduct(void *data, int64_t begin, int64_t end, int worker) {
     const int32_t *node = mesh->element + e * n;
     double x[10][3], k[9], *matrix = d->matrix[i];
     double point[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS];
+    const bw_thermal *thermal = &bw_material_of(d->material, e)->thermal;
     bwi_element_nodes(mesh, e, x);
     bwi_heat_conductivity(d->material, e, k);
     bool curved = mesh->order == 2 && !bw_tet_is_straight((const double(*)[3])x);
@@ -54,11 +62,11 @@ static bw_status conduct(void *data, int64_t begin, int64_t end, int worker) {
           weight[q] / 6 * bw_tet_gradient(mesh->order, (const double(*)[3])x, point[q], slope);
       if (!(size > 0))
         return BW_GEOMETRY;
-      if (d->material->thermal.rows) {
+      if (thermal->rows) {
         bw_tet_shape(mesh->order, point[q], shape);
         for (int a = 0; a < n; a++)
           t += shape[a] * d->temperature[node[a]];
-        size *= bw_thermal_factor(&d->material->thermal, t);
+        size *= bw_thermal_factor(thermal, t);
       }
       for (int a = 0; a < n; a++)
         for (int c = 0; c < 3; c++)
@@ -77,7 +85,7 @@ bw_status bwi_heat_conduct(bw_context *context, const bw_block_pattern *pattern,
                            const double *temperature, double *values) {
   bw_status status = BW_OK;
   int n = mesh->nodes_per_element;
-  bool varies = material->thermal.rows > 0;
+  bool varies = bwi_heat_varies(material);
   conduction d = {.mesh = mesh, .material = material, .temperature = temperature};
   d.degree[0] = mesh->order == 1 ? 1 : varies ? BWI_CURVED_DEGREE : 2;
   d.degree[1] = BWI_CURVED_DEGREE;

@@ -32,7 +32,7 @@ static double flux_at(const flux_data *d, int64_t e, const double l[4], double f
       gradient[c] += slope[a][c] * d->temperature[node[a]];
   }
   bwi_heat_conductivity(d->material, e, k);
-  double factor = bw_thermal_factor(&d->material->thermal, t);
+  double factor = bw_thermal_factor(&bw_material_of(d->material, e)->thermal, t);
   for (int i = 0; i < 9; i++)
     k[i] *= factor;
   for (int i = 0; i < 3; i++)

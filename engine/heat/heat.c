@@ -31,11 +31,12 @@ bw_status bw_heat_create(bw_context *context, const bw_mesh *mesh, const bw_mate
   bw_status status = bw_material_fits(context, material, mesh->element_count);
   if (status != BW_OK)
     return status;
-  if (!(material->thermal.conductivity[0] > 0))
-    return bw_fail(context, BW_INVALID,
-                   "material %s has no conductivity: give one in W/(m K), or take steel, aluminium "
-                   "or pla of the library",
-                   material->name);
+  for (int32_t i = 0; i < bw_material_part_count(material); i++)
+    if (!(bw_material_part(material, i)->thermal.conductivity[0] > 0))
+      return bw_fail(context, BW_INVALID,
+                     "material %s has no conductivity: give one in W/(m K), or take steel, "
+                     "aluminium or pla of the library",
+                     bw_material_part(material, i)->name);
   bw_heat *made = BW_NEW0(context, bw_heat, 1);
   if (!made)
     return BW_MEMORY;

@@ -11,6 +11,8 @@
 /* The conductivity tensor (W/(m K), row by row) of an element, without its table's factor. All that
  * knows materials is here. */
 void bwi_heat_conductivity(const bw_material *material, int64_t element, double tensor[9]);
+/* Whether conductivity depends on temperature anywhere. */
+bool bwi_heat_varies(const bw_material *material);
 /* Adds the matrix of conduction at these temperatures to values (W/K, block_count). */
 bw_status bwi_heat_conduct(bw_context *context, const bw_block_pattern *pattern,
                            const bw_mesh *mesh, const bw_material *material,

@@ -153,7 +153,7 @@ bw_status bwi_heat_system_open(bw_context *context, const bw_heat *heat,
     BW_TRY(check_held(context, s));
   BW_TRY(choose_solver(context, s));
   BW_TRY(bw_block_pattern_create(context, mesh, &s->pattern));
-  s->by_temperature = material->thermal.rows > 0;
+  s->by_temperature = bwi_heat_varies(material);
   s->conduction = BW_NEW0(context, double, s->pattern->block_count);
   BW_TRY_MEMORY(s->conduction);
   if (!s->by_temperature)
@@ -178,7 +178,8 @@ bw_status bwi_heat_system_open(bw_context *context, const bw_heat *heat,
       BW_TRY(bwi_heat_volume(context, mesh, heat->condition[c].nodal,
                              s->volume + (size_t)volumes++ * (size_t)mesh->node_count));
   if (transient) {
-    double per_volume = material->density * material->thermal.heat_capacity;
+    const bw_material *part = bw_material_part(material, 0);
+    double per_volume = part->density * part->thermal.heat_capacity;
     s->capacity = BW_NEW0(context, double, s->pattern->block_count);
     BW_TRY_MEMORY(s->capacity);
     if (lumped) {
@@ -189,7 +190,7 @@ bw_status bwi_heat_system_open(bw_context *context, const bw_heat *heat,
       bw_free(nodal);
       BW_TRY(status);
     } else
-      BW_TRY(bw_mass(context, s->pattern, mesh, s->capacity));
+      BW_TRY(bw_mass(context, s->pattern, mesh, NULL, s->capacity));
     for (int64_t k = 0; k < s->pattern->block_count; k++)
       s->capacity[k] *= per_volume;
   }

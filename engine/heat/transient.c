@@ -55,12 +55,16 @@ static const bw_kind transient_kind = {"heat transient", transient_destroy, tran
 
 static bw_status check(bw_context *context, const bw_heat *heat,
                        const bw_heat_transient_options *options) {
-  const bw_material *material = heat->material;
-  if (!(material->density > 0) || !(material->thermal.heat_capacity > 0))
-    return bw_fail(context, BW_INVALID,
-                   "material %s has no %s, which heat in time needs: give one in %s",
-                   material->name, material->density > 0 ? "heat capacity" : "density",
-                   material->density > 0 ? "J/(kg K)" : "kg/m3");
+  if (bw_material_mixed(heat->material))
+    return bw_fail(context, BW_UNSUPPORTED, "heat in time serves bodies of one material");
+  for (int32_t i = 0; i < bw_material_part_count(heat->material); i++) {
+    const bw_material *part = bw_material_part(heat->material, i);
+    if (!(part->density > 0) || !(part->thermal.heat_capacity > 0))
+      return bw_fail(context, BW_INVALID,
+                     "material %s has no %s, which heat in time needs: give one in %s", part->name,
+                     part->density > 0 ? "heat capacity" : "density",
+                     part->density > 0 ? "J/(kg K)" : "kg/m3");
+  }
   if (options && options->lumped && heat->mesh->order == 2)
     return bw_fail(context, BW_INVALID,
                    "a lumped capacity is for linear elements: quadratic ones lose their accuracy");

@@ -162,7 +162,6 @@ static bw_status view_create(bw_context *context, const bw_model *model, bw_syst
   bw_object_init(made, &view_kind);
   made->system.mesh = bw_retain(model->mesh);
   made->system.material = bw_retain(model->material);
-  made->system.density = model->material->density > 0 ? model->material->density : 1;
   *out = &made->system;
   return BW_OK;
 }

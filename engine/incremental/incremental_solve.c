@@ -368,9 +368,7 @@ bw_status bw_incremental_system_refactor(bw_context *context, bw_incremental_sys
   int64_t blocks = system->pattern->block_count;
   if (!system->mass && !(system->mass = BW_NEW(context, double, blocks)))
     return BW_MEMORY;
-  BW_TRY(bw_mass(context, system->pattern, system->mesh, system->mass));
-  for (int64_t k = 0; k < blocks; k++)
-    system->mass[k] *= system->density;
+  BW_TRY(bw_mass(context, system->pattern, system->mesh, system->material, system->mass));
   const bwi_factor *own = incremental->inner->factor;
   if (own->kernels->bits == 64)
     system->factor = bw_retain(own);

@@ -84,15 +84,11 @@ static bw_status check_model(bw_context *context, const bw_incremental_system *i
   return BW_OK;
 }
 
-static const bw_material *unrotated_of(const bw_material *material) {
-  return material->orientations ? material->unrotated : material;
-}
-
 /* How far the rotation of an element's material is from that of its subdomain since rest. */
 static double orientation_error(const bw_material *rest, const bw_material *now, int64_t element,
                                 const double frame[9]) {
   static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  const bw_material_orientations *t = rest->orientations, *u = now->orientations;
+  const bw_material_parts *t = rest->parts, *u = now->parts;
   const double *before = t ? t->rotation + 9 * (int64_t)t->of_element[element] : identity;
   const double *after = u ? u->rotation + 9 * (int64_t)u->of_element[element] : identity;
   double off = 0;
@@ -109,15 +105,16 @@ static bw_status check_material(bw_context *context, const bw_incremental_system
                                 const bw_model *model, const bw_subdomain_motion *motion) {
   const bwi_incremental *inner = incremental->inner;
   const bw_material *rest = inner->rest->material, *now = model->material;
-  bool rotates = inner->rotate_material && !rest->isotropic;
-  if (rotates ? unrotated_of(now) != unrotated_of(rest) : now != rest)
+  bool rotates = inner->rotate_material && !rest->isotropic, other = !rotates && now != rest;
+  for (int32_t e = 0; rotates && !other && e < model->mesh->element_count; e++)
+    other = bw_material_unrotated(now, e) != bw_material_unrotated(rest, e);
+  if (other)
     return bw_fail(context, BW_INVALID,
                    "the edited model has another material than the incremental system");
   int32_t subdomain = -1, group = -1; /* of the element before */
   for (int32_t e = 0; rotates && e < model->mesh->element_count; e++) {
-    int32_t of = now->orientations ? now->orientations->of_element[e] : 0,
-            d = inner->element_subdomain[e];
-    if (d == subdomain && of == group)
+    int32_t of = now->parts ? now->parts->of_element[e] : 0, d = inner->element_subdomain[e];
+    if ((d == subdomain && of == group) || bw_material_unrotated(now, e)->isotropic)
       continue;
     subdomain = d;
     group = of;

@@ -25,13 +25,13 @@ static void write_number(bw_writer *writer, double value) {
   bw_writer_bytes(writer, text, (size_t)length);
 }
 
-static void write_set(bw_writer *writer, const bw_mesh *mesh, int32_t region) {
-  int32_t tag = mesh->regions[region].tag;
-  bw_writer_print(writer, "*ELSET, ELSET=REGION_%s%lld\n", tag < 0 ? "M" : "",
-                  tag < 0 ? -(long long)tag : (long long)tag);
+/* The elements e of which of[e] is `value`. */
+static void write_set(bw_writer *writer, const bw_mesh *mesh, const char *name, const int32_t *of,
+                      int32_t value) {
+  bw_writer_print(writer, "*ELSET, ELSET=%s\n", name);
   int in_line = 0;
   for (int32_t e = 0; e < mesh->element_count; e++)
-    if (mesh->region[e] == region) {
+    if (of[e] == value) {
       bw_writer_integer(writer, (int64_t)e + 1);
       bw_writer_bytes(writer, ++in_line % 16 ? "," : "\n", 1);
     }
@@ -42,8 +42,12 @@ static void write_set(bw_writer *writer, const bw_mesh *mesh, int32_t region) {
 /* At most MAX_SETS regions, in ascending order, are written as sets. */
 static void write_regions(bw_writer *writer, const bw_mesh *mesh) {
   enum { MAX_SETS = 1000 };
-  for (int32_t i = 0; i < mesh->region_count && i < MAX_SETS; i++)
-    write_set(writer, mesh, i);
+  for (int32_t i = 0; i < mesh->region_count && i < MAX_SETS; i++) {
+    long long tag = mesh->regions[i].tag;
+    char name[40];
+    snprintf(name, sizeof name, "REGION_%s%lld", tag < 0 ? "M" : "", tag < 0 ? -tag : tag);
+    write_set(writer, mesh, name, mesh->region, i);
+  }
 }
 
 static void write_mesh(bw_writer *writer, const bw_mesh *mesh) {
@@ -78,32 +82,48 @@ bw_status bwi_inp_write_mesh(bw_writer *writer, const bw_mesh *mesh) {
 
 /* ---- a whole analysis ---------------------------------------------------------------------- */
 
-static void write_material(bw_writer *writer, const bw_inp_deck *deck) {
-  bw_writer_print(writer, "*MATERIAL, NAME=MATERIAL\n");
-  if (deck->isotropic) {
+static void write_line(bw_writer *writer, const char *card, double value) {
+  bw_writer_print(writer, "%s\n", card);
+  write_number(writer, value);
+  bw_writer_bytes(writer, "\n", 1);
+}
+
+/* The name of a material and its set of elements: one is called as if there were no others. */
+static void write_material(bw_writer *writer, const bw_inp_deck *deck, int32_t i) {
+  const bw_inp_material *m = &deck->material[i];
+  char number[16] = "";
+  if (deck->material_count > 1)
+    snprintf(number, sizeof number, "_%d", i + 1);
+  bw_writer_print(writer, "*MATERIAL, NAME=MATERIAL%s\n", number);
+  if (m->isotropic) {
     bw_writer_print(writer, "*ELASTIC\n");
-    write_number(writer, deck->young);
+    write_number(writer, m->young);
     bw_writer_bytes(writer, ", ", 2);
-    write_number(writer, deck->poisson);
+    write_number(writer, m->poisson);
     bw_writer_bytes(writer, "\n", 1);
   } else {
     bw_writer_print(writer, "*ELASTIC, TYPE=ANISO\n");
-    for (int i = 0; i < 21; i++) { /* eight to a line, as the card asks */
-      write_number(writer, deck->stiffness[i]);
-      bw_writer_print(writer, i % 8 == 7 || i == 20 ? "\n" : ", ");
+    for (int k = 0; k < 21; k++) { /* eight to a line, as the card asks */
+      write_number(writer, m->stiffness[k]);
+      bw_writer_print(writer, k % 8 == 7 || k == 20 ? "\n" : ", ");
     }
   }
-  if (deck->density > 0) {
-    bw_writer_print(writer, "*DENSITY\n");
-    write_number(writer, deck->density);
-    bw_writer_bytes(writer, "\n", 1);
+  if (m->density > 0)
+    write_line(writer, "*DENSITY", m->density);
+  if (deck->temperature)
+    write_line(writer, "*EXPANSION, ZERO=0", m->expansion);
+  if (deck->material_count > 1) {
+    char name[40];
+    snprintf(name, sizeof name, "MATERIAL%s", number);
+    write_set(writer, deck->mesh, name, deck->material_of, i);
   }
-  if (deck->temperature) {
-    bw_writer_print(writer, "*EXPANSION, ZERO=0\n");
-    write_number(writer, deck->expansion);
-    bw_writer_bytes(writer, "\n", 1);
-  }
-  bw_writer_print(writer, "*SOLID SECTION, ELSET=EALL, MATERIAL=MATERIAL\n");
+  bw_writer_print(writer, "*SOLID SECTION, ELSET=%s%s, MATERIAL=MATERIAL%s\n",
+                  deck->material_count > 1 ? "MATERIAL" : "EALL", number, number);
+}
+
+static void write_materials(bw_writer *writer, const bw_inp_deck *deck) {
+  for (int32_t i = 0; i < deck->material_count; i++)
+    write_material(writer, deck, i);
   if (deck->temperature) /* every node needs one before the step that changes it */
     bw_writer_print(writer, "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nNALL, 0\n");
 }
@@ -213,11 +233,12 @@ static void write_step(bw_writer *writer, const bw_inp_deck *deck) {
 
 static bw_status check_deck(bw_context *context, const bw_inp_deck *deck) {
   double size = bw_norm(deck->gravity);
-  if ((size > 0 || deck->modes > 0) && !(deck->density > 0))
-    return bw_fail(context, BW_INVALID,
-                   "an input deck with %s needs a density, but it is %g kg/m3: give the material "
-                   "one",
-                   deck->modes > 0 ? "a frequency step" : "gravity", deck->density);
+  for (int32_t i = 0; i < deck->material_count; i++)
+    if ((size > 0 || deck->modes > 0) && !(deck->material[i].density > 0))
+      return bw_fail(context, BW_INVALID,
+                     "an input deck with %s needs a density, but it is %g kg/m3: give the material "
+                     "one",
+                     deck->modes > 0 ? "a frequency step" : "gravity", deck->material[i].density);
   for (int64_t i = 0; i < deck->fixed_count; i++)
     if (deck->fixed_node[i] < 0 || deck->fixed_node[i] >= deck->mesh->node_count ||
         deck->fixed_direction[i] < 0 || deck->fixed_direction[i] > 2)
@@ -243,7 +264,7 @@ bw_status bw_inp_write(bw_context *context, const bw_inp_deck *deck, const char 
     bw_writer_bytes(writer, *at == '\n' || *at == '\r' || *at == '*' ? " " : at, 1);
   bw_writer_bytes(writer, "\n", 1);
   write_mesh(writer, deck->mesh);
-  write_material(writer, deck);
+  write_materials(writer, deck);
   write_supports(writer, deck);
   write_step(writer, deck);
   return bw_writer_commit(writer);

@@ -124,7 +124,6 @@ static void begin(bw_system *system, const bw_mesh *mesh, const bw_material *mat
   system->mesh = bw_retain(mesh);
   system->material = bw_retain(material);
   system->dof_map = bw_retain(dof_map);
-  system->density = material->density > 0 ? material->density : 1;
 }
 
 bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
@@ -216,13 +215,11 @@ bw_status bwi_system_mass(bw_context *context, bw_system *system) {
   double *mass = BW_NEW(context, double, blocks);
   if (!mass)
     return BW_MEMORY;
-  bw_status status = bw_mass(context, system->pattern, system->mesh, mass);
+  bw_status status = bw_mass(context, system->pattern, system->mesh, system->material, mass);
   if (status != BW_OK) {
     bw_free(mass);
     return status;
   }
-  for (int64_t k = 0; k < blocks; k++)
-    mass[k] *= system->density;
   system->mass = mass;
   return BW_OK;
 }

@@ -31,22 +31,32 @@ enum { ITERATIONS = 8 };
  * they lock. That of Poisson's ratio 0.4. */
 #define LOCKING_RATIO 4.67
 
+/* The largest of the parts of the material. */
 static double bulk_over_shear(const bw_material *material) {
-  return bw_material_bulk(material) / bw_material_mean_shear(material);
+  double most = 0;
+  for (int32_t i = 0; i < bw_material_part_count(material); i++) {
+    const bw_material *part = bw_material_part(material, i);
+    most = fmax(most, bw_material_bulk(part) / bw_material_mean_shear(part));
+  }
+  return most;
 }
 
 /* Rotations cure linear elements that do not bend, not those that lock. Where nodes are coupled
  * strongly in one direction, or moduli differ strongly, elements do not bend in any case. */
 void bwi_two_level_forget(bwi_two_level *l, const bw_model *model) {
-  const bw_material *m = model->material;
-  double least = INFINITY, most = 0;
-  for (int k = 0; k < 3 && !m->isotropic; k++) {
-    least = fmin(least, fmin(m->young[k], m->shear[k]));
-    most = fmax(most, fmax(m->young[k], m->shear[k]));
+  bool helps = true, fibres = true; /* in all parts of the material */
+  for (int32_t i = 0; i < bw_material_part_count(model->material); i++) {
+    const bw_material *m = bw_material_part(model->material, i);
+    double least = INFINITY, most = 0;
+    for (int k = 0; k < 3 && !m->isotropic; k++) {
+      least = fmin(least, fmin(m->young[k], m->shear[k]));
+      most = fmax(most, fmax(m->young[k], m->shear[k]));
+    }
+    helps &= l->smoother->columns || most > CONTRAST * least ||
+             (m->isotropic && bulk_over_shear(m) < LOCKING_RATIO);
+    fibres &= most > FIBRES * least;
   }
-  bool helps = l->smoother->columns || most > CONTRAST * least ||
-               (m->isotropic && bulk_over_shear(m) < LOCKING_RATIO);
-  l->fewer = !helps ? 0 : most > FIBRES * least ? FEWER_ALONG_FIBRES : FEWER;
+  l->fewer = !helps ? 0 : fibres ? FEWER_ALONG_FIBRES : FEWER;
   l->asked = false;
 }
 
@@ -137,7 +147,9 @@ static bw_status rotate(bw_context *context, bwi_two_level *l) {
  * edge (docs/theory/preconditioners.md). */
 static bool stars_pay(const bwi_two_level *l, const bw_material *material) {
   double ratio = bulk_over_shear(material);
-  bool projected = bw_material_projected_bulk(material) > 0;
+  bool projected = false;
+  for (int32_t i = 0; i < bw_material_part_count(material); i++)
+    projected |= bw_material_projected_bulk(bw_material_part(material, i)) > 0;
   double by_nodes = 11 * sqrt(ratio),
          by_stars = projected ? 5.5 * pow(ratio, 0.32) : 3.2 * sqrt(ratio);
   double bytes = rotations_bytes(l), blocks = count_blocks(l);

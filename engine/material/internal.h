@@ -18,11 +18,11 @@ bw_status bwi_material_check_finite(bw_context *context, const bw_material *mate
 bw_status bwi_material_check_rotation(bw_context *context, const char *what, double axes[9]);
 /* elasticity and compliance of an orthotropic material from its constants and axes. */
 bw_status bwi_material_orthotropic_matrices(bw_context *context, bw_material *material);
-/* A copy without orientations by element, with one reference. */
+/* A copy without parts, with one reference. */
 bw_material *bwi_material_copy(bw_context *context, const bw_material *material);
 /* rotated: rows R e_i of the axes' rows e_i */
 void bwi_material_rotate_axes(const double axes[9], const double rotation[9], double rotated[9]);
 
-void bwi_material_orientations_destroy(bw_material_orientations *orientations);
+void bwi_material_parts_destroy(bw_material_parts *parts);
 
 #endif

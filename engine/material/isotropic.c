@@ -38,6 +38,7 @@ bw_status bw_material_isotropic(bw_context *context, const bw_isotropic *constan
   m->isotropic = true;
   m->density = c->density;
   m->toughness = c->toughness;
+  m->expansion = c->expansion;
   m->lame_mu = c->young / (2 * (1 + c->poisson));
   m->lame_lambda = c->young * c->poisson / ((1 + c->poisson) * (1 - 2 * c->poisson));
   for (int i = 0; i < 3; i++) {

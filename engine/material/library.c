@@ -126,8 +126,13 @@ const char *bw_material_library_name(int i) {
 static bw_status make(bw_context *context, const entry *e, bw_material **material) {
   bw_status status;
   if (e->isotropic) {
-    bw_isotropic constants = {e->name,         e->young[0].mean,    e->poisson.mean,
-                              e->density.mean, e->strength[0].mean, e->toughness.mean};
+    bw_isotropic constants = {e->name,
+                              e->young[0].mean,
+                              e->poisson.mean,
+                              e->density.mean,
+                              e->strength[0].mean,
+                              e->toughness.mean,
+                              0};
     status = bw_material_isotropic(context, &constants, material);
   } else {
     double nu = e->poisson.mean;

@@ -5,30 +5,32 @@
 #include <math.h>
 #include <string.h>
 
-void bwi_material_orientations_destroy(bw_material_orientations *orientations) {
-  if (!orientations)
+void bwi_material_parts_destroy(bw_material_parts *parts) {
+  if (!parts)
     return;
-  bw_free(orientations->of_element);
-  bw_free(orientations->rotation);
-  bw_free(orientations->axes);
-  bw_free(orientations->elasticity);
-  bw_free(orientations->compliance);
-  bw_free(orientations);
+  for (int32_t i = 0; i < parts->count; i++) {
+    bw_release(parts->part[i]);
+    bw_release(parts->unrotated[i]);
+  }
+  bw_free(parts->of_element);
+  bw_free(parts->part);
+  bw_free(parts->unrotated);
+  bw_free(parts->rotation);
+  bw_free(parts);
 }
 
 static void destroy(void *object) {
   bw_material *material = (bw_material *)object;
-  bwi_material_orientations_destroy(material->orientations);
-  bw_release(material->unrotated);
+  bwi_material_parts_destroy(material->parts);
   bw_free(material);
 }
 
 static size_t bytes(const void *object) {
   const bw_material *material = (const bw_material *)object;
-  const bw_material_orientations *t = material->orientations;
-  size_t groups = t ? (size_t)t->count : 0, elements = t ? (size_t)t->element_count : 0;
-  return sizeof *material + (t ? sizeof *t : 0) + elements * sizeof(int32_t) +
-         groups * (2 * 9 + 2 * 36) * sizeof(double);
+  const bw_material_parts *p = material->parts;
+  size_t parts = p ? (size_t)p->count : 0, elements = p ? (size_t)p->element_count : 0;
+  return sizeof *material + (p ? sizeof *p : 0) + elements * sizeof(int32_t) +
+         parts * (sizeof *material + 2 * sizeof material + 9 * sizeof(double));
 }
 
 static const bw_kind material_kind = {"material", destroy, bytes};
@@ -147,23 +149,8 @@ bw_material *bwi_material_copy(bw_context *context, const bw_material *material)
     return NULL;
   *copy = *material;
   bw_object_init(copy, &material_kind);
-  copy->unrotated = NULL;
-  copy->orientations = NULL;
+  copy->parts = NULL;
   return copy;
-}
-
-bw_status bw_material_formulated(bw_context *context, const bw_material *material,
-                                 bw_formulation formulation, bw_material **formulated) {
-  if (material->orientations)
-    return bw_fail(context, BW_INVALID,
-                   "material %s has axes by element: choose the formulation before the axes",
-                   material->name);
-  bw_material *made = bwi_material_copy(context, material);
-  if (!made)
-    return BW_MEMORY;
-  made->formulation = formulation;
-  *formulated = made;
-  return BW_OK;
 }
 
 double bw_material_bulk(const bw_material *material) {

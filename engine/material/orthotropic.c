@@ -185,6 +185,7 @@ bw_status bw_material_orthotropic(bw_context *context, const bw_orthotropic *con
     return BW_MEMORY;
   m->density = c->density;
   m->toughness = c->toughness;
+  m->expansion = c->expansion;
   memcpy(m->young, c->young, sizeof m->young);
   memcpy(m->strength, c->strength, sizeof m->strength);
   for (int p = 0; p < 3; p++) {

@@ -38,9 +38,10 @@ bw_status bw_material_with_thermal(bw_context *context, const bw_material *mater
                      "must ascend",
                      name, i + 1, c->temperature[i]);
   }
-  if (material->orientations)
+  if (material->parts)
     return bw_fail(context, BW_INVALID,
-                   "material %s is rotated by element: give its thermal constants before", name);
+                   "material %s differs by element: give thermal constants to its parts before",
+                   name);
   bw_material *made = bwi_material_copy(context, material);
   if (!made)
     return BW_MEMORY;

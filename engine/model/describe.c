@@ -33,11 +33,11 @@ static void add_three(bwi_text *out, const char *name, const double v[3], const 
   bwi_text_add(out, unit);
 }
 
-static void describe_material(bwi_text *out, const bw_material *material) {
-  bwi_text_add(out, "material: ");
+/* `turned`: its axes differ from element to element. */
+static void describe_material(bwi_text *out, const bw_material *material, bool turned) {
   bwi_text_add(out, material->name[0] ? material->name : "unnamed");
   bwi_text_add(out, material->isotropic ? ", isotropic" : ", orthotropic");
-  if (material->orientations)
+  if (turned)
     bwi_text_add(out, " with axes rotated by element");
   add_three(out, ", Young's modulus ", material->young, " Pa");
   add_three(out, ", Poisson's ratio ", material->poisson, "");
@@ -51,11 +51,50 @@ static void describe_material(bwi_text *out, const bw_material *material) {
     bwi_text_add(out, " kg/m3");
   } else
     bwi_text_add(out, ", density not given");
+  if (material->expansion != 0) {
+    bwi_text_add(out, ", expansion ");
+    bwi_text_number(out, material->expansion, 5, 0);
+    bwi_text_add(out, " 1/K");
+  }
   if (material->strength[0] > 0 || material->strength[1] > 0 || material->strength[2] > 0)
     add_three(out, ", strength ", material->strength, " Pa");
   else
     bwi_text_add(out, ", strength not given");
-  bwi_text_add(out, "\n");
+}
+
+/* A line for each material, with the volume and the mass of its elements where there are several;
+ * one whose axes turn is one. */
+static void describe_materials(bwi_text *out, const bw_model *model) {
+  const bw_mesh *mesh = model->mesh;
+  const bw_material *material = model->material;
+  const bw_material_parts *p = material->parts;
+  bool mixed = bw_material_mixed(material);
+  for (int32_t i = 0; i < bw_material_part_count(material); i++) {
+    const bw_material *own = p ? p->unrotated[i] : material;
+    bool met = false, turned = p && p->part[i] != own;
+    for (int32_t k = 0; k < i; k++)
+      met |= p->unrotated[k] == own;
+    for (int32_t k = i + 1; p && k < p->count; k++)
+      turned |= p->unrotated[k] == own && p->part[k] != own;
+    if (met)
+      continue;
+    bwi_text_add(out, "material: ");
+    describe_material(out, own, turned);
+    double volume = 0;
+    for (int64_t e = 0; mixed && e < mesh->element_count; e++)
+      volume += bw_material_unrotated(material, e) == own ? mesh->volume[e] : 0;
+    if (mixed) {
+      bwi_text_add(out, ", volume ");
+      bwi_text_number(out, volume, 5, 0);
+      bwi_text_add(out, " m3");
+    }
+    if (mixed && own->density > 0) {
+      bwi_text_add(out, ", mass ");
+      bwi_text_number(out, own->density * volume, 5, 0);
+      bwi_text_add(out, " kg");
+    }
+    bwi_text_add(out, "\n");
+  }
 }
 
 static void describe_selection(bwi_text *out, const bw_selection *on, double size) {
@@ -195,7 +234,7 @@ bw_status bw_model_describe(bw_context *context, const bw_model *model, char **t
     diagonal[k] = high[k] - low[k];
   double size = bw_norm(diagonal);
   describe_mesh(&out, model->mesh);
-  describe_material(&out, model->material);
+  describe_materials(&out, model);
   if (model->support_count == 0)
     bwi_text_add(&out, "no support\n");
   for (int i = 0; i < model->support_count; i++)

@@ -249,8 +249,9 @@ static bool is_consistent(const bw_dof_map *dof_map) {
 }
 #endif
 
-bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t constraint_count,
-                     const bwi_constraint *constraint, const bwi_follow *follow, bw_dof_map **out) {
+bw_status bwi_number(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                     int32_t constraint_count, const bwi_constraint *constraint,
+                     const bwi_follow *follow, bw_dof_map **out) {
   size_t nodes = (size_t)mesh->node_count, bodies = (size_t)mesh->component_count;
   double *inertia = NULL;
   bw_status status = BW_OK;
@@ -288,7 +289,7 @@ bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t constrain
     dof_map->body_start[body] = dof_map->body_start[body + 1];
   dof_map->body_start[bodies] = mesh->node_count;
 
-  BW_TRY(bwi_moments(context, dof_map, inertia));
+  BW_TRY(bwi_moments(context, dof_map, material, inertia));
   BW_TRY(apply_constraints(context, dof_map, constraint_count, constraint, follow));
   if (follow)
     BW_TRY(take_frames(context, dof_map, follow));
@@ -310,7 +311,7 @@ done:
 }
 
 bw_status bw_dof_map_unconstrained(bw_context *context, const bw_mesh *mesh, bw_dof_map **dof_map) {
-  return bwi_number(context, mesh, 0, NULL, NULL, dof_map);
+  return bwi_number(context, mesh, NULL, 0, NULL, NULL, dof_map);
 }
 
 bw_status bw_dof_map_create(bw_context *context, const bw_model *model, bw_dof_map **dof_map) {
@@ -318,7 +319,7 @@ bw_status bw_dof_map_create(bw_context *context, const bw_model *model, bw_dof_m
   bwi_constraint *constraint = NULL;
   bw_status status;
   BW_TRY(bwi_node_constraints(context, model, &count, &constraint));
-  BW_TRY(bwi_number(context, model->mesh, count, constraint, NULL, dof_map));
+  BW_TRY(bwi_number(context, model->mesh, model->material, count, constraint, NULL, dof_map));
 done:
   bw_free(constraint);
   return status;

@@ -84,28 +84,50 @@ static bw_status oblique_node(bw_context *context, const bw_dof_map *dof_map, in
   return BW_OK;
 }
 
-/* CalculiX takes one coefficient of expansion for the material and one temperature for each node:
- * loads with other coefficients are scaled to the largest. *out is NULL where nothing expands. */
-static bw_status temperatures(bw_context *context, const bw_model *model, double *expansion,
-                              double **out) {
+/* CalculiX takes one coefficient of expansion for a material and one temperature for each node:
+ * loads with other coefficients are scaled to the largest, and those by material added. *out is
+ * NULL where nothing expands. */
+static bw_status temperatures(bw_context *context, const bw_model *model, const char *path,
+                              bw_inp_material *material, double **out) {
+  const bw_load *largest = NULL;
   *out = NULL;
-  *expansion = 0;
-  for (int l = 0; l < model->load_count; l++)
-    if (model->load[l].kind == BW_LOAD_TEMPERATURE &&
-        fabs(model->load[l].expansion) > fabs(*expansion))
-      *expansion = model->load[l].expansion;
-  if (*expansion == 0)
+  for (int l = 0; l < model->load_count; l++) {
+    const bw_load *load = &model->load[l];
+    if (load->kind != BW_LOAD_TEMPERATURE)
+      continue;
+    if (largest && largest->by_material != load->by_material)
+      return bw_fail(context, BW_UNSUPPORTED,
+                     "%s: one temperature has a coefficient of expansion of its own, another that "
+                     "of the materials, and a deck has one temperature for each node: give both "
+                     "the same way",
+                     path);
+    if (!largest || fabs(load->expansion) > fabs(largest->expansion))
+      largest = load;
+  }
+  if (!largest || (!largest->by_material && largest->expansion == 0))
     return BW_OK;
   *out = BW_NEW0(context, double, model->mesh->node_count);
   if (!*out)
     return BW_MEMORY;
+  for (int32_t i = 0; i < bw_material_part_count(model->material); i++)
+    material[i].expansion =
+        largest->by_material ? bw_material_part(model->material, i)->expansion : largest->expansion;
   for (int l = 0; l < model->load_count; l++) {
     const bw_load *load = &model->load[l];
-    double scale = load->expansion / *expansion;
+    double scale = load->by_material ? 1 : load->expansion / largest->expansion;
     for (int32_t i = 0; load->kind == BW_LOAD_TEMPERATURE && i < model->mesh->node_count; i++)
       (*out)[i] += scale * bw_array_get(load->nodal, i, 0);
   }
   return BW_OK;
+}
+
+static bw_inp_material deck_material(const bw_material *m) {
+  bw_inp_material made = {.isotropic = m->isotropic,
+                          .young = m->young[0],
+                          .poisson = m->poisson[0],
+                          .density = m->density};
+  anisotropic_constants(m->elasticity, made.stiffness);
+  return made;
 }
 
 bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
@@ -114,20 +136,21 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   bw_dof_map *dof_map = NULL;
   conditions c = {0};
   double *force = NULL, *temperature = NULL;
+  int32_t parts = bw_material_part_count(model->material);
+  bw_inp_material *material = NULL;
   bw_inp_deck deck = {.mesh = mesh, .title = "written by barwright", .modes = modes};
   bw_status status;
   if (modes < 0)
     return bw_fail(context, BW_INVALID, "%d modes requested: 0 for a static step, or more", modes);
-  if (model->material->orientations)
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "%s: material %s has axes by element, and the deck that is written has one "
-                   "material for all elements",
-                   path, model->material->name);
   if (model->material->formulation == BW_B_BAR)
     bw_warn(context,
             "%s: the deck has C3D10 elements, which are of the standard formulation; the model's "
             "are B-bar, and displacements differ where Poisson's ratio is near 0.5",
             path);
+  material = BW_NEW(context, bw_inp_material, parts);
+  BW_TRY_MEMORY(material);
+  for (int32_t i = 0; i < parts; i++)
+    material[i] = deck_material(bw_material_part(model->material, i));
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
   int64_t max = 0;
   for (size_t i = 0; i < 3 * (size_t)mesh->node_count; i++)
@@ -160,15 +183,13 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   }
   BW_TRY(bwi_force_vector(context, model, false, force));
   if (modes == 0)
-    BW_TRY(temperatures(context, model, &deck.expansion, &temperature));
+    BW_TRY(temperatures(context, model, path, material, &temperature));
   for (int i = 0; i < model->load_count; i++)
     for (int k = 0; k < 3 && model->load[i].kind == BW_LOAD_GRAVITY; k++)
       deck.gravity[k] += model->load[i].vector[k];
-  deck.isotropic = model->material->isotropic;
-  deck.young = model->material->young[0];
-  deck.poisson = model->material->poisson[0];
-  anisotropic_constants(model->material->elasticity, deck.stiffness);
-  deck.density = model->material->density;
+  deck.material_count = parts;
+  deck.material = material;
+  deck.material_of = model->material->parts ? model->material->parts->of_element : NULL;
   deck.fixed_count = c.fixed_count;
   deck.fixed_node = c.fixed_node;
   deck.fixed_direction = c.fixed_direction;
@@ -187,6 +208,7 @@ done:
   bw_free(c.equation_normal);
   bw_free(force);
   bw_free(temperature);
+  bw_free(material);
   bw_release(dof_map);
   return status;
 }

@@ -40,7 +40,8 @@ bw_status bwi_node_constraints(bw_context *context, const bw_model *model, int32
 
 /* The volume's moments of every body: fills body_volume, body_centre and weight (which must have
  * room) and inertia, component_count x 9: 1/V integral of |y|^2 1 - y y^T, y = x - centre. */
-bw_status bwi_moments(bw_context *context, bw_dof_map *dof_map, double *inertia);
+bw_status bwi_moments(bw_context *context, bw_dof_map *dof_map, const bw_material *material,
+                      double *inertia);
 
 /* m = integral of N and q = integral of N x (4 numbers per node) of one element. */
 void bwi_element_moments(int order, const double (*x)[3], double volume, double (*moment)[4]);
@@ -64,10 +65,11 @@ typedef struct bwi_follow {
   const int32_t *node_subdomain;
   const double *frame; /* subdomain_count x 9 */
 } bwi_follow;
-/* The DOF map of what is constrained; `follow` may be NULL. */
-bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t constraint_count,
-                     const bwi_constraint *constraint, const bwi_follow *follow,
-                     bw_dof_map **dof_map);
+/* The DOF map of what is constrained; `material` (bodies weigh by volume) and `follow` may be NULL.
+ */
+bw_status bwi_number(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                     int32_t constraint_count, const bwi_constraint *constraint,
+                     const bwi_follow *follow, bw_dof_map **dof_map);
 /* The displacement direction of component k at a node. */
 void bwi_direction_of(const bw_dof_map *dof_map, int32_t node, int k, double d[3]);
 /* Isostatic constraints of a body: as many components of its nodes as there are modes, such that no
@@ -133,10 +135,20 @@ bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool volu
 bw_status bwi_load_force(bw_context *context, const bw_model *model, const bw_load *load,
                          double *force);
 
+/* ---- material_by_region.c -------------------------------------------------------------------- */
+
+/* A material on a mesh with other elements, each of which is as those of its region were. Within a
+ * region it has to be the same (BW_UNSUPPORTED), and regions are known by their names. */
+bw_status bwi_material_carry_by_region(bw_context *context, const bw_material *material,
+                                       const bw_mesh *before, const bw_mesh *mesh,
+                                       bw_material **carried);
+
 /* ---- thermal.c ------------------------------------------------------------------------------- */
 
 /* Whether it has loads of temperature. */
 bool bwi_model_expands(const bw_model *model);
+/* The coefficient of expansion (1/K) that a load of temperature has in an element. */
+double bwi_expansion(const bw_model *model, const bw_load *load, int64_t element);
 /* Nodal forces of one element that expands. */
 void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t element,
                        double (*force)[3]);

@@ -122,7 +122,7 @@ static bw_status spread(bw_context *context, const bw_model *model, const bw_loa
         memcpy(x[a], mesh->node + 3 * (size_t)node[a], sizeof x[a]);
       bwi_element_moments(mesh->order, (const double(*)[3])x, mesh->volume[e], moment);
       for (int a = 0; a < mesh->nodes_per_element; a++) {
-        double mass = model->material->density * moment[a][0];
+        double mass = bw_material_of(model->material, e)->density * moment[a][0];
         double force[3] = {mass * load->vector[0], mass * load->vector[1], mass * load->vector[2]};
         add(data, node[a], force);
       }

@@ -299,10 +299,11 @@ bw_status bw_model_gravity(bw_context *context, bw_model *model, const double ac
   bw_load load = {.kind = BW_LOAD_GRAVITY};
   bw_status status;
   BW_TRY(check_finite(context, "acceleration of gravity", acceleration));
-  if (!(model->material->density > 0))
-    BW_TRY(bw_fail(context, BW_INVALID,
-                   "gravity needs the density of the material \"%s\", which is not given",
-                   model->material->name));
+  for (int32_t i = 0; i < bw_material_part_count(model->material); i++)
+    if (!(bw_material_part(model->material, i)->density > 0))
+      BW_TRY(bw_fail(context, BW_INVALID,
+                     "gravity needs the density of the material \"%s\", which is not given",
+                     bw_material_part(model->material, i)->name));
   memcpy(load.vector, acceleration, sizeof load.vector);
   BW_TRY(bwi_model_add_load(context, model, &load));
 done:
@@ -349,9 +350,12 @@ bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_a
 }
 
 bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_array *change,
-                               double expansion) {
-  bw_load load = {.kind = BW_LOAD_TEMPERATURE, .nodal = change, .expansion = expansion};
-  if (!isfinite(expansion))
+                               const double *expansion) {
+  bw_load load = {.kind = BW_LOAD_TEMPERATURE,
+                  .nodal = change,
+                  .by_material = !expansion,
+                  .expansion = expansion ? *expansion : 0};
+  if (!isfinite(load.expansion))
     return bw_fail(context, BW_INVALID, "the coefficient of expansion is not a finite number");
   bw_status status = check_nodal(context, model, change, 1, "change of temperature");
   return status != BW_OK ? status : bwi_model_add_load(context, model, &load);

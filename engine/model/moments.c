@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Moments of the volume of each body, and what the nodes need for M times a rigid-body motion
- * r = t + w x y, y = x - c.
+/* Moments of the volume of each body (of the mass where densities differ), and what the nodes need
+ * for M times a rigid-body motion r = t + w x y, y = x - c.
  *
  * The shape functions reproduce positions, also of curved elements: x = sum N_j x_j. Hence
  *     (M r)_i = integral N_i r = t m_i + w x q_i,  m_i = integral N_i,  q_i = integral N_i y,
@@ -58,11 +58,14 @@ void bwi_element_moments(int order, const double (*x)[3], double volume, double 
   }
 }
 
-bw_status bwi_moments(bw_context *context, bw_dof_map *dof_map, double *inertia) {
+bw_status bwi_moments(bw_context *context, bw_dof_map *dof_map, const bw_material *material,
+                      double *inertia) {
   const bw_mesh *mesh = dof_map->mesh;
   int32_t bodies = mesh->component_count;
   double *weight = dof_map->weight, *centre = dof_map->body_centre;
   double *volume = dof_map->body_volume;
+  bool several =
+      material && material->parts && material->density > 0; /* volumes count by density then */
   bw_status status = BW_OK;
   /* From the mean of the body's nodes first: no cancellation far from the origin. */
   int32_t *count = BW_NEW0(context, int32_t, bodies);
@@ -89,9 +92,10 @@ bw_status bwi_moments(bw_context *context, bw_dof_map *dof_map, double *inertia)
       for (int k = 0; k < 3; k++)
         x[a][k] = mesh->node[3 * (size_t)node[a] + k] - from[k];
     bwi_element_moments(mesh->order, (const double(*)[3])x, mesh->volume[e], moment);
+    double relative = several ? bw_material_of(material, e)->density / material->density : 1;
     for (int a = 0; a < mesh->nodes_per_element; a++)
       for (int k = 0; k < 4; k++)
-        weight[4 * (size_t)node[a] + k] += moment[a][k];
+        weight[4 * (size_t)node[a] + k] += relative * moment[a][k];
   }
   memset(volume, 0, sizeof *volume * (size_t)bodies);
   memset(centre, 0, 3 * sizeof *centre * (size_t)bodies);
@@ -127,6 +131,12 @@ bw_status bwi_moments(bw_context *context, bw_dof_map *dof_map, double *inertia)
     for (int k = 0; k < 3; k++)
       for (int l = k; l < 3; l++)
         j[3 * k + l] = j[3 * l + k] = (k == l ? trace : 0) - (j[3 * k + l] + j[3 * l + k]) / 2;
+  }
+  if (several) {
+    memset(volume, 0, sizeof *volume * (size_t)bodies);
+    for (int32_t e = 0; e < mesh->element_count; e++)
+      volume[mesh->component[mesh->element[(size_t)e * (size_t)mesh->nodes_per_element]]] +=
+          mesh->volume[e];
   }
 done:
   bw_free(count);

@@ -185,6 +185,19 @@ done:
   return status;
 }
 
+/* The model's material on another mesh. */
+static bw_status carry_material(bw_context *context, const bw_model *model, const bw_mesh *mesh,
+                                bool refilled, const bw_refinement *refinement,
+                                bw_material **carried) {
+  if (refinement)
+    return bw_material_carried(context, model->material, mesh->element_count,
+                               refinement->element_parent, carried);
+  if (refilled && model->material->parts)
+    return bwi_material_carry_by_region(context, model->material, model->mesh, mesh, carried);
+  *carried = (bw_material *)bw_retain(model->material);
+  return BW_OK;
+}
+
 /* `also`: further selections, after those of supports and loads. */
 static bw_status transfer_model(bw_context *context, const bw_model *model, const bw_mesh *mesh,
                                 const int32_t *node_from, const bw_refinement *refinement,
@@ -194,7 +207,9 @@ static bw_status transfer_model(bw_context *context, const bw_model *model, cons
   transfer t = {
       .context = context, .from = model, .node_from = node_from, .refinement = refinement};
   int max = model->support_count + model->load_count + also_count;
-  BW_TRY(bw_model_create(context, mesh, model->material, &t.to));
+  bw_material *material = NULL;
+  BW_TRY(carry_material(context, model, mesh, node_from != NULL, refinement, &material));
+  BW_TRY(bw_model_create(context, mesh, material, &t.to));
   t.before = BW_NEW(context, const bw_selection *, max);
   t.after = BW_NEW(context, bw_selection *, max);
   BW_TRY_MEMORY(t.before && t.after);
@@ -214,6 +229,7 @@ static bw_status transfer_model(bw_context *context, const bw_model *model, cons
   for (int i = 0; i < also_count; i++)
     bw_retain(also_transferred[i]);
 done:
+  bw_release(material);
   for (int i = 0; i < t.count; i++)
     bw_release(t.after[i]);
   bw_free(t.before);
@@ -260,11 +276,6 @@ bw_status bw_model_transferred(bw_context *context, const bw_model *model, const
                    "facets), in the same order: a model can be transferred only where the surface "
                    "stayed",
                    mesh->facet_count, old->facet_count);
-  if (model->material->orientations)
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "material %s has axes by element, and the mesh has other elements: transfer the "
-                   "model with the material before the rotation, and rotate it on the new mesh",
-                   model->material->name);
   return transfer_model(context, model, mesh, node_from, NULL, 0, NULL, NULL, transferred);
 }
 
@@ -280,10 +291,6 @@ bw_status bw_model_refined(bw_context *context, const bw_model *model,
                    "its topology",
                    mesh->node_count, mesh->element_count, refinement->mesh->node_count,
                    refinement->mesh->element_count);
-  if (model->material->orientations)
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "material %s has axes by element: such a model cannot be refined",
-                   model->material->name);
   return transfer_model(context, model, mesh, NULL, refinement, also_count, also, also_refined,
                         refined);
 }

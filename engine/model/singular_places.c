@@ -243,7 +243,10 @@ done:
 /* ---- the whole ------------------------------------------------------------------------------- */
 
 static double poisson_of(const bw_material *material) {
-  double max = fmax(material->poisson[0], fmax(material->poisson[1], material->poisson[2]));
+  double max = -1;
+  for (int32_t i = 0; i < bw_material_part_count(material); i++)
+    for (int k = 0; k < 3; k++)
+      max = fmax(max, bw_material_part(material, i)->poisson[k]);
   return fmin(max, 0.4999);
 }
 

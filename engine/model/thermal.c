@@ -13,11 +13,17 @@ bool bwi_model_expands(const bw_model *model) {
   return false;
 }
 
-/* C : 1, the stress per unit of expansion. */
-static void unit_stress(const bw_material *material, int64_t element, double stress[6]) {
+double bwi_expansion(const bw_model *model, const bw_load *load, int64_t element) {
+  return load->by_material ? bw_material_of(model->material, element)->expansion : load->expansion;
+}
+
+/* C : alpha 1, the stress per kelvin that free expansion would not have. */
+static void unit_stress(const bw_model *model, const bw_load *load, int64_t element,
+                        double stress[6]) {
+  double expansion = bwi_expansion(model, load, element);
   for (int i = 0; i < 6; i++) {
-    const double *row = bw_material_elasticity(material, element) + 6 * i;
-    stress[i] = row[0] + row[1] + row[2];
+    const double *row = bw_material_elasticity(model->material, element) + 6 * i;
+    stress[i] = expansion * (row[0] + row[1] + row[2]);
   }
 }
 
@@ -35,9 +41,19 @@ static double change_at(const bw_mesh *mesh, const bw_load *load, const int32_t 
   return change;
 }
 
-/* The bulk modulus that acts on the mean of the volumetric strain, thermal strain included. */
-static double projected_bulk(const bw_model *model) {
-  return model->mesh->order == 2 ? bw_material_projected_bulk(model->material) : 0;
+/* The stress per kelvin that acts on the mean of the volumetric strain, thermal strain included. */
+static double projected_stress(const bw_model *model, const bw_load *load, int64_t element) {
+  if (model->mesh->order == 1)
+    return 0;
+  return 3 * bwi_expansion(model, load, element) *
+         bw_material_projected_bulk(bw_material_of(model->material, element));
+}
+
+static bool projects(const bw_model *model) {
+  for (int32_t i = 0; i < bw_material_part_count(model->material); i++)
+    if (bw_material_projected_bulk(bw_material_part(model->material, i)) > 0)
+      return model->mesh->order == 2;
+  return false;
 }
 
 /* The mean of the change over an element. */
@@ -66,16 +82,16 @@ void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t eleme
   for (int a = 0; a < nodes; a++)
     memcpy(x[a], mesh->node + 3 * (size_t)node[a], sizeof x[a]);
   memset(force, 0, (size_t)nodes * sizeof *force);
-  unit_stress(model->material, element, unit);
-  double projected = 3 * projected_bulk(model); /* per unit of expansion */
-  double mean = projected > 0 ? mean_change(mesh, load, element) : 0;
+  unit_stress(model, load, element, unit);
+  double projected = projected_stress(model, load, element);
+  double mean = projected != 0 ? mean_change(mesh, load, element) : 0;
   int points = points_of(mesh->order, point, weight);
   for (int q = 0; q < points; q++) {
     double slope[10][3];
     double volume = bw_tet_gradient(mesh->order, (const double(*)[3])x, point[q], slope) / 6;
     double change = change_at(mesh, load, node, point[q]);
-    double size = weight[q] * volume * load->expansion * change;
-    double shift = weight[q] * volume * load->expansion * projected * (mean - change);
+    double size = weight[q] * volume * change;
+    double shift = weight[q] * volume * projected * (mean - change);
     for (int a = 0; a < nodes; a++) {
       const double *g = slope[a];
       force[a][0] += size * (unit[0] * g[0] + unit[5] * g[1] + unit[4] * g[2]) + shift * g[0];
@@ -85,86 +101,88 @@ void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t eleme
   }
 }
 
-/* C : 1 at nodes, the mean of the elements around each, as the stresses there are averaged. */
-static bw_status nodal_units(bw_context *context, const bw_model *model, double **out) {
+/* C : alpha 1 at points, the mean of the elements around each, as the stresses there are averaged.
+ */
+static bw_status point_units(bw_context *context, const bw_model *model, const bw_load *load,
+                             const bw_stress_points *at, double **out) {
   const bw_mesh *mesh = model->mesh;
-  size_t nodes = (size_t)mesh->node_count;
-  double *mean = BW_NEW0(context, double, 6 * nodes), *volume = BW_NEW0(context, double, nodes);
+  size_t count = (size_t)at->count;
+  double *mean = BW_NEW0(context, double, 6 * count), *volume = BW_NEW0(context, double, count);
   if (!mean || !volume) {
     bw_free(mean);
     bw_free(volume);
     return BW_MEMORY;
   }
   for (int64_t e = 0; e < mesh->element_count; e++) {
-    const int32_t *node = mesh->element + e * mesh->nodes_per_element;
     double unit[6];
-    unit_stress(model->material, e, unit);
+    unit_stress(model, load, e, unit);
     for (int a = 0; a < mesh->nodes_per_element; a++) {
-      volume[node[a]] += mesh->volume[e];
-      for (int k = 0; k < 6; k++)
-        mean[6 * (size_t)node[a] + (size_t)k] += mesh->volume[e] * unit[k];
+      size_t i = (size_t)bw_stress_point_of(at, mesh, e, a);
+      volume[i] += mesh->volume[e];
+      for (size_t k = 0; k < 6; k++)
+        mean[6 * i + k] += mesh->volume[e] * unit[k];
     }
   }
-  for (size_t i = 0; i < 6 * nodes; i++)
+  for (size_t i = 0; i < 6 * count; i++)
     mean[i] = volume[i / 6] > 0 ? mean[i] / volume[i / 6] : 0;
   bw_free(volume);
   *out = mean;
   return BW_OK;
 }
 
-/* What the projection adds at nodes: the means of the elements around each, weighted by volume. */
+/* What the projection adds at points: the means of the elements around each, weighted by volume. */
 static bw_status add_projected(bw_context *context, const bw_model *model, const bw_load *load,
-                               double *stress) {
+                               const bw_stress_points *at, double *stress) {
   const bw_mesh *mesh = model->mesh;
-  double unit = 3 * projected_bulk(model) * load->expansion;
-  double *sum = BW_NEW0(context, double, mesh->node_count);
-  double *volume = BW_NEW0(context, double, mesh->node_count);
+  double *sum = BW_NEW0(context, double, at->count);
+  double *volume = BW_NEW0(context, double, at->count);
   for (int32_t e = 0; sum && volume && e < mesh->element_count; e++) {
-    double mean = mean_change(mesh, load, e);
+    double unit = projected_stress(model, load, e), mean = mean_change(mesh, load, e);
     for (int a = 0; a < mesh->nodes_per_element; a++) {
-      int32_t node = mesh->element[(size_t)e * (size_t)mesh->nodes_per_element + (size_t)a];
-      volume[node] += mesh->volume[e];
-      sum[node] += mesh->volume[e] * (mean - bw_array_get(load->nodal, node, 0));
+      int32_t i = bw_stress_point_of(at, mesh, e, a);
+      double own = bw_array_get(load->nodal, bw_stress_point_node(at, i), 0);
+      volume[i] += mesh->volume[e];
+      sum[i] += unit * mesh->volume[e] * (mean - own);
     }
   }
-  for (int32_t i = 0; sum && volume && i < mesh->node_count; i++)
+  for (int32_t i = 0; sum && volume && i < at->count; i++)
     for (int k = 0; k < 3 && volume[i] > 0; k++)
-      stress[6 * (size_t)i + (size_t)k] += unit * sum[i] / volume[i];
+      stress[6 * (size_t)i + (size_t)k] += sum[i] / volume[i];
   bw_status status = sum && volume ? BW_OK : BW_MEMORY;
   bw_free(sum);
   bw_free(volume);
   return status;
 }
 
-bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
-                                  double *stress) {
+bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model,
+                                  const bw_stress_points *at, double *stress) {
   const bw_mesh *mesh = model->mesh;
-  int32_t count = on_nodes ? mesh->node_count : mesh->element_count;
+  int32_t count = at ? at->count : mesh->element_count;
   double unit[6], point[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS];
-  double *by_node = NULL; /* where the material is rotated by element */
-  bool rotated = model->material->orientations != NULL;
+  double *by_point = NULL; /* where elements differ */
+  bool differ = model->material->parts != NULL;
   bw_status status = BW_OK;
-  if (rotated && on_nodes)
-    BW_TRY(nodal_units(context, model, &by_node));
-  unit_stress(model->material, 0, unit);
   int points = points_of(mesh->order, point, weight);
   memset(stress, 0, (size_t)count * 6 * sizeof *stress);
   for (int l = 0; l < model->load_count; l++) {
     const bw_load *load = &model->load[l];
     if (load->kind != BW_LOAD_TEMPERATURE)
       continue;
-    if (on_nodes && projected_bulk(model) > 0)
-      BW_TRY(add_projected(context, model, load, stress));
+    unit_stress(model, load, 0, unit);
+    if (differ && at)
+      BW_TRY(point_units(context, model, load, at, &by_point));
+    if (at && projects(model))
+      BW_TRY(add_projected(context, model, load, at, stress));
     for (int32_t i = 0; i < count; i++) {
       double change = 0;
       if (i % 65536 == 0)
         BW_TRY(bw_check_cancel(context));
-      if (rotated && on_nodes)
-        memcpy(unit, by_node + 6 * (size_t)i, sizeof unit);
-      else if (rotated)
-        unit_stress(model->material, i, unit);
-      if (on_nodes)
-        change = bw_array_get(load->nodal, i, 0);
+      if (differ && at)
+        memcpy(unit, by_point + 6 * (size_t)i, sizeof unit);
+      else if (differ)
+        unit_stress(model, load, i, unit);
+      if (at)
+        change = bw_array_get(load->nodal, bw_stress_point_node(at, i), 0);
       else
         for (int q = 0; q < points; q++)
           change +=
@@ -172,10 +190,12 @@ bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bo
                                     mesh->element + (size_t)i * (size_t)mesh->nodes_per_element,
                                     point[q]);
       for (int k = 0; k < 6; k++)
-        stress[6 * (size_t)i + (size_t)k] += load->expansion * change * unit[k];
+        stress[6 * (size_t)i + (size_t)k] += change * unit[k];
     }
+    bw_free(by_point);
+    by_point = NULL;
   }
 done:
-  bw_free(by_node);
+  bw_free(by_point);
   return status;
 }

@@ -31,7 +31,7 @@ bw_status bwi_plate_law_create(bw_context *context, const bw_material *material,
   if (!(material->density > 0))
     return bw_fail(context, BW_INVALID, "material '%s' has no density: modes need one, in kg/m3",
                    material->name);
-  if (material->orientations)
+  if (material->parts)
     return bw_fail(context, BW_INVALID,
                    "material '%s' has axes by element of a solid mesh: the triangles of a plate "
                    "are other elements. Give the material with one set of axes",

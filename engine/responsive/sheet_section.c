@@ -30,7 +30,7 @@ bw_status bwi_section_create(bw_context *context, const bw_sheet_section *given,
     return bw_fail(context, BW_INVALID, "a section of a sheet has no material");
   if (!(given->thickness > 0) || !isfinite(given->thickness))
     return bw_fail(context, BW_INVALID, "a thickness of %g m: above 0 expected", given->thickness);
-  if (material->orientations)
+  if (material->parts)
     return bw_fail(context, BW_INVALID,
                    "material '%s' has axes by element of a solid mesh: the triangles of a sheet "
                    "are other elements. Give the material with one set of axes",

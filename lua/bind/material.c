@@ -30,6 +30,7 @@ static int material_isotropic(lua_State *L) {
                                     {"density", LBW_REAL, offsetof(bw_isotropic, density)},
                                     {"strength", LBW_REAL, offsetof(bw_isotropic, strength)},
                                     {"toughness", LBW_REAL, offsetof(bw_isotropic, toughness)},
+                                    {"expansion", LBW_REAL, offsetof(bw_isotropic, expansion)},
                                     {"name", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
   bw_isotropic constants;
@@ -52,6 +53,7 @@ static int material_orthotropic(lua_State *L) {
                                     {"shear", LBW_VECTOR, offsetof(bw_orthotropic, shear)},
                                     {"strength", LBW_VECTOR, offsetof(bw_orthotropic, strength)},
                                     {"toughness", LBW_REAL, offsetof(bw_orthotropic, toughness)},
+                                    {"expansion", LBW_REAL, offsetof(bw_orthotropic, expansion)},
                                     {"density", LBW_REAL, offsetof(bw_orthotropic, density)},
                                     {"axes", LBW_OTHER, 0},
                                     {"name", LBW_OTHER, 0},
@@ -156,7 +158,11 @@ static void push_known(lua_State *L, double value) {
 }
 
 static int material_is_rotated_by_element(lua_State *L) {
-  lua_pushboolean(L, self(L)->orientations != NULL);
+  const bw_material_parts *p = self(L)->parts;
+  bool turned = false;
+  for (int32_t i = 0; p && i < p->count; i++)
+    turned |= p->part[i] != p->unrotated[i];
+  lua_pushboolean(L, turned);
   return 1;
 }
 
@@ -165,9 +171,12 @@ static int material_density(lua_State *L) {
   return 1;
 }
 
-/* One number for an isotropic material, three along the axes for others. */
+/* One number for an isotropic material, three along the axes for others, nil where elements are of
+ * several materials. */
 static int push_constant(lua_State *L, const bw_material *material, const double value[3]) {
-  if (material->isotropic)
+  if (bw_material_mixed(material))
+    lua_pushnil(L);
+  else if (material->isotropic)
     lua_pushnumber(L, value[0]);
   else
     lbw_push_vector(L, value);
@@ -200,6 +209,35 @@ static int material_strength(lua_State *L) {
 
 static int material_toughness(lua_State *L) {
   push_known(L, self(L)->toughness);
+  return 1;
+}
+
+static int material_expansion(lua_State *L) {
+  const bw_material *material = self(L);
+  if (material->expansion != 0)
+    lua_pushnumber(L, material->expansion);
+  else
+    lua_pushnil(L);
+  return 1;
+}
+
+/* The materials that elements are of, each once; nil where there is one */
+static int material_parts(lua_State *L) {
+  const bw_material *material = self(L);
+  const bw_material_parts *p = material->parts;
+  if (!bw_material_mixed(material))
+    return 0;
+  lua_newtable(L);
+  int count = 0;
+  for (int32_t i = 0; i < p->count; i++) {
+    bool met = false;
+    for (int32_t k = 0; k < i; k++)
+      met |= p->unrotated[k] == p->unrotated[i];
+    if (met)
+      continue;
+    lbw_push(L, &lbw_material_class, p->unrotated[i]);
+    lua_rawseti(L, -2, ++count);
+  }
   return 1;
 }
 
@@ -285,17 +323,26 @@ static int material_tostring(lua_State *L) {
   luaL_buffinit(L, &buffer);
   luaL_addstring(&buffer, "material ");
   luaL_addstring(&buffer, material->name[0] ? material->name : "(unnamed)");
+  if (bw_material_mixed(material)) {
+    luaL_addstring(&buffer, ", several materials by element");
+    luaL_pushresult(&buffer);
+    return 1;
+  }
   add_constants(&buffer, ", isotropic: Young's modulus", ", orthotropic: Young's moduli",
                 material->isotropic, material->young);
   if (material->isotropic) {
     luaL_addstring(&buffer, ", Poisson's ratio ");
     luaL_addstring(&buffer, lbw_quantity(material->poisson[0], "").text);
   }
-  if (material->orientations)
+  if (material->parts)
     luaL_addstring(&buffer, ", axes differ by element");
   if (material->density > 0) {
     luaL_addstring(&buffer, ", density ");
     luaL_addstring(&buffer, lbw_quantity(material->density, "kg/m3").text);
+  }
+  if (material->expansion != 0) {
+    luaL_addstring(&buffer, ", expansion ");
+    luaL_addstring(&buffer, lbw_quantity(material->expansion, "1/K").text);
   }
   if (material->strength[0] > 0)
     add_constants(&buffer, ", strength", ", strengths", material->isotropic, material->strength);
@@ -327,6 +374,8 @@ static const luaL_Reg properties[] = {{"name", material_name},
                                       {"shear", material_shear},
                                       {"strength", material_strength},
                                       {"toughness", material_toughness},
+                                      {"expansion", material_expansion},
+                                      {"parts", material_parts},
                                       {"critical_distance", material_critical_distance},
                                       {"axes", material_axes},
                                       {"elasticity", material_elasticity},

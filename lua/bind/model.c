@@ -22,10 +22,37 @@ static const bw_selection *check_selection(lua_State *L, int argument) {
 
 static const char *const formulations[] = {"standard", "b_bar", NULL};
 
-/* model{mesh, material, formulation} */
+/* The option 'materials', {name of a region = material}, on the top of the stack, as one material
+ * of the mesh. It is pushed. */
+static const bw_material *materials_option(lua_State *L, const bw_mesh *mesh) {
+  int table = lua_gettop(L);
+  if (!lua_istable(L, table))
+    lbw_option_refused(L, "model", "materials", "a table of materials by the names of regions");
+  size_t bytes = ((size_t)mesh->region_count + 1) * sizeof(void *);
+  const bw_material **part = (const bw_material **)lua_newuserdatauv(L, bytes, 0);
+  memset(part, 0, bytes);
+  for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
+    if (lua_type(L, -2) != LUA_TSTRING)
+      lbw_error(L, "model: option 'materials': names of regions expected, got %s", lbw_got(L, -2));
+    int32_t region = lbw_check_region(L, lua_absindex(L, -2), mesh);
+    part[region] = (const bw_material *)lbw_test(L, -1, &lbw_material_class);
+    if (!part[region])
+      lbw_error(L, "model: option 'materials': region '%s': an open material expected, got %s",
+                mesh->regions[region].name.text, lbw_got(L, -1));
+  }
+  lbw_box *box = lbw_box_new(L, &lbw_material_class);
+  bw_material *material = NULL;
+  bw_status status = bw_material_by_region(lbw_enter(L), mesh, part, &material);
+  lbw_box_fill(L, box, material);
+  lbw_leave_or_raise(L, status);
+  return material;
+}
+
+/* model{mesh, material or materials, formulation} */
 static int model_new(lua_State *L) {
   static const lbw_option list[] = {{"mesh", LBW_OTHER, 0},
                                     {"material", LBW_OTHER, 0},
+                                    {"materials", LBW_OTHER, 0},
                                     {"formulation", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, 1, LUA_TTABLE);
@@ -35,8 +62,14 @@ static int model_new(lua_State *L) {
   const bw_mesh *mesh = (const bw_mesh *)lbw_test(L, -1, &lbw_mesh_class);
   if (!mesh)
     return lbw_error(L, "model: option 'mesh': an open mesh expected, got %s", lbw_got(L, -1));
-  lbw_option_get(L, 1, "material");
-  const bw_material *material = (const bw_material *)lbw_test(L, -1, &lbw_material_class);
+  const bw_material *material = NULL;
+  if (lbw_option_get(L, 1, "materials") != LUA_TNIL) {
+    if (lbw_option_get(L, 1, "material") != LUA_TNIL)
+      return lbw_error(L, "model: option 'material' or option 'materials' expected, not both");
+    lua_pop(L, 1);
+    material = materials_option(L, mesh);
+  } else if (lbw_option_get(L, 1, "material") != LUA_TNIL)
+    material = (const bw_material *)lbw_test(L, -1, &lbw_material_class);
   if (!material)
     return lbw_error(L, "model: option 'material': an open material expected, got %s",
                      lbw_got(L, -1));
@@ -196,10 +229,12 @@ static int model_load(lua_State *L) {
   return leave_self(L, status);
 }
 
-/* model:temperature(change, expansion): kelvin at every node, or one number for all; 1/K */
+/* model:temperature(change, expansion): kelvin at every node, or one number for all; 1/K, without
+ * it those of the materials */
 static int model_temperature(lua_State *L) {
   bw_model *model = self(L);
-  double expansion = lbw_check_real(L, 3, "expansion");
+  bool given = !lua_isnoneornil(L, 3);
+  double expansion = given ? lbw_check_real(L, 3, "expansion") : 0;
   lua_settop(L, 3);
   if (lua_type(L, 2) == LUA_TNUMBER) {
     double change = lua_tonumber(L, 2);
@@ -211,7 +246,8 @@ static int model_temperature(lua_State *L) {
   const bw_array *change = lbw_check_array(L, 2, "change");
   lbw_check_rows(L, 2, "change", change->rows, model->mesh->node_count, "node");
   lbw_argument_check(L, change->columns == 1, 2, "change: an array of one column expected");
-  return leave_self(L, bw_model_temperature(lbw_enter(L), model, change, expansion));
+  return leave_self(L,
+                    bw_model_temperature(lbw_enter(L), model, change, given ? &expansion : NULL));
 }
 
 static int model_clear_loads(lua_State *L) {

@@ -173,14 +173,15 @@ static int worst_loads(lua_State *L) {
     lua_pop(L, 1);
   }
   const bw_material *material = system->material;
-  const double *strength = material->strength;
+  const double *strength = material->strength; /* the least of several materials */
   collection c = {.mesh = mesh,
                   .material = material,
                   .basis_count = basis->count,
                   .first = k.earlier,
                   .regions = regions,
                   .directional = strength[0] > 0 &&
-                                 (strength[0] != strength[1] || strength[0] != strength[2])};
+                                 (strength[0] != strength[1] || strength[0] != strength[2] ||
+                                  bw_material_mixed(material))};
   c.peak = (double *)by_region(&k, "peaks", BW_F64, 1);
   c.peak_element = (int32_t *)by_region(&k, "peak_elements", BW_I32, 1);
   c.peak_stress = (double *)by_region(&k, "peak_stresses", BW_F64, 6);

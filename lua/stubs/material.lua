@@ -35,6 +35,7 @@ function material_module.isotropic(options) end
 ---@field density? number (kg/m3) 0: not known. Default: 0
 ---@field strength? number (Pa) tensile strength; 0: not known. Default: 0
 ---@field toughness? number (Pa m^0.5) fracture toughness K_Ic; 0: not known. Default: 0
+---@field expansion? number (1/K) coefficient of linear expansion, alike in all directions. Default: 0
 ---@field name? string for `print`. Default: none
 
 ---An orthotropic material, by nine constants along its axes 1, 2 and 3. Constants that do not belong to a stable material,
@@ -60,6 +61,7 @@ function material_module.orthotropic(options) end
 ---@field density? number (kg/m3) 0: not known. Default: 0
 ---@field strength? bw.Vector (Pa) tensile strengths along the axes; 0: not known. Default: 0
 ---@field toughness? number (Pa m^0.5) fracture toughness K_Ic; 0: not known. Default: 0
+---@field expansion? number (1/K) coefficient of linear expansion, alike in all directions. Default: 0
 ---@field name? string for `print`. Default: none
 
 ---A material of the library. An unknown name raises an error that names the nearest.
@@ -94,6 +96,8 @@ function material_module.names() end
 ---@field density number? (kg/m3) nil where it is not known
 ---@field strength number|bw.Vector|nil (Pa) tensile strengths; nil where they are not known
 ---@field toughness number? (Pa m^0.5) fracture toughness K_Ic; nil where it is not known
+---@field expansion number? (1/K) coefficient of linear expansion; nil where it is none
+---@field parts bw.Material[]? of a model with several materials: each of them once. Density, strength and toughness are then the least of them, and moduli are nil. nil where there is one material
 ---@field critical_distance number? (m) (toughness / strength)^2 / pi, by the largest strength; nil where it is not known
 ---@field axes bw.Array (-, 3 × 3) rows are the material axes
 ---@field rotated_by_element boolean whether the axes differ from element to element, as in an edit session with `rotate_material`; `axes` and `elasticity` are then those before
@@ -118,7 +122,7 @@ function Material:rotated(rotation) end
 function Material:strength_along(direction) end
 
 ---Stress over strength: the largest over the principal stresses, each by its magnitude over the tensile strength along its
----direction; 0 where the strength is not known. A material whose axes differ from element to element takes the stresses of
+---direction; 0 where the strength is not known. A material that differs from element to element takes the stresses of
 ---all elements in their order.
 ---@param stress bw.Array|number[][] (Pa, n × 6) stress tensors
 ---@return bw.Array utilisation (-, n × 1) 1 where the strength is reached

@@ -26,7 +26,8 @@ function bw.model(options) end
 ---Mesh and material of a model.
 ---@class bw.ModelOptions
 ---@field mesh bw.Mesh the mesh
----@field material bw.Material the material of all elements
+---@field material? bw.Material the material of all elements; needed without `materials`
+---@field materials? table<string, bw.Material> the material of each region of the mesh, by its name; instead of `material`
 ---@field formulation? "standard"|"b_bar" of the elements. Default: that of the material, "standard" unless it is another model's of B-bar elements
 
 ---A mesh of a material with supports and loads. Methods that change it return it, so that calls can be chained. `print` shows
@@ -40,7 +41,7 @@ function bw.model(options) end
 ---```
 ---@class bw.Model
 ---@field mesh bw.Mesh its mesh
----@field material bw.Material its material, with the formulation of its elements
+---@field material bw.Material its material, with the formulation of its elements; with several `parts` as `materials` gave them
 ---@field formulation "standard"|"b_bar" of its elements
 ---@field locking string? a warning of volumetric locking, with its cure, where standard elements have a Poisson's ratio above 0.48; nil otherwise. A solution reports it
 ---@field loads bw.Load[] in the order in which they were added
@@ -109,9 +110,9 @@ function Model:load(options) end
 ---@field net_force? boolean the traction turns about `about`; it then has a resultant force where the centre of the area is elsewhere. Default: false
 ---@field nodal? bw.Array (N, node_count × 3, per node) forces at nodes
 
----Adds thermal expansion, the same in all directions.
+---Adds thermal expansion, the same in all directions. Without a coefficient each element expands as its material does.
 ---@param change number|bw.Array (K, node_count × 1, per node) change of temperature; one number for all nodes
----@param expansion number (1/K) coefficient of linear expansion
+---@param expansion? number (1/K) coefficient of linear expansion of all elements. Default: that of each element's material, 0 where it has none
 ---@return bw.Model self
 function Model:temperature(change, expansion) end
 

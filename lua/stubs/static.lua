@@ -19,7 +19,7 @@
 ---@field displacement bw.Array (m, node_count × 3, per node) of the nodes
 ---@field force bw.Array (N, node_count × 3, per node) that is applied
 ---@field reaction bw.Array (N, node_count × 3, per node) at constrained nodes, 0 elsewhere
----@field stress bw.Array (Pa, node_count × 6, per node) tensors xx yy zz yz zx xy
+---@field stress bw.Array (Pa, node_count × 6, per node) tensors xx yy zz yz zx xy, the mean over the elements around a node by volume. Where materials meet, the mean in that one of them in which it has the largest von Mises stress
 ---@field von_mises bw.Array (Pa, node_count × 1, per node) von Mises stress
 ---@field principal bw.Array (Pa, node_count × 3, per node) principal stresses, descending
 ---@field principal_directions bw.Array (-, node_count × 9, per node) unit vectors of the principal stresses, one after the other

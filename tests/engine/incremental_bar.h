@@ -201,7 +201,7 @@ static inline void load_bar(bw_context *context, bar *b, int scene) {
     check_ok(context, bw_array_create(context, BW_F64, b->mesh->node_count, 1, &warm));
     for (int32_t i = 0; i < b->mesh->node_count; i++)
       ((double *)warm->data)[i] = 3 * b->mesh->node[3 * i];
-    check_ok(context, bw_model_temperature(context, b->model, warm, 1e-5));
+    check_ok(context, bw_model_temperature(context, b->model, warm, &(double){1e-5}));
     bw_release(warm);
     break;
   case 3:

@@ -17,7 +17,9 @@ BW_API bw_status bw_element_stress(bw_context *context, const bw_mesh *mesh,
                                    const bw_material *material, const double *displacement,
                                    double *stress);
 /* Stress at nodes under displacement (m, node_count x 3): the stresses of the elements around a
- * node, each at the node itself, averaged by volume: stress (Pa, node_count x 6). */
+ * node, each at the node itself, averaged by volume: stress (Pa, node_count x 6). Where materials
+ * meet, stresses are averaged in each of them, and that with the largest von Mises stress counts.
+ */
 BW_API bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh,
                                  const bw_material *material, const double *displacement,
                                  double *stress);
@@ -25,6 +27,15 @@ BW_API bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh,
  * bw_nodal_stress with on_nodes, else (element_count x 6) as bw_element_stress. */
 BW_API bw_status bw_static_stress(bw_context *context, const bw_static *result, bool on_nodes,
                                   double *stress);
+/* The same of displacement (m, node_count x 3) at points, stress (Pa, points->count x 6): where
+ * materials meet, those on each side. */
+BW_API bw_status bw_point_stress(bw_context *context, const bw_mesh *mesh,
+                                 const bw_material *material, const double *displacement,
+                                 const bw_stress_points *points, double *stress);
+/* The same of a static solution, stress (Pa, points->count x 6), that of thermal expansion
+ * subtracted. */
+BW_API bw_status bw_static_point_stress(bw_context *context, const bw_static *result,
+                                        const bw_stress_points *points, double *stress);
 /* Strain energy of every element under displacement (m, node_count x 3): energy (J,
  * element_count). */
 BW_API bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh,
@@ -41,7 +52,7 @@ BW_API bw_status bw_principal_field(bw_context *context, int64_t count, const do
 BW_API bw_status bw_max_principal_field(bw_context *context, int64_t count, const double *stress,
                                         double *value);
 /* bw_material_utilisation of tensors, stress (Pa, count x 6): value (-, count). With a material
- * rotated by element they are those of all elements, in order (BW_INVALID else). */
+ * that has parts they are those of all elements, in order (BW_INVALID else). */
 BW_API bw_status bw_utilisation_field(bw_context *context, const bw_material *material,
                                       int64_t count, const double *stress, double *value);
 /* Zienkiewicz and Zhu's estimate for displacement (m, node_count x 3): error energy of every
@@ -54,7 +65,8 @@ BW_API bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh,
 
 /* Superconvergent patch recovery (Zienkiewicz and Zhu 1992): at every corner a polynomial of the
  * elements' order fits the stresses inside of the elements around it; mid-edge nodes take the mean
- * of both ends. Under displacement (m, node_count x 3): stress (Pa, node_count x 6). */
+ * of both ends. Under displacement (m, node_count x 3): stress (Pa, node_count x 6). BW_UNSUPPORTED
+ * in a body of several materials. */
 BW_API bw_status bw_recovered_stress(bw_context *context, const bw_mesh *mesh,
                                      const bw_material *material, const double *displacement,
                                      double *stress);
@@ -68,7 +80,7 @@ BW_API bw_status bw_error_product(bw_context *context, const bw_mesh *mesh,
                                   const double *dual, double *element);
 /* Nodal forces, force (any, node_count x 3), of the functional sum over i of weight_i .
  * sigma(node_i), its derivative by the displacement, with sigma as bw_nodal_stress, node (index,
- * count) and weight (any, count x 6). */
+ * count) and weight (any, count x 6). BW_UNSUPPORTED for a node between two materials. */
 BW_API bw_status bw_stress_functional(bw_context *context, const bw_mesh *mesh,
                                       const bw_material *material, int64_t count,
                                       const int32_t *node, const double *weight, double *force);
@@ -118,8 +130,8 @@ typedef bw_status bw_solve_function(void *data, bw_context *context, int64_t cou
  * on areas, and gravity, change with the shape. For a free body the balance by inertia is part of
  * it. Where the stress is zero, so is its gradient. Prescribed displacements do not change. wanted
  * (node_count), which may be NULL: which nodes will move; elsewhere the gradient is of no meaning.
- * Straight elements only. BW_UNSUPPORTED: a slide along the surface's own normals, a body with
- * supports whose load acts on a rigid-body mode, the B-bar formulation. */
+ * Straight elements only. BW_UNSUPPORTED: a body of several materials, a slide along the surface's
+ * own normals, a body with supports whose load acts on a rigid-body mode, the B-bar formulation. */
 BW_API bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
                                        const bw_dof_map *dof_map, const double *displacement,
                                        bw_solve_function *solve, void *data, int64_t count,

@@ -46,9 +46,11 @@ BW_API bw_status bw_stiffness(bw_context *context, const bw_block_pattern *patte
  * expected: nearly incompressible materials (mean Poisson's ratio above 0.48) in elements of the
  * standard formulation. */
 BW_API const char *bw_locking(const bw_mesh *mesh, const bw_material *material);
-/* Consistent mass per unit density: values (m3, block_count), each times the 3x3 identity. */
+/* Consistent mass of a material: values (kg, block_count), each times the 3x3 identity. With
+ * density 1 where `material` is NULL or one of its parts has no density (m3 then). BW_INVALID for a
+ * material of other elements. */
 BW_API bw_status bw_mass(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
-                         double *values);
+                         const bw_material *material, double *values);
 /* Lumped mass per unit density: values (m3, node_count), positive, summing to the volume (diagonal
  * scaling for tet10). */
 BW_API bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, double *values);

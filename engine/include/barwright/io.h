@@ -200,28 +200,35 @@ BW_API bw_status bw_outline_parse(bw_context *context, const char *name, const u
 /* By the ending: .svg, .dxf; in millimetres. BW_INVALID for another. */
 BW_API bw_status bw_outline_write(bw_context *context, const bw_outline *outline, const char *path);
 
+/* A material of a deck. */
+typedef struct bw_inp_material {
+  bool isotropic;        /* whether young and poisson describe the material, or `stiffness` */
+  double young, poisson; /* (any) modulus (Pa) and ratio (-), when isotropic */
+  double stiffness[21];  /* (Pa) else the upper triangle of the 6x6 matrix in CalculiX's order
+                            D1111 D1122 D2222 D1133 D2233 D3333 D1112 ... D2323 (ANISO) */
+  double density;        /* (kg/m3) 0: none written */
+  double expansion;      /* (1/K) alike in all directions; with temperatures */
+} bw_inp_material;
+
 /* A CalculiX/Abaqus static step, ready for ccx. Written by bw_model_write_inp (model.h). All
  * pointers are borrowed. */
 typedef struct bw_inp_deck {
   const bw_mesh *mesh;
-  const char *title;          /* one line */
-  bool isotropic;             /* whether young and poisson describe the material, or `stiffness` */
-  double young, poisson;      /* (any) modulus (Pa) and ratio (-), when isotropic */
-  double stiffness[21];       /* (Pa) else the upper triangle of the 6x6 matrix in CalculiX's order
-                                 D1111 D1122 D2222 D1133 D2233 D3333 D1112 ... D2323 (ANISO) */
-  double density;             /* (kg/m3) 0: none written */
-  double gravity[3];          /* (m/s2) */
-  int64_t fixed_count;        /* single displacements: node, direction 0..2, value */
-  const int32_t *fixed_node;  /* (index, fixed_count) */
-  const int *fixed_direction; /* (fixed_count) 0, 1 or 2 */
-  const double *fixed_value;  /* (m, fixed_count) */
-  int64_t equation_count;     /* a0 u0 + a1 u1 + a2 u2 = 0 at one node (oblique slides) */
-  const int32_t *equation_node;  /* (index, equation_count) */
-  const double *equation_normal; /* (-, equation_count x 3) the a */
-  const double *force;           /* (N, node_count x 3) or NULL */
-  double expansion;              /* (1/K) alike in all directions; with `temperature` */
-  const double *temperature;     /* (K, node_count) changes of temperature, or NULL */
-  int modes;                     /* > 0: a *FREQUENCY step for so many modes instead */
+  const char *title; /* one line */
+  int32_t material_count;
+  const bw_inp_material *material; /* (material_count) */
+  const int32_t *material_of;      /* (index, element_count) from 0; NULL: all are of the first */
+  double gravity[3];               /* (m/s2) */
+  int64_t fixed_count;             /* single displacements: node, direction 0..2, value */
+  const int32_t *fixed_node;       /* (index, fixed_count) */
+  const int *fixed_direction;      /* (fixed_count) 0, 1 or 2 */
+  const double *fixed_value;       /* (m, fixed_count) */
+  int64_t equation_count;          /* a0 u0 + a1 u1 + a2 u2 = 0 at one node (oblique slides) */
+  const int32_t *equation_node;    /* (index, equation_count) */
+  const double *equation_normal;   /* (-, equation_count x 3) the a */
+  const double *force;             /* (N, node_count x 3) or NULL */
+  const double *temperature;       /* (K, node_count) changes of temperature, or NULL */
+  int modes;                       /* > 0: a *FREQUENCY step for so many modes instead */
 } bw_inp_deck;
 /* Writes a deck as .inp. */
 BW_API bw_status bw_inp_write(bw_context *context, const bw_inp_deck *deck, const char *path);

@@ -118,7 +118,6 @@ struct bw_system {
   double *stiffness;           /* (N/m, block_count x 9) or NULL: bw_system_stiffness makes it */
   double
       *mass; /* (kg, block_count) with density 1 when the material has none; NULL without factor */
-  double density;
   struct bwi_factor *factor;                 /* or NULL */
   struct bwi_two_level_solver *two_level;    /* or NULL */
   struct bwi_preconditioner *preconditioner; /* of PCG with another one, or NULL */

@@ -14,17 +14,6 @@ typedef struct bw_value {
   const char *source;   /* a static string: where the value comes from; NULL: given by the user */
 } bw_value;
 
-/* Axes that differ from element to element: every group of elements has the material turned by a
- * rotation of its own. The material owns the lists. */
-typedef struct bw_material_orientations {
-  int32_t element_count, count;
-  int32_t *of_element; /* (index, element_count) its group, from 0 to count - 1 */
-  double *rotation;   /* (-, count x 9) material axis e_i of the unrotated material goes to R e_i */
-  double *axes;       /* (-, count x 9) as bw_material.axes, of each group */
-  double *elasticity; /* (Pa, count x 36) in these axes */
-  double *compliance; /* (1/Pa, count x 36) its inverse */
-} bw_material_orientations;
-
 /* How displacements enter the strain energy of an element. B-bar: the part of the bulk modulus that
  * locks acts on the mean of the volumetric strain over the element (docs/theory/elements.md). */
 typedef enum bw_formulation {
@@ -46,6 +35,7 @@ typedef struct bw_thermal {
 
 /* A linear elastic law with strength, density, toughness, and what conducts and stores heat. */
 typedef struct bw_material bw_material;
+typedef struct bw_material_parts bw_material_parts;
 struct bw_material {
   bw_object object;
   char name[48];         /* for messages and results */
@@ -59,28 +49,60 @@ struct bw_material {
   double shear[3];    /* (Pa) G23 G31 G12 */
   double strength[3]; /* (Pa) tensile strength along axes 1 2 3; 0 when not known */
   double toughness;   /* (Pa m^0.5) fracture toughness K_Ic; 0 when not known */
+  double expansion;   /* (1/K) coefficient of linear expansion, alike in all directions; 0: none */
   bw_thermal thermal; /* conductivity and heat capacity */
   double lame_lambda, lame_mu; /* (Pa) when isotropic */
   bw_formulation formulation;  /* of the elements that have this material */
   /* with scatter and source, where they are known (the library's materials) */
   bw_value young_value[3], poisson_value[3], strength_value[3], density_value, toughness_value;
   bw_value conductivity_value[3], heat_capacity_value; /* likewise, of `thermal` */
-  /* Of a material rotated by element (bw_material_rotated_by_element), else NULL. Axes and matrices
-   * above are then those of the unrotated material; the functions below give those of an
-   * element. */
-  const bw_material *unrotated;           /* retained */
-  bw_material_orientations *orientations; /* owned */
+  bw_material_parts *parts; /* owned; NULL: all elements are of this material */
 };
-/* The elasticity matrix, 36 numbers (Pa), in an element of the mesh; lives as long as the
- * material. */
+/* What elements are made of where that differs from one to the next: by region, by axes that turn
+ * with the place, or both. The material owns the lists. A material with parts has the formulation,
+ * name and axes of its parts where these agree; its density, expansion, toughness and strengths are
+ * the least of the parts', 0 where one of them has none; what else differs is 0. */
+struct bw_material_parts {
+  int32_t element_count, count;
+  int32_t *of_element;           /* (index, element_count) its part, from 0 to count - 1 */
+  const bw_material **part;      /* (count) retained; none of them has parts */
+  const bw_material **unrotated; /* (count) retained: each part before it was turned by element */
+  double *rotation; /* (-, count x 9) material axis e_i of the unrotated part goes to R e_i */
+};
+/* The material of an element of the mesh, without parts; lives as long as `material`. */
+static inline const bw_material *bw_material_of(const bw_material *material, int64_t element) {
+  const bw_material_parts *p = material->parts;
+  return p ? p->part[p->of_element[element]] : material;
+}
+/* The same before it was turned by element; lives as long as `material`. */
+static inline const bw_material *bw_material_unrotated(const bw_material *material,
+                                                       int64_t element) {
+  const bw_material_parts *p = material->parts;
+  return p ? p->unrotated[p->of_element[element]] : material;
+}
+/* The number of parts (count): 1 where all elements are of one material. */
+static inline int32_t bw_material_part_count(const bw_material *material) {
+  return material->parts ? material->parts->count : 1;
+}
+/* Part i, from 0; lives as long as `material`. */
+static inline const bw_material *bw_material_part(const bw_material *material, int32_t i) {
+  return material->parts ? material->parts->part[i] : material;
+}
+/* Whether elements are of several materials, not of one whose axes turn. */
+static inline bool bw_material_mixed(const bw_material *material) {
+  const bw_material_parts *p = material->parts;
+  for (int32_t i = 1; p && i < p->count; i++)
+    if (p->unrotated[i] != p->unrotated[0])
+      return true;
+  return false;
+}
+/* The elasticity matrix, 36 numbers (Pa), in an element; lives as long as the material. */
 static inline const double *bw_material_elasticity(const bw_material *material, int64_t element) {
-  const bw_material_orientations *t = material->orientations;
-  return t ? t->elasticity + 36 * (int64_t)t->of_element[element] : material->elasticity;
+  return bw_material_of(material, element)->elasticity;
 }
 /* The compliance matrix, 36 numbers (1/Pa), in an element; lives as long as the material. */
 static inline const double *bw_material_compliance(const bw_material *material, int64_t element) {
-  const bw_material_orientations *t = material->orientations;
-  return t ? t->compliance + 36 * (int64_t)t->of_element[element] : material->compliance;
+  return bw_material_of(material, element)->compliance;
 }
 
 /* The constants of an isotropic material. */
@@ -91,6 +113,7 @@ typedef struct bw_isotropic {
   double density;   /* (kg/m3) 0: not given */
   double strength;  /* (Pa) in tension; 0: not known */
   double toughness; /* (Pa m^0.5) 0: not known */
+  double expansion; /* (1/K) 0: none */
 } bw_isotropic;
 /* A material of these constants. BW_INVALID names one that is out of range. */
 BW_API bw_status bw_material_isotropic(bw_context *context, const bw_isotropic *constants,
@@ -109,6 +132,7 @@ typedef struct bw_orthotropic {
   double density;      /* (kg/m3) 0: not given */
   double strength[3];  /* (Pa) in tension along the axes; 0: not known */
   double toughness;    /* (Pa m^0.5) 0: not known */
+  double expansion;    /* (1/K) 0: none */
 } bw_orthotropic;
 /* Checked for positive definiteness, for the reciprocal relation (relative 1e-6) and for axes being
  * a rotation: BW_INVALID names the constants. */
@@ -125,23 +149,35 @@ BW_API double bw_thermal_factor(const bw_thermal *thermal, double temperature);
  * material axis e_i goes to rotation * e_i. BW_INVALID when the matrix is not a rotation. */
 BW_API bw_status bw_material_rotated(bw_context *context, const bw_material *material,
                                      const double rotation[9], bw_material **rotated);
+/* The material of a body whose elements differ: element e is of part of_element[e] of the
+ * part_count parts, which are retained: of_element (index, element_count). It fits meshes of
+ * element_count elements only. Where all parts are one material it is that, retained. BW_INVALID
+ * for a part that is not there, parts that have parts, and parts of different formulations. */
+BW_API bw_status bw_material_by_element(bw_context *context, int32_t element_count,
+                                        int32_t part_count, const int32_t *of_element,
+                                        const bw_material *const *part, bw_material **material);
+/* The material on other elements, each of which is made of what element element_from (index,
+ * element_count) of the ones before was. */
+BW_API bw_status bw_material_carried(bw_context *context, const bw_material *material,
+                                     int32_t element_count, const int32_t *element_from,
+                                     bw_material **carried);
 /* The same material with axes by element: those of group of_element[e] are turned by the rotation
  * of that group as by bw_material_rotated: of_element (index, element_count), rotation (-,
  * group_count x 9). It fits meshes of element_count elements only. An isotropic material is itself,
- * retained. BW_INVALID for a group that is not there, a rotation that is none, and a material that
- * is rotated by element already. */
+ * retained. BW_INVALID for a group that is not there and a rotation that is none. */
 BW_API bw_status bw_material_rotated_by_element(bw_context *context, const bw_material *material,
                                                 int32_t element_count, int32_t group_count,
                                                 const int32_t *of_element, const double *rotation,
                                                 bw_material **turned);
-/* BW_INVALID where a material rotated by element does not fit the number of elements. */
+/* BW_INVALID where a material with parts does not fit the number of elements. */
 BW_API bw_status bw_material_fits(bw_context *context, const bw_material *material,
                                   int32_t element_count);
 
-/* The same material for elements of a formulation. BW_INVALID for a material rotated by element:
- * turn the formulated one. */
+/* The same material for elements of a formulation, each of its parts where it has some. */
 BW_API bw_status bw_material_formulated(bw_context *context, const bw_material *material,
                                         bw_formulation formulation, bw_material **formulated);
+/* The functions below are of a material without parts: of each part where there are some. */
+
 /* The bulk modulus (Pa) under uniform pressure, 1 / (1 : S : 1) (Reuss); a part of C not above it
  * leaves the rest of C positive. */
 BW_API double bw_material_bulk(const bw_material *material);

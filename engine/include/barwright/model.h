@@ -106,7 +106,8 @@ typedef struct bw_load {
   double vector[3];       /* (any) in the unit of the kind; a pressure is in vector[0] */
   double about[3];        /* (m) of a torque; of a couple the centre of the area */
   const bw_array *nodal;  /* node_count x 3 (N) or x 1 (K), a copy of the model's own */
-  double expansion;       /* (1/K) of temperatures: coefficient of linear expansion */
+  bool by_material;       /* of temperatures: each element expands as its material does */
+  double expansion;       /* (1/K) else the coefficient of linear expansion of all elements */
   double area;            /* (m2) of the selection */
   double resultant[3];    /* (N) */
   double moment[3];       /* (N m) about the origin */
@@ -133,8 +134,13 @@ typedef struct bw_model {
   bw_support *support; /* support_count supports */
 } bw_model;
 
-/* A model without supports and loads. BW_INVALID for a material rotated by element
- * for another mesh. */
+/* The material of a mesh with regions, part (mesh->region_count) for each of them in order. One
+ * material for all where the parts are one. BW_INVALID for a mesh without regions, and for a region
+ * of which the part is NULL. */
+BW_API bw_status bw_material_by_region(bw_context *context, const bw_mesh *mesh,
+                                       const bw_material *const *part, bw_material **material);
+/* A model without supports and loads. BW_INVALID for a material with parts (material.h) that is of
+ * another mesh. */
 BW_API bw_status bw_model_create(bw_context *context, const bw_mesh *mesh,
                                  const bw_material *material, bw_model **model);
 /* Turns the model's material by element (bw_material_rotated_by_element): those of group of_element
@@ -185,14 +191,50 @@ BW_API bw_status bw_model_prescribe_field(bw_context *context, bw_model *model,
                                           const bw_selection *on, const bool fixed[3],
                                           const bw_array *field);
 /* Adds a change of temperature at the nodes, an array of node_count x 1 (K), which is copied, of a
- * body with a coefficient of expansion (1/K) alike in all directions. Stresses of such a model:
- * bw_static_stress (analysis.h). */
+ * body with a coefficient of *expansion (1/K) alike in all directions; NULL: that of each element's
+ * material. Stresses of such a model: bw_static_stress (analysis.h). */
 BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_array *change,
-                                      double expansion);
+                                      const double *expansion);
+/* A place where stresses are recovered: a node, as one of the materials around it sees it. */
+typedef struct bw_stress_point {
+  int32_t node;                /* (index) */
+  int32_t next;                /* (index) another point at the node, of another material, or -1 */
+  const bw_material *material; /* the elements', unrotated; lives as long as the material */
+} bw_stress_point;
+/* All places where stresses are recovered. The first node_count points are the nodes themselves. On
+ * an interface between materials a node has one more point behind these for each further
+ * material. */
+typedef struct bw_stress_points {
+  int32_t count;          /* of points; the nodes' where there is one material */
+  bw_stress_point *point; /* (count) or NULL: there is one material */
+  int32_t *of_corner;     /* (index, element_count x nodes_per_element) the points of the elements'
+                             nodes, or NULL: they are the nodes */
+} bw_stress_points;
+/* The points of a material's mesh; release them with bw_stress_points_clear. BW_INVALID for a
+ * material of another mesh, BW_LIMIT for more than 2^31 - 1. */
+BW_API bw_status bw_stress_points_create(bw_context *context, const bw_mesh *mesh,
+                                         const bw_material *material, bw_stress_points *points);
+BW_API void bw_stress_points_clear(bw_stress_points *points);
+/* The point of an element's a-th node. */
+static inline int32_t bw_stress_point_of(const bw_stress_points *points, const bw_mesh *mesh,
+                                         int64_t element, int a) {
+  int64_t corner = element * mesh->nodes_per_element + a;
+  return points->of_corner ? points->of_corner[corner] : mesh->element[corner];
+}
+/* The node of point i. */
+static inline int32_t bw_stress_point_node(const bw_stress_points *points, int32_t i) {
+  return points->point ? points->point[i].node : i;
+}
+/* Whether an element around the node of point i is of its material. */
+static inline bool bw_stress_point_has(const bw_stress_points *points, int32_t i,
+                                       const bw_material *material, int64_t element) {
+  return !points->point || points->point[i].material == bw_material_unrotated(material, element);
+}
+
 /* Stress that free expansion would not have, C : (alpha dT 1), summed over the temperature loads:
- * stress (Pa, node_count x 6), or without `on_nodes` means of elements (element_count x 6). */
-BW_API bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
-                                         double *stress);
+ * stress (Pa, count x 6) at points, or where `at` is NULL means of elements (element_count x 6). */
+BW_API bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model,
+                                         const bw_stress_points *at, double *stress);
 /* The same material, supports and loads on a mesh of the same topology (an edited shape):
  * selections keep their facets and nodes, so that supports and loads follow the surface. Areas,
  * resultants and normals are those of the new shape; forces and gravity keep their directions.
@@ -202,15 +244,15 @@ BW_API bw_status bw_model_moved(bw_context *context, const bw_model *model, cons
                                 bw_model **moved);
 /* The same on a mesh whose boundary facets are those of the model's mesh in the same order (a
  * refilled one), with the old node of each one in node_from (index, node_count), or -1. Loads on
- * inner nodes that are gone, temperatures that vary and a material rotated by element are
- * BW_UNSUPPORTED. */
+ * inner nodes that are gone, temperatures that vary and a material that differs within a region of
+ * the mesh are BW_UNSUPPORTED. */
 BW_API bw_status bw_model_transferred(bw_context *context, const bw_model *model,
                                       const bw_mesh *mesh, const int32_t *node_from,
                                       bw_model **transferred);
 /* The same on a refined mesh (bw_mesh_refine of the model's mesh) or on one of its topology that
  * was moved: facets of supports and loads become the facets inside of them, fields at nodes are
  * interpolated. `also`: further selections, carried the same way into also_refined (the caller's
- * references). A material rotated by element is BW_UNSUPPORTED. */
+ * references). BW_UNSUPPORTED as bw_model_transferred. */
 BW_API bw_status bw_model_refined(bw_context *context, const bw_model *model,
                                   const bw_refinement *refinement, const bw_mesh *mesh,
                                   int also_count, const bw_selection *const *also,
@@ -226,8 +268,8 @@ BW_API bw_status bw_model_force_vector(bw_context *context, const bw_model *mode
  * Release it with bw_free. */
 BW_API bw_status bw_model_describe(bw_context *context, const bw_model *model, char **text);
 /* As an .inp for CalculiX; `modes` > 0 writes a frequency step instead of a static one.
- * BW_UNSUPPORTED for an oblique slide at a node with a prescribed displacement, and for a material
- * rotated by element. */
+ * BW_UNSUPPORTED for an oblique slide at a node with a prescribed displacement, and for
+ * temperatures of which some have an expansion of their own and some that of the material. */
 BW_API bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
                                     int modes);
 

@@ -43,6 +43,26 @@ function grids.patches(cells, order, maps)
   return setmetatable({unit = places, mesh = mesh}, Grid)
 end
 
+--- Divides the mesh into regions: name(x, y, z), at the mean of an element's corners, is that of its region.
+function Grid:divide(name)
+  local mesh = self.mesh
+  local nodes, tags, names, known = mesh.nodes:totable(), {}, {}, {}
+  for e, row in ipairs(mesh.elements:totable()) do
+    local x = {0, 0, 0}
+    for a = 1, 4 do
+      for k = 1, 3 do x[k] = x[k] + nodes[row[a]][k] / 4 end
+    end
+    local own = name(x[1], x[2], x[3])
+    if not known[own] then
+      names[#names + 1] = own
+      known[own] = #names
+    end
+    tags[e] = known[own]
+  end
+  self.mesh = assert(mesh:with_regions(tags, names))
+  return self
+end
+
 --- The boundary nodes for which test(u, v, w) holds.
 function Grid:where(test)
   local mask = {}

@@ -18,7 +18,7 @@ typedef struct pressed_body {
 
 static inline void pressed_open(bw_context *context, pressed_body *s, bw_mesh *mesh, bool fixed,
                                 double friction, int facets) {
-  bw_isotropic constants = {"test", 3e9, 0.3, 1000, 5e6, 0};
+  bw_isotropic constants = {"test", 3e9, 0.3, 1000, 5e6, 0, 0};
   const bw_pressure_options options = {.friction = friction, .friction_facets = facets};
   const double origin[3] = {0, 0, 0}, normal[3] = {1, 0, 0};
   bw_selection *foot = NULL;

@@ -5,7 +5,7 @@
 #include "body_system.h"
 
 static bw_system *free_system(bw_context *context, bw_mesh *mesh, double density, double strength) {
-  bw_isotropic constants = {"test", 2e9, 0.3, density, strength, 0};
+  bw_isotropic constants = {"test", 2e9, 0.3, density, strength, 0, 0};
   bw_material *material = NULL;
   bw_dof_map *dof_map = NULL;
   bw_system *system = NULL;

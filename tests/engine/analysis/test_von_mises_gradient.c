@@ -169,7 +169,7 @@ static bw_model *model_on(bw_context *context, const scene *s, const bar *b, con
   if (s->loads >> BW_LOAD_NODAL & 1)
     check_ok(context, bw_model_nodal_forces(context, model, b->force));
   if (s->loads >> BW_LOAD_TEMPERATURE & 1)
-    check_ok(context, bw_model_temperature(context, model, b->temperature, 2e-5));
+    check_ok(context, bw_model_temperature(context, model, b->temperature, &(double){2e-5}));
   bw_release(foot);
   bw_release(tip);
   bw_release(all);

@@ -24,7 +24,7 @@ static bw_material *orthotropic(bw_context *context) {
 
 static bw_material *isotropic(bw_context *context, double young) {
   bw_material *material = NULL;
-  bw_isotropic constants = {"test", young, 0.3, 1000, 5e6, 0};
+  bw_isotropic constants = {"test", young, 0.3, 1000, 5e6, 0, 0};
   check_ok(context, bw_material_isotropic(context, &constants, &material));
   return material;
 }

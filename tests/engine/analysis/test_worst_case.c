@@ -15,7 +15,7 @@ typedef struct part {
 } part;
 
 static void part_open(bw_context *context, part *p, bw_mesh *mesh, double young) {
-  bw_isotropic constants = {"test", young, 0.3, 1000, 5e6, 0};
+  bw_isotropic constants = {"test", young, 0.3, 1000, 5e6, 0, 0};
   memset(p, 0, sizeof *p);
   p->mesh = mesh;
   check_ok(context, bw_material_isotropic(context, &constants, &p->material));

@@ -18,7 +18,7 @@ typedef struct part {
 
 /* Fixed at x = 0, or free. */
 static void part_open(bw_context *context, part *p, bw_mesh *mesh, bool fixed) {
-  bw_isotropic constants = {"test", 3e9, 0.3, 1000, 5e6, 0};
+  bw_isotropic constants = {"test", 3e9, 0.3, 1000, 5e6, 0, 0};
   const double origin[3] = {0, 0, 0}, normal[3] = {1, 0, 0};
   bw_selection *foot = NULL;
   memset(p, 0, sizeof *p);

@@ -172,7 +172,7 @@ static inline bw_material *odd_material(bw_context *context) {
 }
 
 static inline bw_material *plain_material(bw_context *context, double young, double poisson) {
-  bw_isotropic c = {"plain", young, poisson, 1000, 1e6, 0};
+  bw_isotropic c = {"plain", young, poisson, 1000, 1e6, 0, 0};
   bw_material *material = NULL;
   check_ok(context, bw_material_isotropic(context, &c, &material));
   return material;

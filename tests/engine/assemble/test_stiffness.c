@@ -157,7 +157,7 @@ static void same_bits_for_any_thread_count(void **state) {
       check_ok(context, bw_set_threads(context, threads[t]));
       check_ok(context, bw_stiffness(context, g, mesh, material[0], out));
       check_ok(context, bw_stiffness(context, g, mesh, material[1], out + 9 * blocks));
-      check_ok(context, bw_mass(context, g, mesh, out + 18 * blocks));
+      check_ok(context, bw_mass(context, g, mesh, NULL, out + 18 * blocks));
       check_ok(context, bw_laplacian(context, g, mesh, out + 19 * blocks));
       check_ok(context,
                bw_block_multiply(context, g, first, 9, 3, 1, mesh->node, out + 20 * blocks));
@@ -207,7 +207,7 @@ static void patterns_of_other_meshes_are_refused(void **state) {
   double *values = (double *)malloc(sizeof *values * 9 * (size_t)g->block_count);
   check_fails(context, BW_INVALID, "12 elements",
               bw_stiffness(context, g, small, material, values));
-  check_fails(context, BW_INVALID, "12 elements", bw_mass(context, g, small, values));
+  check_fails(context, BW_INVALID, "12 elements", bw_mass(context, g, small, NULL, values));
   free(values);
   bw_release(g);
   bw_release(large);
@@ -222,7 +222,7 @@ static bw_status assemble_all(bw_context *context, const bw_mesh *mesh, const bw
   BW_TRY(bw_block_pattern_create(context, mesh, &g));
   BW_TRY(bw_stiffness(context, g, mesh, material, values));
   BW_TRY(bw_laplacian(context, g, mesh, values));
-  BW_TRY(bw_mass(context, g, mesh, values));
+  BW_TRY(bw_mass(context, g, mesh, NULL, values));
   BW_TRY(bw_lumped_mass(context, mesh, values));
   BW_TRY(bw_block_multiply(context, g, values, 1, 1, 2, values, values + 4000));
 done:

@@ -84,11 +84,11 @@ static void bar(bw_context *context, int order, bool isotropic) {
         assert_true(fixed < 400);
         node[fixed] = i, direction[fixed++] = k;
       }
+  bw_inp_material material = {.isotropic = isotropic, .young = young, .poisson = poisson};
   bw_inp_deck deck = {.mesh = mesh,
                       .title = "bar",
-                      .isotropic = isotropic,
-                      .young = young,
-                      .poisson = poisson,
+                      .material_count = 1,
+                      .material = &material,
                       .fixed_count = fixed,
                       .fixed_node = node,
                       .fixed_direction = direction,
@@ -104,7 +104,7 @@ static void bar(bw_context *context, int order, bool isotropic) {
     bw_inverse3(s, d);
     double c[21] = {d[0], d[1], d[4], d[2], d[5], d[8]};
     c[9] = 3e9, c[14] = 4e9, c[20] = 5e9;
-    memcpy(deck.stiffness, c, sizeof c);
+    memcpy(material.stiffness, c, sizeof c);
     for (int k = 0; k < 3; k++)
       strain[k] = s[3 * k] * stress;
   }
@@ -165,10 +165,10 @@ static void calculix_weight_and_equations(void **state) {
       node[fixed] = i, direction[fixed++] = 0;
   }
   check_ok(context, bw_mesh_moved(context, box, x, &mesh));
+  bw_inp_material material = {.isotropic = true, .young = young, .density = rho};
   bw_inp_deck deck = {.mesh = mesh,
-                      .isotropic = true,
-                      .young = young,
-                      .density = rho,
+                      .material_count = 1,
+                      .material = &material,
                       .gravity = {-g * axis[0], -g * axis[1], -g * axis[2]},
                       .fixed_count = fixed,
                       .fixed_node = node,
@@ -190,7 +190,7 @@ static void calculix_weight_and_equations(void **state) {
   deck.modes = 3;
   check_ok(context, bw_inp_write(context, &deck, path));
   assert_true(ccx_runs(stem));
-  deck.density = 0;
+  material.density = 0;
   check_fails(context, BW_INVALID, "needs a density", bw_inp_write(context, &deck, path));
   remove_all(stem);
   free(x);
@@ -218,11 +218,11 @@ static void calculix_prescribed(void **state) {
         continue;
       node[fixed] = i, direction[fixed] = k, value[fixed++] = end ? pulled : 0;
     }
+  bw_inp_material material = {.isotropic = true, .young = 1e9, .poisson = 0.25};
   bw_inp_deck deck = {.mesh = mesh,
                       .title = "*pulled\n*NODE",
-                      .isotropic = true,
-                      .young = 1e9,
-                      .poisson = 0.25,
+                      .material_count = 1,
+                      .material = &material,
                       .fixed_count = fixed,
                       .fixed_node = node,
                       .fixed_direction = direction,

@@ -32,7 +32,7 @@ static void open_problem(bw_context *context, int nx, int ny, int nz, int order,
   p->stiffness = numbers(9 * p->pattern->block_count);
   p->mass = numbers(p->pattern->block_count);
   check_ok(context, bw_stiffness(context, p->pattern, p->mesh, material, p->stiffness));
-  check_ok(context, bw_mass(context, p->pattern, p->mesh, p->mass));
+  check_ok(context, bw_mass(context, p->pattern, p->mesh, NULL, p->mass));
   p->unknown = calloc((size_t)(3 * nodes), sizeof(int32_t));
   uint8_t *take = calloc((size_t)nodes, 1);
   for (int64_t i = 0; i < nodes; i++) {

@@ -267,7 +267,7 @@ static void test_heated(void **state) {
   check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 1, &change));
   for (int32_t i = 0; i < mesh->node_count; i++)
     ((double *)change->data)[i] = 50 + 300 * mesh->node[3 * (int64_t)i];
-  check_ok(context, bw_model_temperature(context, model, change, 1e-4));
+  check_ok(context, bw_model_temperature(context, model, change, &(double){1e-4}));
   check_ok(context, bw_statics(context, model, NULL, NULL, &result));
   for (int nodes = 0; nodes < 2; nodes++) {
     int64_t size = 6 * (int64_t)(nodes ? mesh->node_count : mesh->element_count);

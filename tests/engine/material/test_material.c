@@ -29,7 +29,7 @@ static void check_inverse(const bw_material *m) {
 static void isotropic_constants(void **state) {
   bw_context *context = check_context(state);
   bw_material *m = NULL;
-  bw_isotropic c = {"steel", 210e9, 0.3, 7850, 0, 0};
+  bw_isotropic c = {"steel", 210e9, 0.3, 7850, 0, 0, 0};
   check_ok(context, bw_material_isotropic(context, &c, &m));
   check_near(m->lame_mu, 210e9 / 2.6, 1);
   check_near(m->lame_lambda, 210e9 * 0.3 / (1.3 * 0.4), 1);
@@ -45,15 +45,15 @@ static void isotropic_refusals(void **state) {
   bw_material *m = NULL;
   const double bad_young[] = {0, -1, NAN, INFINITY};
   for (int i = 0; i < 4; i++) {
-    bw_isotropic c = {"x", bad_young[i], 0.3, 0, 0, 0};
+    bw_isotropic c = {"x", bad_young[i], 0.3, 0, 0, 0, 0};
     check_fails(context, BW_INVALID, "Young", bw_material_isotropic(context, &c, &m));
   }
   const double bad_poisson[] = {0.5, -1, 0.7, NAN};
   for (int i = 0; i < 4; i++) {
-    bw_isotropic c = {"x", 1e9, bad_poisson[i], 0, 0, 0};
+    bw_isotropic c = {"x", 1e9, bad_poisson[i], 0, 0, 0, 0};
     check_fails(context, BW_INVALID, "Poisson", bw_material_isotropic(context, &c, &m));
   }
-  bw_isotropic heavy = {"x", 1e9, 0.3, -3, 0, 0}, weak = {"x", 1e9, 0.3, 0, NAN, 0};
+  bw_isotropic heavy = {"x", 1e9, 0.3, -3, 0, 0, 0}, weak = {"x", 1e9, 0.3, 0, NAN, 0, 0};
   check_fails(context, BW_INVALID, "density", bw_material_isotropic(context, &heavy, &m));
   check_fails(context, BW_INVALID, "strength", bw_material_isotropic(context, &weak, &m));
   assert_null(m);
@@ -85,7 +85,7 @@ static void orthotropic_with_equal_constants_is_isotropic(void **state) {
   bw_orthotropic c = {.young = {2e9, 2e9, 2e9},
                       .poisson = {0.3, 0.3, 0.3},
                       .axes = {cos(a), sin(a), 0, -sin(a), cos(a), 0, 0, 0, 1}};
-  bw_isotropic i = {"iso", 2e9, 0.3, 0, 0, 0};
+  bw_isotropic i = {"iso", 2e9, 0.3, 0, 0, 0, 0};
   check_ok(context, bw_material_orthotropic(context, &c, &m));
   check_ok(context, bw_material_isotropic(context, &i, &iso));
   /* the paper's shear formula gives Y / (2 (1 + nu)) */
@@ -214,7 +214,7 @@ static void strength_by_direction(void **state) {
 static void numbers_out_of_range_are_refused(void **state) {
   bw_context *context = check_context(state);
   bw_material *m = NULL;
-  bw_isotropic soft = {"x", 1e-310, 0.3, 0, 0, 0}, hard = {"x", 1e308, 0.4999, 0, 0, 0};
+  bw_isotropic soft = {"x", 1e-310, 0.3, 0, 0, 0, 0}, hard = {"x", 1e308, 0.4999, 0, 0, 0, 0};
   check_fails(context, BW_INVALID, "range", bw_material_isotropic(context, &soft, &m));
   check_fails(context, BW_INVALID, "range", bw_material_isotropic(context, &hard, &m));
   bw_orthotropic c = {.young = {1e308, 1e308, 1e308}, .poisson = {0.499, 0.499, 0.499}};
@@ -240,7 +240,7 @@ static void turned_by_element(void **state) {
     bw_release(one);
   }
   check_ok(context, bw_material_rotated(context, turned, turn[0], &again));
-  const double *second = again->orientations->rotation + 9;
+  const double *second = again->parts->rotation + 9 * again->parts->of_element[0];
   for (int r = 0; r < 3; r++)
     for (int c = 0; c < 3; c++) {
       double want = 0;
@@ -248,10 +248,17 @@ static void turned_by_element(void **state) {
         want += turn[0][3 * r + k] * turn[1][3 * k + c];
       check_near(second[3 * r + c], want, 1e-15);
     }
-  assert_ptr_equal(again->unrotated, m);
+  assert_ptr_equal(bw_material_unrotated(again, 0), m);
   assert_true(bw_bytes(turned) > bw_bytes(m));
-  check_fails(context, BW_INVALID, "has axes by element already",
-              bw_material_rotated_by_element(context, turned, 3, 2, group, turn[0], &one));
+  check_ok(context, bw_material_rotated_by_element(context, turned, 3, 2, group, turn[0], &one));
+  for (int r = 0; r < 3; r++) /* twice by the group of element 2 */
+    for (int c = 0; c < 3; c++) {
+      double want = 0;
+      for (int k = 0; k < 3; k++)
+        want += turn[0][3 * r + k] * turn[0][3 * k + c];
+      check_near(one->parts->rotation[9 * one->parts->of_element[1] + 3 * r + c], want, 1e-15);
+    }
+  bw_release(one);
   check_fails(context, BW_INVALID, "element 2 is in group 3",
               bw_material_rotated_by_element(context, m, 3, 2, beyond, turn[0], &one));
   check_fails(context, BW_INVALID, "left-handed",
@@ -265,6 +272,65 @@ static void turned_by_element(void **state) {
   bw_release(again);
   bw_release(turned);
   bw_release(m);
+}
+
+/* Several materials: each element has its own, also turned, formulated and on other elements; the
+ * whole has what the parts agree in, and the least density and strength. */
+static void several_materials(void **state) {
+  bw_context *context = check_context(state);
+  const double turn[18] = {0, -1, 0, 1, 0, 0, 0, 0, 1, 0.6, 0, 0.8, 0, 1, 0, -0.8, 0, 0.6};
+  const int32_t of[4] = {1, 0, 2, 1}, beyond[4] = {0, 1, 3, 0}, group[4] = {0, 0, 1, 1};
+  const int32_t from[6] = {3, 3, 2, 1, 0, 2}, no[2] = {0, 4};
+  bw_material *wood = NULL, *steel = NULL, *pla = NULL, *all = NULL, *turned = NULL, *b_bar = NULL;
+  bw_material *carried = NULL, *one = NULL, *none = NULL;
+  check_ok(context, bw_material_named(context, "zp150", &wood));
+  check_ok(context, bw_material_named(context, "steel", &steel));
+  check_ok(context, bw_material_named(context, "pla", &pla));
+  const bw_material *part[3] = {steel, wood, pla};
+  check_ok(context, bw_material_by_element(context, 4, 3, of, part, &all));
+  assert_true(bw_material_mixed(all));
+  assert_string_equal(all->name, "steel + zp150 + pla");
+  check_near(all->density, fmin(steel->density, fmin(wood->density, pla->density)), 0);
+  check_near(all->young[0], 0, 0);
+  for (int e = 0; e < 4; e++)
+    assert_ptr_equal(bw_material_of(all, e), part[of[e]]);
+  check_ok(context, bw_material_carried(context, all, 6, from, &carried));
+  for (int e = 0; e < 6; e++)
+    assert_ptr_equal(bw_material_of(carried, e), part[of[from[e]]]);
+  check_ok(context, bw_material_rotated_by_element(context, all, 4, 2, group, turn, &turned));
+  assert_ptr_equal(bw_material_of(turned, 1), steel); /* no direction differs from another */
+  assert_ptr_equal(bw_material_unrotated(turned, 3), wood);
+  check_ok(context, bw_material_rotated(context, wood, turn + 9, &one));
+  assert_memory_equal(bw_material_elasticity(turned, 3), one->elasticity, sizeof one->elasticity);
+  check_ok(context, bw_material_formulated(context, turned, BW_B_BAR, &b_bar));
+  for (int e = 0; e < 4; e++) {
+    assert_int_equal(bw_material_of(b_bar, e)->formulation, BW_B_BAR);
+    assert_memory_equal(bw_material_elasticity(b_bar, e), bw_material_elasticity(turned, e),
+                        36 * sizeof(double));
+  }
+  assert_ptr_equal(bw_material_unrotated(b_bar, 0), bw_material_unrotated(b_bar, 3));
+  part[2] = all;
+  check_fails(context, BW_INVALID, "give its parts",
+              bw_material_by_element(context, 4, 3, of, part, &none));
+  part[2] = bw_material_of(b_bar, 2);
+  check_fails(context, BW_INVALID, "different formulations",
+              bw_material_by_element(context, 4, 3, of, part, &none));
+  check_fails(context, BW_INVALID, "element 3 is in part 4: the parts are 1 to 3",
+              bw_material_by_element(context, 4, 3, beyond, part, &none));
+  check_fails(context, BW_INVALID, "element 2 is in element before 5",
+              bw_material_carried(context, all, 2, no, &none));
+  bw_release(one);
+  part[1] = part[2] = steel;
+  check_ok(context, bw_material_by_element(context, 4, 3, of, part, &one));
+  assert_ptr_equal(one, steel);
+  bw_release(one);
+  bw_release(carried);
+  bw_release(b_bar);
+  bw_release(turned);
+  bw_release(all);
+  bw_release(pla);
+  bw_release(steel);
+  bw_release(wood);
 }
 
 static void out_of_memory(void **state) {
@@ -306,6 +372,7 @@ int main(void) {
       check_test(strength_by_direction),
       check_test(numbers_out_of_range_are_refused),
       check_test(turned_by_element),
+      check_test(several_materials),
       check_test(out_of_memory),
   };
   return cmocka_run_group_tests_name("material", tests, NULL, NULL);

@@ -51,7 +51,7 @@ static inline bw_mesh *two_boxes(bw_context *context) {
 }
 
 static inline bw_material *some_material(bw_context *context) {
-  bw_isotropic constants = {"test", 2e11, 0.3, 7800, 4e8, 0};
+  bw_isotropic constants = {"test", 2e11, 0.3, 7800, 4e8, 0, 0};
   bw_material *material = NULL;
   check_ok(context, bw_material_isotropic(context, &constants, &material));
   return material;

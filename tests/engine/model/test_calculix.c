@@ -172,7 +172,7 @@ static void heated(bw_context *context, int order, bool wood, bool alike) {
     check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 1, &warmer[l]));
     for (int32_t i = 0; i < mesh->node_count; i++)
       ((double *)warmer[l]->data)[i] = l ? -20 : 50 + (alike ? 0 : 300 * mesh->node[3 * (size_t)i]);
-    check_ok(context, bw_model_temperature(context, model, warmer[l], l ? 5e-6 : 23e-6));
+    check_ok(context, bw_model_temperature(context, model, warmer[l], &(double){l ? 5e-6 : 23e-6}));
     check_ok(context, alike ? bw_model_slide(context, model, end[l], normal)
                             : bw_model_fix(context, model, end[l]));
   }
@@ -194,6 +194,55 @@ static void temperatures_agree(void **state) {
     heated(check_context(state), 2, false, alike);
     heated(check_context(state), 2, true, alike);
   }
+}
+
+/* A bar of wood at an angle, steel and plastic by turns, heavy, pulled and heated, each part
+ * expanding as its material does. */
+static void several_materials(bw_context *context, int order) {
+  bw_mesh *mesh = box_mesh(context, 0.4, 0.1, 0.1, 8, 2, 2, order);
+  const bw_isotropic steel = {.young = 2.1e11, .poisson = 0.3, .density = 7850, .expansion = 12e-6};
+  const bw_isotropic soft = {.young = 2e9, .poisson = 0.4, .density = 1200, .expansion = 9e-5};
+  bw_material *part[3] = {turned_wood(context), NULL, NULL}, *all = NULL;
+  bw_model *model = NULL;
+  bw_array *warmer = NULL;
+  bw_selection *end[2] = {face_of(context, mesh, 0, 0), face_of(context, mesh, 0, 0.4)};
+  const double down[3] = {0, 0, -9.81}, pull[3] = {1e5, 2e4, 0};
+  int32_t *of = BW_NEW(context, int32_t, mesh->element_count);
+  check_ok(context, bw_material_isotropic(context, &steel, &part[1]));
+  check_ok(context, bw_material_isotropic(context, &soft, &part[2]));
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    double x = 0;
+    for (int a = 0; a < 4; a++)
+      x += mesh->node[3 * mesh->element[(int64_t)e * mesh->nodes_per_element + a]] / 4;
+    of[e] = (int32_t)(x / 0.1) % 3;
+  }
+  check_ok(context, bw_material_by_element(context, mesh->element_count, 3, of,
+                                           (const bw_material *const *)part, &all));
+  check_ok(context, bw_model_create(context, mesh, all, &model));
+  check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 1, &warmer));
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    ((double *)warmer->data)[i] = 50 - 100 * mesh->node[3 * (size_t)i + 1];
+  check_ok(context, bw_model_fix(context, model, end[0]));
+  check_ok(context, bw_model_gravity(context, model, down));
+  check_ok(context, bw_model_traction(context, model, end[1], pull));
+  check_ok(context, bw_model_temperature(context, model, warmer, NULL));
+  compare(context, model, false);
+  bw_free(of);
+  bw_release(warmer);
+  for (int k = 0; k < 2; k++)
+    bw_release(end[k]);
+  for (int k = 0; k < 3; k++)
+    bw_release(part[k]);
+  bw_release(model);
+  bw_release(all);
+  bw_release(mesh);
+}
+
+static void several_materials_agree(void **state) {
+  if (system("command -v ccx > /dev/null 2>&1") != 0)
+    skip();
+  several_materials(check_context(state), 1);
+  several_materials(check_context(state), 2);
 }
 
 static void free_body_under_a_balanced_load_is_pinned(void **state) {
@@ -237,6 +286,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(calculix_agrees),
       check_test(temperatures_agree),
+      check_test(several_materials_agree),
       check_test(free_body_under_a_balanced_load_is_pinned),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -222,7 +222,7 @@ static void unusable_loads_are_refused(void **state) {
   assert_int_equal(model->load_count, 0);
   assert_int_equal(model->support_count, 0);
   assert_int_equal(model->object.revision, revision);
-  bw_isotropic weightless = {"air", 1, 0, 0, 0, 0};
+  bw_isotropic weightless = {"air", 1, 0, 0, 0, 0, 0};
   bw_material *material = NULL;
   bw_model *light = NULL;
   check_ok(context, bw_material_isotropic(context, &weightless, &material));

@@ -16,7 +16,7 @@ static void weighted_motions_are_mass_times_motions(void **state) {
     double *mass = malloc(sizeof *mass * (size_t)pattern->block_count);
     double *r = malloc(sizeof *r * size), *w = malloc(sizeof *w * size),
            *m = malloc(sizeof *m * size);
-    check_ok(context, bw_mass(context, pattern, mesh, mass));
+    check_ok(context, bw_mass(context, pattern, mesh, NULL, mass));
     for (int i = 0; i < 6; i++) {
       double a[6] = {0}, largest = 0;
       a[i] = 1;

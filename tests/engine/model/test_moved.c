@@ -148,7 +148,7 @@ static void transferred_to_a_refilled_mesh(void **state) {
   check_ok(context, bw_model_prescribe_field(context, model, root, fixed, field));
   check_ok(context, bw_model_pressure(context, model, top, 5));
   check_ok(context, bw_model_nodal_forces(context, model, force));
-  check_ok(context, bw_model_temperature(context, model, warm, 1e-5));
+  check_ok(context, bw_model_temperature(context, model, warm, &(double){1e-5}));
   check_ok(context, bw_model_transferred(context, model, refilled, node_from, &moved));
   for (int l = 0; l < 3; l++)
     for (int k = 0; k < 3; k++) {

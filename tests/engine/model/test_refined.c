@@ -80,7 +80,7 @@ static void no_memory(void **state) {
   check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 1, &change));
   check_ok(context, bw_model_fix(context, model, root));
   check_ok(context, bw_model_torque(context, model, tip, torque, NULL));
-  check_ok(context, bw_model_temperature(context, model, change, 1e-5));
+  check_ok(context, bw_model_temperature(context, model, change, &(double){1e-5}));
   uint8_t *levels = some_levels(mesh, 3, 2);
   for (int64_t n = 1;; n++) {
     bw_refinement r = {.mesh = NULL};

@@ -35,7 +35,7 @@ static bw_static *heated(bw_context *context, int order, bool clamped) {
   check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 1, &change));
   for (int32_t i = 0; i < mesh->node_count; i++)
     ((double *)change->data)[i] = clamped ? 50 : 50 + 300 * mesh->node[3 * i];
-  check_ok(context, bw_model_temperature(context, model, change, 23e-6));
+  check_ok(context, bw_model_temperature(context, model, change, &(double){23e-6}));
   if (clamped)
     for (int end = 0; end < 2; end++) {
       double point[3] = {0.4 * end, 0, 0}, normal[3] = {1, 0, 0};
@@ -108,7 +108,8 @@ static void test_prescribed_field(void **state) {
   check_ok(context, bw_array_create(context, BW_F64, 3, 3, &wrong));
   check_fails(context, BW_INVALID, "rows",
               bw_model_prescribe_field(context, model, all, fixed, wrong));
-  check_fails(context, BW_INVALID, "columns", bw_model_temperature(context, model, field, 1e-5));
+  check_fails(context, BW_INVALID, "columns",
+              bw_model_temperature(context, model, field, &(double){1e-5}));
   bw_release(wrong);
   bw_release(result);
   bw_release(field);

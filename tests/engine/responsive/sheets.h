@@ -10,7 +10,7 @@ enum { BOTTOM, RIGHT, TOP, LEFT };
 static inline bw_material *isotropic(bw_context *context, double young, double poisson,
                                      double density) {
   bw_material *material;
-  bw_isotropic constants = {"test", young, poisson, density, 0, 0};
+  bw_isotropic constants = {"test", young, poisson, density, 0, 0, 0};
   check_ok(context, bw_material_isotropic(context, &constants, &material));
   return material;
 }

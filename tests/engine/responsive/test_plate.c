@@ -6,7 +6,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-static const bw_isotropic aluminium = {"aluminium", 70e9, 0.3, 2700, 0, 0};
+static const bw_isotropic aluminium = {"aluminium", 70e9, 0.3, 2700, 0, 0, 0};
 
 static bw_material *make_material(bw_context *context, const bw_isotropic *constants) {
   bw_material *material;

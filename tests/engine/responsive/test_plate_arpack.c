@@ -151,7 +151,7 @@ static void compare(bw_context *context, const bw_plate *plate, uint64_t seed) {
  * its modes found from the former ones on the former factor. */
 static void random_plates(void **state) {
   bw_context *context = check_context(state);
-  const bw_isotropic aluminium = {"aluminium", 70e9, 0.3, 2700, 0, 0};
+  const bw_isotropic aluminium = {"aluminium", 70e9, 0.3, 2700, 0, 0, 0};
   bw_orthotropic spruce = {.name = "spruce",
                            .young = {11e9, 0.8e9, 0.5e9},
                            .poisson = {0.4, 0.02, 0.4},

@@ -1,0 +1,110 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Models whose regions are of different materials.
+local bw = require "barwright"
+local check = require "check"
+
+local soft = bw.material.isotropic {name = "soft", young = 1e9, density = 1000, strength = 1e6, expansion = 1e-4}
+local stiff = bw.material.isotropic {name = "stiff", young = 100e9, density = 8000, strength = 4e8, expansion = 1e-5}
+
+--- A bar along x whose halves across x or y (axis) are the regions "low" and "high".
+local function bar(axis, order)
+  local mesh = bw.mesh.box {max = {2, 1, 1}, cells = {4, 2, 2}, order = order or 2}
+  local nodes, tags = mesh.nodes, {}
+  for e, row in ipairs(mesh.elements:totable()) do
+    local sum = 0
+    for a = 1, 4 do sum = sum + nodes(row[a], axis) / 4 end
+    tags[e] = sum < (axis == 1 and 1 or 0.5) and 1 or 2
+  end
+  return assert(mesh:with_regions(tags, {"low", "high"}))
+end
+
+local function model(mesh)
+  return bw.model {mesh = mesh, materials = {low = soft, high = stiff}}
+end
+
+describe("materials by region", function()
+  it("refuses regions without a material, unknown names and other values", function()
+    local mesh = bar(1)
+    check.raises("region 'high' has no material: give it one", bw.model, {mesh = mesh, materials = {low = soft}})
+    check.raises("there is no region 'hihg': did you mean 'high'?", bw.model,
+      {mesh = mesh, materials = {low = soft, hihg = soft}})
+    check.raises("there is no region 'low': the mesh has no regions", bw.model,
+      {mesh = bw.mesh.box {}, materials = {low = soft}})
+    check.raises("the mesh has no regions: give one material", bw.model, {mesh = bw.mesh.box {}, materials = {}})
+    check.raises("region 'low': an open material expected, got 3", bw.model,
+      {mesh = mesh, materials = {low = 3, high = soft}})
+    check.raises("'material' or option 'materials' expected, not both", bw.model,
+      {mesh = mesh, material = soft, materials = {low = soft, high = soft}})
+  end)
+
+  it("is the one material where all regions have it", function()
+    local one = bw.model {mesh = bar(1), materials = {low = soft, high = soft}}
+    assert.is_nil(one.material.parts)
+    assert.equals(soft.young, one.material.young)
+  end)
+
+  it("lists volume and mass of each material, and what they have in common", function()
+    local part = model(bar(1))
+    local text = tostring(part)
+    assert.matches("material: soft.-volume 1 m3, mass 1000 kg", text)
+    assert.matches("material: stiff.-volume 1 m3, mass 8000 kg", text)
+    assert.equals(2, #part.material.parts)
+    assert.equals(1000, part.material.density)
+    assert.is_nil(part.material.young)
+  end)
+
+  it("does not average stresses across an interface, and takes the strength of each element", function()
+    for order = 1, 2 do
+      local part = model(bar(2, order))
+      local mesh, strain = part.mesh, 1e-4
+      part:slide(mesh.boundary:below(1, 0), {1, 0, 0})
+      part:slide(mesh.boundary:below(2, 0), {0, 1, 0})
+      part:slide(mesh.boundary:below(3, 0), {0, 0, 1})
+      part:prescribe(mesh.boundary:above(1, 2), {2 * strain, false, false})
+      local static = assert(part:solve())
+      for i = 1, mesh.node_count do
+        local young = mesh.nodes(i, 2) < 0.5 - 1e-9 and 1e9 or 100e9
+        check.near(strain * young, static.stress(i, 1), 1e-8 * strain * young)
+      end
+      for e = 1, mesh.element_count do
+        local low = mesh.element_regions(e, 1) == 1
+        check.near(low and strain * 1e9 / 1e6 or strain * 100e9 / 4e8, static.utilisation(e, 1), 1e-8)
+      end
+      local relative = static:error_estimate()
+      assert.is_true(relative < 1e-8)
+    end
+  end)
+
+  it("expands each element as its material does", function()
+    local part = model(bar(1))
+    local mesh = part.mesh
+    for axis = 1, 3 do part:slide(mesh.boundary:below(axis, 0), {axis == 1 and 1 or 0, axis == 2 and 1 or 0,
+      axis == 3 and 1 or 0}) end
+    for axis = 2, 3 do part:slide(mesh.boundary:above(axis, 1), {0, axis == 2 and 1 or 0, axis == 3 and 1 or 0}) end
+    part:temperature(10)
+    local static = assert(part:solve())
+    check.near(10 * (1e-4 + 1e-5), static.displacement:column(1):max(), 1e-12)
+  end)
+
+  it("balances a free body by its mass", function()
+    local part = model(bar(1))
+    local mesh = part.mesh
+    part:load {on = mesh.boundary:above(1, 2), traction = {9000, 0, 0}}
+    local static = assert(part:solve {inertia_relief = true})
+    -- an acceleration of 1 m/s2: the soft half, 1000 kg, is behind x = 1
+    local sum, count = 0, 0
+    for e = 1, mesh.element_count do
+      local x = 0
+      for a = 1, 4 do x = x + mesh.nodes(mesh.elements(e, a), 1) / 4 end
+      if x < 0.5 then sum, count = sum + static.element_stress(e, 1), count + 1 end
+    end
+    check.near(250, sum / count, 2.5)
+  end)
+
+  it("takes the formulation of the model", function()
+    local part = model(bar(2, 2))
+    local fine = bw.model {mesh = part.mesh, materials = {low = soft, high = stiff}, formulation = "b_bar"}
+    assert.equals("b_bar", fine.formulation)
+    assert.equals(2, #fine.material.parts)
+  end)
+end)
