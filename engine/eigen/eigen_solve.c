@@ -196,7 +196,8 @@ static bw_status make_factor(bw_context *context, pencil *p) {
                    "matrix, and \"%s\" is an operator: give lobpcg",
                    lacks->name.text);
   BW_TRY(bwi_matrix_pair_open(context, p->k->matrix, m, &p->pair));
-  BW_TRY(bwi_matrix_pair_factor(context, &p->pair, sigma, NULL, p->k->name.text, &p->factor));
+  BW_TRY(bwi_matrix_pair_factor(context, &p->pair, sigma, NULL, p->k->name.text,
+                                "the eigensolver lobpcg needs none", &p->factor));
 done:
   return status;
 }

@@ -104,7 +104,8 @@ bw_status bw_operator_inverse(bw_context *context, const bw_sparse_matrix *matri
     BW_TRY(invert_diagonal(context, matrix, m));
   else {
     BW_TRY(bwi_matrix_pair_open(context, matrix, NULL, &pair));
-    BW_TRY(bwi_matrix_pair_factor(context, &pair, 0, solver, a->name.text, &m->factor));
+    BW_TRY(bwi_matrix_pair_factor(context, &pair, 0, solver, a->name.text,
+                                  "conjugate gradients with jacobi need none", &m->factor));
   }
   BW_TRY(bw_operator_create(context, m->size, inverse_apply, m, inverse_destroy,
                             jacobi ? "jacobi" : "cholesky", &made));

@@ -70,23 +70,24 @@ done:
 }
 
 static bw_status check_memory(bw_context *context, const bwi_symbolic *symbolic,
-                              const bwi_kernels *kernels) {
+                              const bwi_kernels *kernels, const char *name, const char *advice) {
   double available = bw_available_memory();
   double wanted =
       bwi_factor_peak_bytes(symbolic, bw_threads(context)) * (double)kernels->size / sizeof(double);
   if (wanted <= available)
     return BW_OK;
   bw_fail(context, BW_MEMORY,
-          "the factor of %d unknowns takes %.3g GB of memory, more than the %.3g GB available: "
-          "conjugate gradients (the solver pcg) need none",
-          (int)symbolic->unknowns, wanted / 1e9, available / 1e9);
+          "the factor of \"%s\" with %d rows takes %.3g GB of memory, more than the %.3g GB "
+          "available: %s",
+          name, (int)symbolic->unknowns, wanted / 1e9, available / 1e9, advice);
   bw_detail_number(context, "bytes", wanted);
   bw_detail_number(context, "free_bytes", available);
   return BW_MEMORY;
 }
 
 bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pair, double sigma,
-                                 const bw_solver *solver, const char *name, bwi_factor **factor) {
+                                 const bw_solver *solver, const char *name, const char *advice,
+                                 bwi_factor **factor) {
   bw_status status = BW_OK;
   const bwi_kernels *kernels = bwi_kernels_of(solver);
   bwi_order *order = NULL;
@@ -102,7 +103,7 @@ bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pai
   BW_TRY(bwi_order_create_by(context, pair->pattern, NULL,
                              solver ? solver->options.ordering : BW_ORDERING_AUTO, &order));
   BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &symbolic));
-  BW_TRY(check_memory(context, symbolic, kernels));
+  BW_TRY(check_memory(context, symbolic, kernels, name, advice));
   bw_progress(context, "factorisation", 0);
   status = bwi_factor_create_in(context, symbolic, &matrix, NULL, kernels, factor, &bad);
   if (status == BW_SINGULAR) {
@@ -118,14 +119,14 @@ done:
 }
 
 bw_status bwi_matrix_solve(bw_context *context, const bw_sparse_matrix *matrix, const char *name,
-                           int64_t count, double *x) {
+                           const char *advice, int64_t count, double *x) {
   bw_status status = BW_OK;
   bwi_matrix_pair pair = {0};
   bwi_factor *factor = NULL;
   if (matrix->rows == 0)
     return BW_OK;
   BW_TRY(bwi_matrix_pair_open(context, matrix, NULL, &pair));
-  BW_TRY(bwi_matrix_pair_factor(context, &pair, 0, NULL, name, &factor));
+  BW_TRY(bwi_matrix_pair_factor(context, &pair, 0, NULL, name, advice, &factor));
   BW_TRY(bwi_solve_fields(context, factor, NULL, count, x, x));
 done:
   bw_release(factor);

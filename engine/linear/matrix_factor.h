@@ -16,13 +16,15 @@ bw_status bwi_matrix_pair_open(bw_context *context, const bw_sparse_matrix *k,
                                const bw_sparse_matrix *m, bwi_matrix_pair *pair);
 void bwi_matrix_pair_clear(bwi_matrix_pair *pair);
 /* The factor of K - sigma M as `solver` (NULL: the default) describes it. BW_SINGULAR names the
- * matrix and the row; BW_MEMORY before any is allocated where it is larger than what is free. */
+ * matrix and the row; BW_MEMORY before any is allocated where it is larger than what is free.
+ * `advice`: what needs less memory, as the end of that message. */
 bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pair, double sigma,
-                                 const bw_solver *solver, const char *name, bwi_factor **factor);
+                                 const bw_solver *solver, const char *name, const char *advice,
+                                 bwi_factor **factor);
 /* Solves A x = b in place for `count` right-hand sides of matrix->rows numbers, one after the
  * other, by a factor that is not kept. Those of bwi_matrix_pair_factor. */
 bw_status bwi_matrix_solve(bw_context *context, const bw_sparse_matrix *matrix, const char *name,
-                           int64_t count, double *x);
+                           const char *advice, int64_t count, double *x);
 
 /* BW_INVALID where an operator is not symmetric: a matrix by its entries, or by two random vectors;
  * another one by these. *norm (may be NULL): |A v| / |v| of the vectors, near the norm of A. */

@@ -158,7 +158,8 @@ static bw_status solve(bw_context *context, const entries *list, int32_t size, s
   bw_status status = bw_sparse_matrix_create(context, size, size, list->count, list->row,
                                              list->column, list->value, &matrix);
   if (status == BW_OK)
-    status = bwi_matrix_solve(context, matrix, "skinning weights", (int64_t)count, x);
+    status = bwi_matrix_solve(context, matrix, "matrix of skinning weights",
+                              "a coarser mesh takes less", (int64_t)count, x);
   bw_release(matrix);
   return status;
 }

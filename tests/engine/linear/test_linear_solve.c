@@ -1,9 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Sparse matrices and the caller's own operators by each solver: closed forms, the same bits on any
  * number of threads, what is wrong in words, cancellation, and memory that runs out. */
+#include <sys/resource.h>
+
 #include "check.h"
 
 #include "barwright/job.h"
+
+#include "base/job.h"
 
 enum { N = 500 };
 
@@ -418,6 +422,63 @@ static void memory_failures(void **state) {
   }
 }
 
+/* The matrix of seven numbers a row of a grid of n x n x n points. */
+static bw_sparse_matrix *grid_laplacian(bw_context *context, int n) {
+  int size = n * n * n, count = 0, step[3] = {1, n, n * n};
+  int32_t *row = BW_NEW(context, int32_t, 7 * size), *column = BW_NEW(context, int32_t, 7 * size);
+  double *value = BW_NEW(context, double, 7 * size);
+  bw_sparse_matrix *matrix = NULL;
+  for (int i = 0; i < size; i++) {
+    row[count] = column[count] = i;
+    value[count++] = 6;
+    for (int d = 0; d < 3; d++)
+      for (int side = -1; side <= 1; side += 2) {
+        int at = i / step[d] % n + side;
+        if (at < 0 || at >= n)
+          continue;
+        row[count] = i;
+        column[count] = i + side * step[d];
+        value[count++] = -1;
+      }
+  }
+  check_ok(context,
+           bw_sparse_matrix_create(context, size, size, count, row, column, value, &matrix));
+  bw_free(row);
+  bw_free(column);
+  bw_free(value);
+  return matrix;
+}
+
+#ifndef __SANITIZE_ADDRESS__ /* it takes all addresses */
+/* Where a factor does not fit, the message names what serves in its place. */
+static void factors_beyond_memory_name_what_needs_none(void **state) {
+  bw_context *context = check_context(state);
+  enum { EDGE = 36, SPARE = 48 << 20 };
+  bw_sparse_matrix *matrix = grid_laplacian(context, EDGE);
+  bw_operator *a = NULL, *inverse = NULL;
+  bw_eigenpairs *pairs = NULL;
+  const bw_eigen_solve_options options = {.count = 2, .tolerance = 1e-8};
+  struct rlimit before, limit;
+  check_ok(context, bw_operator_of_matrix(context, matrix, NULL, &a));
+  getrlimit(RLIMIT_AS, &before);
+  limit = before;
+  limit.rlim_cur = (rlim_t)bwi_address_space() + SPARE;
+  setrlimit(RLIMIT_AS, &limit);
+  bw_status of_inverse = bw_operator_inverse(context, matrix, NULL, &inverse);
+  char message[2][400];
+  snprintf(message[0], sizeof message[0], "%s", bw_message(context));
+  bw_status of_pairs = bw_eigen_solve(context, a, NULL, &options, &pairs);
+  snprintf(message[1], sizeof message[1], "%s", bw_message(context));
+  setrlimit(RLIMIT_AS, &before);
+  assert_int_equal(of_inverse, BW_MEMORY);
+  assert_int_equal(of_pairs, BW_MEMORY);
+  assert_non_null(strstr(message[0], "conjugate gradients with jacobi need none"));
+  assert_non_null(strstr(message[1], "the eigensolver lobpcg needs none"));
+  bw_release(a);
+  bw_release(matrix);
+}
+#endif
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(each_solver_gives_the_closed_form),
@@ -427,6 +488,9 @@ int main(void) {
       check_test(rounding_is_no_asymmetry),
       check_test(single_precision_takes_any_units),
       check_test(memory_failures),
+#ifndef __SANITIZE_ADDRESS__
+      check_test(factors_beyond_memory_name_what_needs_none),
+#endif
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
