@@ -16,6 +16,7 @@ enum { JUDGED_FROM = 6, REMEMBERED = 512 };
 
 typedef struct column {
   bool done, restarted; /* restarted: its next direction is its z alone */
+  bool waits;           /* done, and its r is still to be computed from x */
   double r_dot_z, alpha, beta;
   double load, energy; /* what the tolerances are relative to */
   double size;         /* |r| */
@@ -47,7 +48,7 @@ static bool trusts_recurrence(const bwi_pcg_task *task) {
 }
 
 static void record_residual(iteration *it, const column *c) {
-  bool computed = c->done && !trusts_recurrence(it->task);
+  bool computed = c->done && !c->waits && !trusts_recurrence(it->task);
   double residual = computed ? c->residual : c->size > 0 ? c->size / c->load : c->size;
   it->task->residual = fmax(it->task->residual, residual);
 }
@@ -131,32 +132,36 @@ done:
 }
 
 /* Columns whose iteration ended: is r, computed from x, small enough too? Those for which it is
- * not, and still falls, start again from it. */
+ * not, and still falls, start again from it. Columns that stay where they are wait for the others,
+ * since one product serves all. */
 static bw_status check(iteration *it, const bool *ended) {
   bw_status status = BW_OK;
   double r_dot_r[COLUMNS];
-  bool any = false, trusted = trusts_recurrence(it->task);
+  bool any = false, trusted = trusts_recurrence(it->task), wanted[COLUMNS];
   for (int k = 0; k < it->count; k++) {
+    column *c = &it->column[k];
     any |= ended[k];
-    if (trusted)
-      it->column[k].done |= ended[k];
+    c->done |= ended[k];
+    c->waits |= ended[k] && !trusted;
+    wanted[k] = c->waits;
   }
-  if (any && !trusted) {
-    BW_TRY(it->space->residual(it->context, it->space->data, ended, r_dot_r));
-    for (int k = 0; k < it->count; k++) {
-      column *c = &it->column[k];
-      if (!ended[k])
-        continue;
-      c->size = sqrt(r_dot_r[k]);
-      double residual = c->size / c->load;
-      bool helped = residual < 0.5 * c->residual;
-      c->residual = residual;
-      c->restarted = !is_small(it, k) && helped && ++c->starts < STARTS;
-      c->done = !c->restarted;
-    }
+  if (!any || (!trusted && !it->space->retire && is_active(it)))
+    return BW_OK;
+  if (!trusted)
+    BW_TRY(it->space->residual(it->context, it->space->data, wanted, r_dot_r));
+  for (int k = 0; k < it->count; k++) {
+    column *c = &it->column[k];
+    if (!wanted[k])
+      continue;
+    c->size = sqrt(r_dot_r[k]);
+    double residual = c->size / c->load;
+    bool helped = residual < 0.5 * c->residual;
+    c->residual = residual;
+    c->restarted = !is_small(it, k) && helped && ++c->starts < STARTS;
+    c->done = !c->restarted;
+    c->waits = false;
   }
-  if (any)
-    retire(it);
+  retire(it);
 done:
   return status;
 }

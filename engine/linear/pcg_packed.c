@@ -61,51 +61,38 @@ static bw_status remove_modes(const packing *s, double *field) {
   return bwi_rigid_space_project(s->context, s->m->rigid, &layout, s->used, field);
 }
 
-/* The force at a row's unknowns. */
-static void force_at(const packing *s, int64_t k, int f, double value[3]) {
-  int64_t node = s->m->smoother->node[k], size = 3 * (int64_t)s->m->smoother->count;
-  bwi_project_unknowns(s->m->dof_map, node, s->force + f * size + 3 * node, value);
-}
-
 /* ---- the operations -------------------------------------------------------------------------- */
 
-static bw_status force_squares(void *data, int64_t begin, int64_t end, int worker) {
-  (void)worker;
-  const packing *s = data;
-  double *sum = clear_sum(s, begin);
-  for (int64_t k = begin; k < end; k++)
-    for (int f = 0; f < s->used; f++) {
-      double value[3];
-      force_at(s, k, f, value);
-      sum[f] += bw_dot(value, value);
-    }
-  return BW_OK;
-}
-
-/* r = f - K u of the columns wanted */
-static bw_status set_residual(void *data, int64_t begin, int64_t end, int worker) {
+/* r = f in the columns wanted */
+static bw_status pack_force(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const packing *s = data;
   const bwi_packed *m = s->m;
   int width = m->width;
+  int64_t size = 3 * (int64_t)m->smoother->count;
   for (int64_t k = begin; k < end; k++) {
-    int64_t node = m->smoother->node[k];
-    for (int f = 0; f < width; f++) {
-      double *r = m->r + 3 * width * k + f;
-      if (f >= s->used)
-        r[0] = r[width] = r[2 * width] = 0;
-      else if (s->wanted[f]) {
-        double value[3];
-        const double *ku = m->ku + 3 * width * k + f;
-        force_at(s, k, f, value);
-        for (int d = 0; d < 3; d++)
-          value[d] = s->unit[f] * value[d] - (s->zero ? 0 : ku[d * width]);
-        bwi_project_unknowns(m->dof_map, node, value, value);
-        for (int d = 0; d < 3; d++)
-          r[d * width] = value[d];
-      }
-    }
+    const double *force = s->force + 3 * (int64_t)m->smoother->node[k];
+    double *r = m->r + 3 * width * k;
+    for (int f = 0; f < width; f++)
+      for (int d = 0; d < 3; d++)
+        if (f >= s->used)
+          r[d * width + f] = 0;
+        else if (s->wanted[f])
+          r[d * width + f] = s->unit[f] * force[f * size + d];
   }
+  return BW_OK;
+}
+
+/* r -= K u in the columns wanted */
+static bw_status subtract_product(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const packing *s = data;
+  const bwi_packed *m = s->m;
+  int width = m->width;
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < s->used; f++)
+      if (s->wanted[f])
+        m->r[i * width + f] -= m->ku[i * width + f];
   return BW_OK;
 }
 
@@ -130,11 +117,12 @@ static bw_status residual(bw_context *context, void *data, const bool *wanted, d
   packing *s = data;
   const bwi_packed *m = s->m;
   s->wanted = wanted;
+  BW_TRY(bw_parallel(context, m->smoother->count, ROWS, pack_force, s));
   if (!s->zero) {
     BW_TRY(bwi_smoother_product(context, m->smoother, m->width, m->u, m->ku, NULL));
-    keep_unknowns(m, m->ku);
+    BW_TRY(bw_parallel(context, m->smoother->count, ROWS, subtract_product, s));
   }
-  BW_TRY(bw_parallel(context, m->smoother->count, ROWS, set_residual, s));
+  keep_unknowns(m, m->r);
   if (m->rigid)
     BW_TRY(remove_modes(s, m->r));
   BW_TRY(parallel_sums(s, measure));
@@ -279,7 +267,15 @@ static bw_status store_solution(void *data, int64_t begin, int64_t end, int work
  * in equations taken times units go with their square over the matrix'. */
 static bw_status choose_units(packing *s, const bwi_pcg_task *given, double *load, double *energy) {
   bw_status status = BW_OK;
-  BW_TRY(parallel_sums(s, force_squares));
+  bool all[SIDES];
+  for (int f = 0; f < s->used; f++) {
+    all[f] = true;
+    s->unit[f] = 1;
+  }
+  s->wanted = all;
+  BW_TRY(bw_parallel(s->context, s->m->smoother->count, ROWS, pack_force, s));
+  keep_unknowns(s->m, s->m->r);
+  BW_TRY(parallel_sums(s, measure));
   for (int f = 0; f < s->used; f++) {
     int exponent = 0;
     if (s->sum[f] > 0 && isfinite(s->sum[f]))

@@ -142,6 +142,98 @@ static void side_by_side(void **state) {
   }
 }
 
+/* A space of its own, whose columns stay: A is diagonal, M = 1. */
+typedef struct kept {
+  int columns, residuals;
+  double a[N], b[SIDES][N], x[SIDES][N], r[SIDES][N], p[SIDES][N], q[SIDES][N];
+} kept;
+
+static bw_status kept_residual(bw_context *context, void *data, const bool *wanted,
+                               double *r_dot_r) {
+  (void)context;
+  kept *s = data;
+  s->residuals++;
+  for (int k = 0; k < s->columns; k++) {
+    r_dot_r[k] = 0;
+    for (int i = 0; wanted[k] && i < N; i++) {
+      s->r[k][i] = s->b[k][i] - s->a[i] * s->x[k][i];
+      r_dot_r[k] += s->r[k][i] * s->r[k][i];
+    }
+  }
+  return BW_OK;
+}
+
+static bw_status kept_precondition(bw_context *context, void *data, double *r_dot_z,
+                                   double *z_dot_q) {
+  (void)context;
+  const kept *s = data;
+  assert_null(z_dot_q);
+  for (int k = 0; k < s->columns; k++) {
+    r_dot_z[k] = 0;
+    for (int i = 0; i < N; i++)
+      r_dot_z[k] += s->r[k][i] * s->r[k][i];
+  }
+  return BW_OK;
+}
+
+static bw_status kept_multiply(bw_context *context, void *data, const double *beta,
+                               double *p_dot_q) {
+  (void)context;
+  kept *s = data;
+  for (int k = 0; k < s->columns; k++) {
+    p_dot_q[k] = 0;
+    for (int i = 0; i < N; i++) {
+      s->p[k][i] = s->r[k][i] + beta[k] * s->p[k][i];
+      s->q[k][i] = s->a[i] * s->p[k][i];
+      p_dot_q[k] += s->p[k][i] * s->q[k][i];
+    }
+  }
+  return BW_OK;
+}
+
+static bw_status kept_advance(bw_context *context, void *data, const double *alpha,
+                              double *r_dot_r) {
+  (void)context;
+  kept *s = data;
+  for (int k = 0; k < s->columns; k++) {
+    r_dot_r[k] = 0;
+    for (int i = 0; i < N; i++) {
+      s->x[k][i] += alpha[k] * s->p[k][i];
+      s->r[k][i] -= alpha[k] * s->q[k][i];
+      r_dot_r[k] += s->r[k][i] * s->r[k][i];
+    }
+  }
+  return BW_OK;
+}
+
+/* Columns that stay end after as many iterations as their right-hand sides have eigenvectors, and
+ * one product at the end computes the residuals of all. */
+static void one_check_serves_all(void **state) {
+  bw_context *context = check_context(state);
+  static kept s;
+  s = (kept){.columns = SIDES};
+  for (int i = 0; i < N; i++)
+    s.a[i] = 1 + i;
+  for (int k = 0; k < SIDES; k++)
+    for (int i = 0; i <= k; i++)
+      s.b[k][3 * i] = 1;
+  const bwi_pcg_space space = {.data = &s,
+                               .residual = kept_residual,
+                               .precondition = kept_precondition,
+                               .multiply = kept_multiply,
+                               .advance = kept_advance,
+                               .symmetric = true};
+  bwi_pcg_task task = task_of(SIDES);
+  check_ok(context, bwi_pcg_run(context, &space, &task));
+  assert_true(task.converged);
+  assert_true(task.residual <= 1e-11);
+  assert_int_equal(task.iterations, SIDES);
+  assert_int_equal(s.residuals, 2); /* the first, and that of all */
+  for (int k = 0; k < SIDES; k++)
+    for (int i = 0; i < N; i++)
+      check_near(s.x[k][i], s.b[k][i] / s.a[i], 1e-10);
+}
+
 /* A first guess, and tolerances that are relative to another right-hand side. */
 static void first_guess(void **state) {
   bw_context *context = check_context(state);
@@ -271,6 +363,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(ends_with_the_spectrum),
       check_test(side_by_side),
+      check_test(one_check_serves_all),
       check_test(first_guess),
       check_test(projector),
       check_test(breakdown),
