@@ -17,9 +17,6 @@ enum {
   CLUSTER = 12    /* modes beyond those wanted that the last one's frequency may have */
 };
 
-/* A pair that has not converged may be one with the last one wanted, where it is as near to it. */
-static const double maybe_equal = 1e-3;
-
 /* ---- results ------------------------------------------------------------------------------- */
 
 void bwi_eigen_result_clear(bwi_eigen_result *result) {
@@ -223,49 +220,31 @@ done:
   return status;
 }
 
-/* Where nothing counts: an iteration from random vectors that are orthogonal to the modes looks for
- * one below the last, until its lowest pair is good to 1 %. That it finds none makes a missing mode
- * improbable, not impossible. */
-static bw_status look_for_missing(bwi_eigen_iteration *it, int count, double tolerance,
-                                  bwi_eigen_result *result) {
-  bw_status status = BW_OK;
-  int next = count + 1 < it->problem->dimension ? count + 1 : (int)it->problem->dimension;
-  for (int attempt = 0; attempt < RECOVERIES && !result->tested; attempt++) {
-    double last = it->value[count - 1];
-    BW_TRY(it->method->deflate(it, count));
-    BW_TRY(it->method->iterate(it, next, 1e-2));
-    BW_TRY(it->method->iterate(it, count, tolerance));
-    result->tested = it->value[count - 1] > last * (1 - 1e-7);
-    result->recovered += !result->tested;
-  }
-done:
-  return status;
-}
-
 /* ---- modes of one eigenvalue ----------------------------------------------------------------- */
 
-/* Whether pair n (from 0) may have the eigenvalue of the one before it. */
-static bool may_be_equal(const bwi_eigen_iteration *it, int n) {
-  return n < it->known && it->value[n] < INFINITY &&
-         it->value[n] - it->value[n - 1] <= maybe_equal * fabs(it->value[n]);
-}
-
 /* Converges the pairs behind the first `count` that may have the eigenvalue of the last of them,
- * and where no pair behind them is known and they were not counted one more, which shows whether
- * that was all; *whole counts those too. *split: there may be more of them. */
+ * each until it does or until its residual is a tenth of the distance; and where no pair behind
+ * them is known and they were not counted one more, which shows whether that was all. *whole counts
+ * those that do too, *near those looked at. *split: there may be more of them. */
 static bw_status complete_cluster(bwi_eigen_iteration *it, int count, double tolerance,
-                                  bool counted, int *whole, bool *split) {
-  int n = *whole = count;
+                                  bool counted, int *whole, int *near, bool *split) {
+  int n = *whole = *near = count;
   *split = false;
-  while (may_be_equal(it, n)) {
-    while (may_be_equal(it, n))
-      n++;
-    bool shown = counted || n < it->known || n >= it->problem->dimension;
-    int next = shown ? n : n + 1;
-    *split = n > count + CLUSTER || next > it->most;
+  while (bwi_eigen_may_be_equal(it, n)) {
+    double apart = 1 - it->value[n - 1] / it->value[n], enough = fmax(tolerance, 0.1 * apart);
+    bool shown = counted || n + 1 < it->known || n + 1 >= it->problem->dimension;
+    if (n - count < CLUSTER && shown && it->method->converged(it, n + 1, enough) == n + 1) {
+      *near = n + 1;
+      if (enough > tolerance)
+        return BW_OK;
+      *whole = ++n;
+      continue;
+    }
+    int next = shown ? n + 1 : n + 2;
+    *split = n - count >= CLUSTER || next > it->most;
     if (*split)
       return BW_OK;
-    bw_status status = it->method->iterate(it, next, tolerance);
+    bw_status status = it->method->iterate(it, next, enough);
     if (status == BW_CONVERGENCE) { /* those wanted are there all the same */
       bw_clear_failure(it->context);
       *split = true;
@@ -273,9 +252,32 @@ static bw_status complete_cluster(bwi_eigen_iteration *it, int count, double tol
     }
     if (status != BW_OK)
       return status;
-    *whole = n < it->known ? n : it->known;
+    if (it->known < next || it->method->converged(it, n + 1, enough) <= n)
+      return BW_OK; /* the whole space is searched */
   }
   return BW_OK;
+}
+
+/* Where nothing counts: an iteration from random vectors that are orthogonal to the modes looks for
+ * one below the last, until its lowest pair is good to 1 %. That it finds none makes a missing mode
+ * improbable, not impossible. Those that may have the eigenvalue of the last are completed first,
+ * while the iteration still has its guards. */
+static bw_status look_for_missing(bwi_eigen_iteration *it, int count, double tolerance,
+                                  bwi_eigen_result *result) {
+  bw_status status = BW_OK;
+  for (int attempt = 0; attempt < RECOVERIES && !result->tested; attempt++) {
+    int whole, near;
+    bool split;
+    BW_TRY(complete_cluster(it, count, tolerance, false, &whole, &near, &split));
+    double last = it->value[count - 1];
+    BW_TRY(it->method->deflate(it, near));
+    BW_TRY(it->method->iterate(it, near < it->problem->dimension ? near + 1 : near, 1e-2));
+    BW_TRY(it->method->iterate(it, count, tolerance));
+    result->tested = it->value[count - 1] > last * (1 - 1e-7);
+    result->recovered += !result->tested;
+  }
+done:
+  return status;
 }
 
 /* The canonical basis of pairs of one eigenvalue, and the first `count` pairs of it. */
@@ -315,7 +317,7 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *given,
     setup.count = (int)problem->dimension;
   if (setup.count == 0)
     return BW_OK;
-  int count = setup.count, whole = count;
+  int count = setup.count, whole = count, near;
   bool split = false;
   double tolerance = fmin(options->tolerance, 1e-6);
   bwi_eigen_iteration *it = NULL;
@@ -339,7 +341,7 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *given,
     BW_TRY(confirm(it, count, tolerance, result));
   else if (options->sturm)
     BW_TRY(look_for_missing(it, count, tolerance, result));
-  BW_TRY(complete_cluster(it, count, tolerance, result->counted, &whole, &split));
+  BW_TRY(complete_cluster(it, count, tolerance, result->counted, &whole, &near, &split));
   BW_TRY(take_out(it, whole, options->tolerance, result));
   BW_TRY(make_canonical(context, problem, count, options->tolerance, result));
   if (split) {

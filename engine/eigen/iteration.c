@@ -1,6 +1,16 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What iterations share. */
+#include <math.h>
+
 #include "eigen/iteration.h"
+
+/* A pair that has not converged may be one with that before it, where it is as near to it. */
+static const double maybe_equal = 1e-3;
+
+bool bwi_eigen_may_be_equal(const bwi_eigen_iteration *it, int n) {
+  return n < it->known && it->value[n] < INFINITY &&
+         it->value[n] - it->value[n - 1] <= maybe_equal * fabs(it->value[n]);
+}
 
 bw_status bwi_eigen_random(bwi_eigen_iteration *it, int count, double *x) {
   for (int64_t i = 0; i < count * it->size; i++)

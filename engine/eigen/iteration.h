@@ -61,6 +61,8 @@ const bwi_eigen_method *bwi_eigen_lobpcg(void);
 bw_status bwi_eigen_choose(bw_context *context, const bwi_eigen_problem *problem,
                            const bw_eigensolver *solver, bwi_eigen_setup *setup,
                            const bwi_eigen_method **method, bw_solver_report *report);
+/* Whether pair n (from 0) may have the eigenvalue of the one before it. */
+bool bwi_eigen_may_be_equal(const bwi_eigen_iteration *iteration, int n);
 /* Random fields in the wanted space. */
 bw_status bwi_eigen_random(bwi_eigen_iteration *iteration, int count, double *x);
 /* BW_CONVERGENCE: how many of the wanted pairs have converged. */

@@ -444,9 +444,13 @@ static bw_status residual_columns(void *data, int64_t begin, int64_t end, int wo
   return BW_OK;
 }
 
-/* The residual above which a column is worked on: guards that are good enough widen the gap. */
+/* The residual above which a column is worked on: guards that are good enough widen the gap, except
+ * those that may have the eigenvalue of the last one wanted: that converges no faster than they. */
 static double threshold(const lobpcg *l, int j, int wanted, double tolerance) {
-  return j < wanted ? tolerance : fmax(tolerance, l->guarded);
+  int needed = wanted;
+  while (!l->energy && needed <= j && bwi_eigen_may_be_equal(&l->base, needed))
+    needed++;
+  return j < needed ? tolerance : fmax(tolerance, l->guarded);
 }
 
 /* W = B R in the place of R, and residuals in the energy norm, of `count` columns from `first`. */
@@ -603,18 +607,24 @@ done:
   return status;
 }
 
+/* A block of `block` columns, random ones behind the first `keep`. */
+static bw_status widen(lobpcg *l, int keep, int block) {
+  bw_status status = BW_OK;
+  l->directions = 0;
+  if (block > l->width / 3)
+    BW_TRY(resize(l, block, keep));
+  if (keep < block)
+    BW_TRY(fill(l, keep, block));
+done:
+  return status;
+}
+
 static bw_status lobpcg_iterate(bwi_eigen_iteration *iteration, int wanted, double tolerance) {
   bw_status status = BW_OK;
   lobpcg *l = (lobpcg *)iteration;
-  int block = block_of(iteration->problem, wanted);
   bool *live = NULL;
-  if (block > l->block) {
-    int keep = l->block;
-    l->directions = 0;
-    if (block > l->width / 3)
-      BW_TRY(resize(l, block, keep));
-    BW_TRY(fill(l, keep, block));
-  }
+  if (wanted >= l->block && l->block < iteration->problem->dimension)
+    BW_TRY(widen(l, l->block, block_of(iteration->problem, wanted)));
   if (wanted > l->block)
     wanted = l->block;
   live = BW_NEW0(iteration->context, bool, l->block);
@@ -626,12 +636,7 @@ done:
 }
 
 static bw_status lobpcg_deflate(bwi_eigen_iteration *iteration, int keep) {
-  lobpcg *l = (lobpcg *)iteration;
-  int block = l->width / 3;
-  if (block > iteration->problem->dimension)
-    block = (int)iteration->problem->dimension;
-  l->directions = 0;
-  return keep < block ? fill(l, keep, block) : BW_OK;
+  return widen((lobpcg *)iteration, keep, block_of(iteration->problem, keep + 1));
 }
 
 static bw_status lobpcg_vectors(const bwi_eigen_iteration *iteration, int count, double *x) {

@@ -211,6 +211,36 @@ static void multiplicity_uncounted(void **state) {
   free(value);
 }
 
+/* A pair nearer to each other than the tolerance of 1e-8 is one eigenvalue, and one that residuals
+ * tell apart is two, for each eigensolver, whether the last mode wanted is one of it or not. */
+static void nearly_equal(void **state) {
+  bw_context *context = check_context(state);
+  enum { SIZE = 1000 };
+  static const double apart[] = {0, 1e-9, 9e-9, 1e-7, 1e-6, 1e-4, 9e-4};
+  double *value = numbers(SIZE);
+  for (size_t a = 0; a < sizeof apart / sizeof *apart; a++)
+    for (int k = 0; k < 2 * KINDS; k++) {
+      bool last = k < KINDS;
+      diagonal d = {.size = SIZE,
+                    .value = value,
+                    .uncounted = kinds[k % KINDS] == BW_EIGENSOLVER_LOBPCG,
+                    .rough = kinds[k % KINDS] == BW_EIGENSOLVER_LOBPCG};
+      for (int i = 0; i < SIZE; i++)
+        value[i] = 1 + 0.1 * (i == 6 ? 5 : i);
+      value[6] *= 1 + apart[a];
+      bwi_eigen_result result;
+      bw_eigensolver *solver = eigensolver(context, kinds[k % KINDS]);
+      check_ok(context, lowest(context, &d, solver, last ? 6 : 8, &result));
+      double mean = apart[a] < 1e-8 ? 0.5 * (value[5] + value[6]) : value[5];
+      check_near(result.value[5], mean, 1e-12);
+      for (int i = 0; i < result.count; i++)
+        check_near(fabs(result.vector[i * SIZE + i]), 1, 1e-6);
+      bw_release(solver);
+      bwi_eigen_result_clear(&result);
+    }
+  free(value);
+}
+
 /* Two partners that the first start vectors do not contain at all: the count calls for them. */
 static void hidden_partners(void **state) {
   bw_context *context = check_context(state);
@@ -463,6 +493,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {check_test(simple_spectrum),
                                      check_test(multiplicity_beyond_the_block),
                                      check_test(multiplicity_uncounted),
+                                     check_test(nearly_equal),
                                      check_test(hidden_partners),
                                      check_test(small_spaces),
                                      check_test(same_bits_again),
