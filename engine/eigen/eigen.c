@@ -208,7 +208,9 @@ static bw_status confirm(bwi_eigen_iteration *it, int count, double tolerance,
       result->counted = true;
       break;
     }
-    int wanted = below < it->most ? (int)below : it->most, found = n;
+    /* twice as many at most, which may show a gap below this one */
+    int64_t most = 2 * (int64_t)n < it->most ? 2 * (int64_t)n : it->most;
+    int wanted = below < most ? (int)below : (int)most, found = n;
     BW_TRY(it->method->deflate(it, n));
     BW_TRY(it->method->iterate(it, wanted, tolerance));
     while (found < it->known && it->value[found] < shift)

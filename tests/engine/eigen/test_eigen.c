@@ -241,6 +241,23 @@ static void nearly_equal(void **state) {
   free(value);
 }
 
+/* Multiplicity 40: as 40 equal pieces have. The count calls for more than a basis for 15 holds. */
+static void many_equal_pieces(void **state) {
+  bw_context *context = check_context(state);
+  enum { SIZE = 2000 };
+  double *value = numbers(SIZE);
+  for (int i = 0; i < SIZE; i++)
+    value[i] = 1 + i / 40;
+  for (int k = 0; k < KINDS; k++)
+    for (int count = 15; count <= 45; count += 15) {
+      diagonal d = {.size = SIZE, .value = value};
+      bwi_eigen_result result;
+      solve(context, &d, kinds[k], count, &result);
+      bwi_eigen_result_clear(&result);
+    }
+  free(value);
+}
+
 /* Two partners that the first start vectors do not contain at all: the count calls for them. */
 static void hidden_partners(void **state) {
   bw_context *context = check_context(state);
@@ -494,6 +511,7 @@ int main(void) {
                                      check_test(multiplicity_beyond_the_block),
                                      check_test(multiplicity_uncounted),
                                      check_test(nearly_equal),
+                                     check_test(many_equal_pieces),
                                      check_test(hidden_partners),
                                      check_test(small_spaces),
                                      check_test(same_bits_again),
