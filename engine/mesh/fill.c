@@ -31,7 +31,7 @@ void bw_fill_options_default(bw_fill_options *options) {
                                .tolerance = 0.15};
 }
 
-static bw_status check_options(bw_context *context, const bw_fill_options *o) {
+bw_status bwi_fill_check_options(bw_context *context, const bw_fill_options *o) {
   if (o->order != 1 && o->order != 2)
     return bw_fail(context, BW_INVALID, "order %d: a mesh of tetrahedra has order 1 or 2",
                    o->order);
@@ -196,7 +196,7 @@ bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
   bw_fill_options_default(&defaults);
   bwi_filler f = {.context = context, .options = options ? options : &defaults};
   bw_status status;
-  BW_TRY(check_options(context, f.options));
+  BW_TRY(bwi_fill_check_options(context, f.options));
   f.field = (bw_size_field){f.options->size_point_count, f.options->size_point, f.options->size,
                             f.options->size_data};
   bw_progress(context, "filling", 0);

@@ -92,6 +92,8 @@ typedef struct bwi_filler {
   bool repaired;
 } bwi_filler;
 
+/* fill.c */
+bw_status bwi_fill_check_options(bw_context *context, const bw_fill_options *options);
 /* fill_state.c */
 void bwi_fill_describe_defects(const bw_surface_report *report, char *text, size_t size);
 void bwi_fill_append_log(bw_shape_log *to, const bw_shape_log *from);

@@ -33,6 +33,14 @@ typedef struct bwi_union_job {
 } bwi_union_job;
 bw_status bwi_cgal_union(bw_context *context, void *job, bwi_child_stream *out);
 
+/* The first of two surfaces with the points and edges that it has in common with the second. Where
+ * faces of both lie in one plane they get the same facets. Input: both closed and manifold. */
+typedef struct bwi_refine_job {
+  const bw_surface *surface, *other;
+  bool second; /* the second surface is wanted, not the first */
+} bwi_refine_job;
+bw_status bwi_cgal_refine(bw_context *context, void *job, bwi_child_stream *out);
+
 /* Triangles over closed loops of points: writes int32 triples of points, loop by loop. A loop that
  * cannot be filled gives no triangle. */
 typedef struct bwi_hole_job {

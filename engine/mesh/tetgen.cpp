@@ -84,8 +84,8 @@ void give_surface(const bwi_tetgen_job *job, tetgenio *in) {
 void give_switches(const bwi_tetgen_job *job, tetgenbehavior *behavior) {
   char switches[64];
   bool bounded = job->max_volume > 0;
-  snprintf(switches, sizeof switches, "pz%s%s%sBQ", job->keep_surface ? "Y" : "",
-           job->radius_edge > 0 ? "q1.4" : "", bounded ? "a1" : "");
+  snprintf(switches, sizeof switches, "pz%s%s%s%sBQ", job->keep_surface ? "Y" : "",
+           job->subdomains ? "A" : "", job->radius_edge > 0 ? "q1.4" : "", bounded ? "a1" : "");
   behavior->parse_commandline(switches);
   if (job->radius_edge > 0) {
     behavior->minratio = job->radius_edge;
@@ -120,6 +120,10 @@ bw_status run(bw_context *context, const bwi_tetgen_job *job, bwi_child_stream *
     status = bwi_child_write(out, made->pointlist, (size_t)count[0] * 3 * sizeof(double));
   if (status == BW_OK)
     status = bwi_child_write(out, made->tetrahedronlist, (size_t)count[1] * 4 * sizeof(int32_t));
+  for (int64_t i = 0; job->subdomains && i < count[1] && status == BW_OK; i++) {
+    int32_t subdomain = (int32_t)made->tetrahedronattributelist[i];
+    status = bwi_child_write(out, &subdomain, sizeof subdomain);
+  }
   return status;
 }
 

@@ -330,11 +330,13 @@ int lbw_mesh_faces(lua_State *L);
 void lbw_add_faces(lua_State *L, const bw_surface *surface);
 
 /* mesh_regions.c: mesh.regions, mesh.element_regions, mesh:region(name),
- * mesh:with_regions(tags, names), selection:region(name). */
+ * mesh:with_regions(tags, names), mesh:split(where, name), mesh:interface(a, b). */
 int lbw_mesh_regions(lua_State *L);
 int lbw_mesh_element_regions(lua_State *L);
 int lbw_mesh_region(lua_State *L);
 int lbw_mesh_with_regions(lua_State *L);
+int lbw_mesh_split(lua_State *L);
+int lbw_mesh_interface(lua_State *L);
 /* The region that the argument names; raises where there is none. */
 int32_t lbw_check_region(lua_State *L, int argument, const bw_mesh *mesh);
 /* Names by tag, {[tag] = name}, into a userdata that is pushed; *count: how many. */

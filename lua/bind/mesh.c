@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const bw_mesh *self(lua_State *L) {
@@ -54,6 +55,79 @@ static bw_size_point *read_size_points(lua_State *L, int index, int64_t *count) 
   return point;
 }
 
+/* The options near and size; what they need is pushed. The field is NULL without size. */
+static lbw_field *read_sizes(lua_State *L, int index, bw_fill_options *options) {
+  lbw_field *field = NULL;
+  if (lbw_option_get(L, index, "near") != LUA_TNIL)
+    options->size_point = read_size_points(L, lua_gettop(L), &options->size_point_count);
+  if (lbw_option_get(L, index, "size") != LUA_TNIL) {
+    field = lbw_field_read(L, -1, "mesh.fill: size");
+    options->size = lbw_field_value;
+    options->size_data = field;
+  }
+  return field;
+}
+
+static int by_name(const void *a, const void *b) {
+  return strcmp(((const bw_fill_part *)a)->name.text, ((const bw_fill_part *)b)->name.text);
+}
+
+/* {name = surface, ...} into a userdata that is pushed, in the order of the names. */
+static bw_fill_part *read_parts(lua_State *L, int index, int32_t *count) {
+  *count = 0;
+  lbw_check_type(L, index, LUA_TTABLE);
+  for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1))
+    ++*count;
+  bw_fill_part *part = (bw_fill_part *)lua_newuserdatauv(L, ((size_t)*count + 1) * sizeof *part, 0);
+  int32_t at = 0;
+  for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1), at++) {
+    lbw_read_name(L, -2, "mesh.fill_parts: part", &part[at].name);
+    part[at].surface = (const bw_surface *)lbw_test(L, -1, &lbw_surface_class);
+    if (!part[at].surface)
+      lbw_error(L, "mesh.fill_parts: part '%s': a surface expected, got %s", part[at].name.text,
+                lbw_got(L, -1));
+  }
+  lbw_argument_check(L, *count > 0, index, "at least one part {name = surface} expected");
+  qsort(part, (size_t)*count, sizeof *part, by_name);
+  return part;
+}
+
+/* mesh.fill_parts({name = surface, ...}, options): mesh */
+static int mesh_fill_parts(lua_State *L) {
+  struct parts {
+    bw_fill_options fill;
+    double merge;
+  } options = {.merge = 0};
+  static const lbw_option list[] = {
+      {"order", LBW_INT, offsetof(struct parts, fill.order)},
+      {"edge_length", LBW_REAL, offsetof(struct parts, fill.edge_length)},
+      {"max_volume", LBW_REAL, offsetof(struct parts, fill.max_volume)},
+      {"radius_edge", LBW_REAL, offsetof(struct parts, fill.radius_edge)},
+      {"dihedral", LBW_REAL, offsetof(struct parts, fill.dihedral)},
+      {"keep_surface", LBW_BOOLEAN, offsetof(struct parts, fill.keep_surface)},
+      {"time_limit", LBW_REAL, offsetof(struct parts, fill.time_limit)},
+      {"memory_limit", LBW_REAL, offsetof(struct parts, fill.memory_limit)},
+      {"merge", LBW_REAL, offsetof(struct parts, merge)},
+      {"near", LBW_OTHER, 0},
+      {"size", LBW_OTHER, 0},
+      {NULL, LBW_OTHER, 0}};
+  int32_t count;
+  lua_settop(L, 2);
+  bw_fill_options_default(&options.fill);
+  lbw_options(L, 2, "mesh.fill_parts", list, &options);
+  bw_fill_part *part = read_parts(L, 1, &count);
+  lbw_field *field = read_sizes(L, 2, &options.fill);
+  lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
+  bw_mesh *mesh = NULL;
+  bw_context *context = lbw_enter(L);
+  if (field)
+    lbw_field_begin(field, context);
+  bw_status status = bw_mesh_fill_parts(context, count, part, options.merge, &options.fill, &mesh);
+  if (field)
+    lbw_field_end(field, context);
+  return lbw_leave_object(L, box, mesh, status);
+}
+
 /* mesh.fill(surface, options): mesh, log */
 static int mesh_fill(lua_State *L) {
   static const lbw_option list[] = {
@@ -79,14 +153,7 @@ static int mesh_fill(lua_State *L) {
   bw_fill_options_default(&options);
   lua_settop(L, 2);
   lbw_options(L, 2, "mesh.fill", list, &options);
-  if (lbw_option_get(L, 2, "near") != LUA_TNIL)
-    options.size_point = read_size_points(L, lua_gettop(L), &options.size_point_count);
-  lbw_field *field = NULL;
-  if (lbw_option_get(L, 2, "size") != LUA_TNIL) {
-    field = lbw_field_read(L, -1, "mesh.fill: size");
-    options.size = lbw_field_value;
-    options.size_data = field;
-  }
+  lbw_field *field = read_sizes(L, 2, &options);
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *mesh = NULL;
   bw_fill_log log;
@@ -572,6 +639,8 @@ static const luaL_Reg methods[] = {{"write", mesh_write},
                                    {"faces", lbw_mesh_faces},
                                    {"region", lbw_mesh_region},
                                    {"with_regions", lbw_mesh_with_regions},
+                                   {"split", lbw_mesh_split},
+                                   {"interface", lbw_mesh_interface},
                                    {"locate", mesh_locate},
                                    {"sample", mesh_sample},
                                    {"quality", mesh_quality},
@@ -604,11 +673,9 @@ static const luaL_Reg nothing[] = {{NULL, NULL}};
 static const lbw_class locator_class = {"locator", nothing, nothing, NULL, NULL};
 
 void lbw_open_mesh(lua_State *L) {
-  static const luaL_Reg functions[] = {{"fill", mesh_fill},
-                                       {"read", mesh_read},
-                                       {"new", mesh_new},
-                                       {"box", mesh_box_grid},
-                                       {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"fill", mesh_fill},    {"fill_parts", mesh_fill_parts},
+                                       {"read", mesh_read},    {"new", mesh_new},
+                                       {"box", mesh_box_grid}, {NULL, NULL}};
   lbw_class_register(L, &lbw_mesh_class);
   lbw_class_register(L, &locator_class);
   lua_newtable(L);

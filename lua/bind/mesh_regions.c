@@ -1,8 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Regions of tetrahedral meshes: mesh.regions, mesh:region(name), selection:region(name). Those of
- * grids are in region.c. */
+/* Regions of tetrahedral meshes: lists, names, splits and interfaces. Those of grids are in
+ * region.c. */
 #include "bind.h"
 
+#include <math.h>
 #include <string.h>
 
 static const bw_mesh *self(lua_State *L) {
@@ -127,4 +128,107 @@ int lbw_mesh_with_regions(lua_State *L) {
 done:
   bw_mesh_regions_clear(&regions);
   return lbw_leave_object(L, box, out, status);
+}
+
+/* ---- splitting ------------------------------------------------------------------------------- */
+
+typedef struct places {
+  bw_context *context;
+  lbw_field *field;          /* or NULL */
+  const bw_surface *surface; /* or NULL: the box */
+  double min[3], max[3];
+} places;
+
+static bw_status are_inside(void *data, int64_t count, const double *at, uint8_t *inside) {
+  const places *p = (const places *)data;
+  if (p->surface)
+    return bw_surface_contains(p->context, p->surface, count, at, inside);
+  for (int64_t i = 0; i < count; i++) {
+    const double *x = at + 3 * i;
+    if (i % 4096 == 0) {
+      bw_status status = bw_check_cancel(p->context);
+      if (status != BW_OK)
+        return status;
+    }
+    if (p->field)
+      inside[i] = lbw_field_value(p->field, x) != 0;
+    else
+      inside[i] = x[0] >= p->min[0] && x[0] <= p->max[0] && x[1] >= p->min[1] &&
+                  x[1] <= p->max[1] && x[2] >= p->min[2] && x[2] <= p->max[2];
+  }
+  return bw_check_cancel(p->context); /* after an error of the script's function too */
+}
+
+static void read_places(lua_State *L, int index, places *p) {
+  static const lbw_option list[] = {{"min", LBW_VECTOR, offsetof(places, min)},
+                                    {"max", LBW_VECTOR, offsetof(places, max)},
+                                    {NULL, LBW_OTHER, 0}};
+  p->surface = (const bw_surface *)lbw_test(L, index, &lbw_surface_class);
+  if (lua_isfunction(L, index) || lua_type(L, index) == LUA_TSTRING)
+    p->field = lbw_field_read(L, index, "split");
+  else if (lua_istable(L, index))
+    lbw_options(L, index, "split", list, p);
+  else if (!p->surface)
+    lbw_error(
+        L,
+        "split: a function of x, y, z, a formula, a box {min =, max =} or a surface expected, "
+        "got %s",
+        lbw_got(L, index));
+}
+
+/* mesh:split(where, name): mesh, {volume, misplaced, cut} */
+int lbw_mesh_split(lua_State *L) {
+  const bw_mesh *mesh = self(L);
+  places p = {.min = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, .max = {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
+  lua_settop(L, 3);
+  const char *name = lbw_check_text(L, 3, NULL);
+  read_places(L, 2, &p);
+  lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
+  bw_mesh *out = NULL;
+  bw_split_log log = {0, 0, 0};
+  p.context = lbw_enter(L);
+  if (p.field)
+    lbw_field_begin(p.field, p.context);
+  bw_status status = bw_mesh_split(p.context, mesh, name, are_inside, &p, &out, &log);
+  if (p.field)
+    lbw_field_end(p.field, p.context);
+  lbw_box_fill(L, box, out);
+  lua_createtable(L, 0, 3);
+  lua_pushnumber(L, log.volume);
+  lua_setfield(L, -2, "volume");
+  lua_pushnumber(L, log.misplaced);
+  lua_setfield(L, -2, "misplaced");
+  lua_pushinteger(L, log.cut);
+  lua_setfield(L, -2, "cut");
+  return lbw_leave(L, status, 2);
+}
+
+typedef struct found {
+  const bw_mesh *mesh;
+  bw_mesh_interface interface;
+} found;
+
+/* The interface as a table; runs protected. */
+static int push_interface(lua_State *L) {
+  const found *f = (const found *)lua_touserdata(L, 1);
+  lua_createtable(L, 0, 3);
+  lbw_push_indices(L, f->interface.count, f->mesh->nodes_per_facet, f->interface.facet);
+  lua_setfield(L, -2, "facets");
+  lbw_push_indices(L, f->interface.count, 2, f->interface.element);
+  lua_setfield(L, -2, "elements");
+  lua_pushnumber(L, f->interface.area);
+  lua_setfield(L, -2, "area");
+  return 1;
+}
+
+/* mesh:interface(a, b): {facets, elements, area} */
+int lbw_mesh_interface(lua_State *L) {
+  found f = {.mesh = self(L)};
+  int32_t a = lbw_check_region(L, 2, f.mesh), b = lbw_check_region(L, 3, f.mesh);
+  lua_pushcfunction(L, push_interface);
+  lua_pushlightuserdata(L, &f);
+  lbw_leave_or_raise(L, bw_mesh_interface_find(lbw_enter(L), f.mesh, a, b, &f.interface));
+  int failure = lua_pcall(L, 1, 1, 0);
+  bw_mesh_interface_clear(&f.interface);
+  return failure ? lua_error(L) : 1;
 }

@@ -29,6 +29,40 @@ local mesh_module = {}
 ---@return bw.Details? details
 function mesh_module.fill(surface, options) end
 
+---Fills several closed surfaces with one conforming mesh: each becomes a region of its name, with tags from 1 in the order
+---of the names. A part may lie inside another one, which then is what surrounds it; parts may touch, or be apart. Touching
+---faces get the same facets on both sides. The surfaces are not remeshed: TetGen adds points on them where elements need
+---them. Elements of order 2 have straight edges; `mesh:curved` curves those on one of the surfaces.
+---
+---Errors: geometry (parts that overlap, a surface that is not sound, or TetGen refuses), limit (time or memory).
+---
+---Source: docs/theory/filling.md.
+---```lua
+---local core, shell = bw.surface.sphere {radius = 0.5}, bw.surface.sphere {radius = 1}
+---local mesh = assert(bw.mesh.fill_parts({core = core, shell = shell}, {edge_length = 0.4}))
+---print(mesh:region("core").volume, mesh:interface("core", "shell").area)
+---```
+---@param parts table<string, bw.Surface> closed surfaces by the names of their regions
+---@param options? bw.MeshFillPartsOptions sizes, order and limits
+---@return bw.Mesh? mesh the mesh
+---@return string? message
+---@return bw.Details? details
+function mesh_module.fill_parts(parts, options) end
+
+---Sizes, order and limits of a filling of several surfaces.
+---@class bw.MeshFillPartsOptions
+---@field order? 1|2 of the elements. Default: 1
+---@field edge_length? number (m) of elements, where facets of the surfaces are not shorter. Default: by quality and volume
+---@field max_volume? number (m3) of an element. Default: 0, no limit
+---@field radius_edge? number (-) bound on circumradius over shortest edge. Range: 0 (none), or 1 and above. Default: 1.4
+---@field dihedral? number (rad) smallest dihedral angle asked for. Range: 0 to 0.35. Default: 0, none
+---@field keep_surface? boolean add no points on the surfaces. Default: false
+---@field merge? number (m) points of the parts that are nearer are one. Default: 1e-9 of the diagonal
+---@field near? bw.MeshFillPlace[] shorter edges near points. Default: none
+---@field size? string|fun(x: number, y: number, z: number): number wanted edge length in m by place, 0: no bound; a formula as in `bw.array.map`, or a function. Default: none
+---@field time_limit? number (s) of one step. Default: 300
+---@field memory_limit? number (bytes) of one step. Default: 6e9
+
 ---Size, order and limits of a filling.
 ---@class bw.MeshFillOptions
 ---@field elements? integer (count) wanted number of elements. Default: 0, as many as quality and the other sizes ask for
@@ -260,6 +294,51 @@ function Mesh:region(name) end
 ---@return string? message
 ---@return bw.Details? details
 function Mesh:with_regions(tags, names) end
+
+---Elements whose centroid is inside something become a new region; others keep theirs, and without one are in the region
+---"rest". The border follows facets of elements, and `log.misplaced` says how far that is from the surface asked for. A
+---name that is there, and a region that would be empty or the whole mesh, raise.
+---
+---Errors: geometry (a surface that is not closed).
+---```lua
+---local mesh = assert(bw.mesh.box {max = {2, 1, 1}, cells = {4, 2, 2}})
+---local split, log = assert(mesh:split({max = {0.5, 1, 1}}, "left"))
+---print(split:region("left").volume, log.misplaced) -- 0.5 0.0
+---```
+---@param where bw.Surface|bw.MeshSplitBox|string|fun(x: number, y: number, z: number): (boolean|number) what is split off: a closed surface, a box, a formula as in `bw.array.map`, or a function
+---@param name string of the new region
+---@return bw.Mesh? mesh with the region
+---@return bw.MeshSplitLog|string log how well elements follow it, or the message
+---@return bw.Details? details
+function Mesh:split(where, name) end
+
+---A box that splits a mesh.
+---@class bw.MeshSplitBox
+---@field min? bw.Vector (m) the smallest coordinates. Default: no limit
+---@field max? bw.Vector (m) the largest coordinates. Default: no limit
+
+---How well elements follow the surface that a mesh was split at.
+---@class bw.MeshSplitLog
+---@field volume number (m3) of the new region
+---@field misplaced number (m3) parts of elements on the other side of the surface than their centroid, by 64 samples of each
+---@field cut integer (count) elements that the surface cuts
+
+---The facets between two regions. A region that is not there raises.
+---```lua
+---local mesh = assert(bw.mesh.box {max = {2, 1, 1}, cells = {4, 2, 2}})
+---mesh = assert(mesh:split({max = {0.5, 1, 1}}, "left"))
+---print(mesh:interface("left", "rest").area) -- 1.0
+---```
+---@param a string a region
+---@param b string another region
+---@return bw.MeshInterface interface no facet where the regions do not touch
+function Mesh:interface(a, b) end
+
+---The facets between two regions.
+---@class bw.MeshInterface
+---@field facets bw.Array (index from 1, n × 3 or × 6) corners, counter-clockwise seen from region b, then mid-edge nodes
+---@field elements bw.Array (index from 1, n × 2, per facet) the elements of region a and of region b
+---@field area number (m2) of the facets with straight edges
 
 ---The same mesh with nodes and elements numbered along Hilbert's space-filling curve. Edit sessions on it take less time
 ---(docs/benchmarks.md). Meshes that `bw.mesh.fill` made are numbered so.

@@ -53,4 +53,43 @@ describe("regions of a mesh", function()
     check.raises("rows", plain.with_regions, plain, {1, 2})
     check.raises("whole number", plain.with_regions, plain, bw.array.zeros(plain.element_count, 1) + 0.5)
   end)
+
+  it("are split off by a function, a formula, a box and a surface", function()
+    local mesh = halves()
+    local ways = {function(x) return x < 0.5 end, "x < 0.5", {max = {0.5, 1, 1}},
+      bw.surface.box {min = {-1, -1, -1}, max = {0.5, 2, 2}}}
+    for _, where in ipairs(ways) do
+      local split, log = assert(mesh:split(where, "left"))
+      check.near(0.5, split:region("left").volume, 1e-12)
+      check.near(0.5, log.volume, 1e-12)
+      assert.equal(0, log.misplaced)
+      local face, back = split:interface("left", "rest"), split:interface("rest", "left")
+      check.near(1, face.area, 1e-12)
+      assert.equal(face.area, back.area)
+      assert.equal(6, face.facets.column_count)
+      assert.equal(split.element_regions[face.elements:rows(1, 1):totable()[1][1]], 2)
+    end
+    check.raises("a function of x, y, z, a formula, a box", mesh.split, mesh, 7, "left")
+    check.raises("already a region", mesh.split, assert(mesh:split("x < 0.5", "left")), "x > 1", "left")
+    check.raises("would be empty", mesh.split, mesh, "x < -5", "left")
+    check.raises("stop here", mesh.split, mesh, function() error "stop here" end, "left")
+    check.raises("did you mean 'left'", mesh.interface, assert(mesh:split("x < 0.5", "left")), "lift", "rest")
+  end)
+
+  it("come from several surfaces", function()
+    local strip = {brass = bw.surface.box {max = {10, 1, 0.5}},
+      steel = bw.surface.box {min = {0, 0, 0.5}, max = {10, 1, 1}}}
+    local mesh = assert(bw.mesh.fill_parts(strip, {max_volume = 0.1, order = 2}))
+    check.near(10, mesh:interface("brass", "steel").area, 1e-12)
+    check.near(5, mesh:region("steel").volume, 1e-12)
+    assert.equal(1, mesh:region("brass").tag)
+    assert.truthy(mesh.element_count > 100)
+    local fine = assert(bw.mesh.fill_parts(strip, {size = "0.2 + 0.05 * x"}))
+    assert.truthy(fine.element_count > 2000)
+    check.fails("geometry", "'a' and 'b' overlap", bw.mesh.fill_parts {a = strip.brass,
+      b = bw.surface.box {min = {1, 0.25, 0.25}, max = {2, 0.5, 0.75}}})
+    check.raises("part 'a': a surface expected", bw.mesh.fill_parts, {a = 1})
+    check.raises("at least one part", bw.mesh.fill_parts, {})
+    check.raises("edge_length", bw.mesh.fill_parts, strip, {edge_lenght = 1})
+  end)
 end)

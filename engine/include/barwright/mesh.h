@@ -328,6 +328,40 @@ BW_API void bw_mesh_box(const bw_mesh *mesh, double min[3], double max[3]);
 /* The volume (m3) of the straight-edged elements. */
 BW_API double bw_mesh_volume(const bw_mesh *mesh);
 
+/* The facets between two regions. Those of (a, b) and (b, a) are the same, turned round. */
+typedef struct bw_mesh_interface {
+  int32_t count;    /* of facets; 0: the regions do not touch */
+  int32_t *facet;   /* (index, count x nodes_per_facet) counter-clockwise seen from region b */
+  int32_t *element; /* (index, count x 2) of region a and of region b */
+  double area;      /* (m2) of the straight-edged facets */
+} bw_mesh_interface;
+/* The facets between the regions a and b, which are indices into mesh->regions, in the order of the
+ * elements of the lower one. Release them with bw_mesh_interface_clear. BW_LIMIT beyond 2^31 - 1
+ * facets. */
+BW_API bw_status bw_mesh_interface_find(bw_context *context, const bw_mesh *mesh, int32_t a,
+                                        int32_t b, bw_mesh_interface *interface);
+BW_API void bw_mesh_interface_clear(bw_mesh_interface *interface);
+
+/* Which of `count` points, at (m, count x 3), are inside: inside (count) gets 0 or 1. */
+typedef bw_status bw_inside(void *data, int64_t count, const double *at, uint8_t *inside);
+/* How well elements follow the surface that a mesh was split at. */
+typedef struct bw_split_log {
+  double volume;    /* (m3) of the new region */
+  double misplaced; /* (m3) parts of elements on the other side of the surface than their centroid,
+                       by 64 samples of each element that the surface seems to cut */
+  int32_t cut;      /* elements that the surface cuts */
+} bw_split_log;
+/* Elements whose centroid is inside become a new region of this name; others keep their region, and
+ * without one are in the region "rest". Its border follows the facets of elements. BW_EMPTY where
+ * no centroid or every one is inside, BW_INVALID for a name that is there, BW_LIMIT where the
+ * largest tag is in use, or the status of `inside`. `log` may be NULL. */
+BW_API bw_status bw_mesh_split(bw_context *context, const bw_mesh *mesh, const char *name,
+                               bw_inside *inside, void *data, bw_mesh **split, bw_split_log *log);
+/* Which of `count` points, at (m, count x 3), a closed surface holds: inside (count) gets 0 or 1.
+ * Points on it count as inside. BW_GEOMETRY for a surface that is not closed. */
+BW_API bw_status bw_surface_contains(bw_context *context, const bw_surface *surface, int64_t count,
+                                     const double *at, uint8_t *inside);
+
 /* Measures over all elements, taken as straight-edged. */
 typedef struct bw_mesh_quality {
   double dihedral_min, dihedral_max; /* (rad) smallest and largest dihedral angle */
@@ -411,6 +445,23 @@ typedef struct bw_fill_log {
  * NULL. BW_GEOMETRY where none of this helps, BW_LIMIT where time or memory run out. */
 BW_API bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
                               const bw_fill_options *options, bw_mesh **mesh, bw_fill_log *log);
+
+/* One of several bodies that become the regions of one mesh. */
+typedef struct bw_fill_part {
+  bw_name name;              /* of its region */
+  const bw_surface *surface; /* sound, outwards; borrowed */
+} bw_fill_part;
+/* Fill several closed surfaces with one conforming mesh, a region for each, tags 1 to `count`. A
+ * part may lie inside another one, which then is what surrounds it; it may touch others; or be
+ * apart. Points of parts that are nearer than tolerance (m, 0 or more; 0: 1e-9 of the diagonal) are
+ * one; touching faces get the same facets on both sides. The surfaces are not remeshed: of
+ * `options`, order, max_volume, radius_edge, dihedral, edge_length, sizes and limits count.
+ * BW_INVALID for two parts of one name, BW_GEOMETRY for parts that overlap or a surface that is not
+ * sound, both named; BW_UNSUPPORTED with a wanted number of elements; BW_LIMIT where time or memory
+ * run out. */
+BW_API bw_status bw_mesh_fill_parts(bw_context *context, int32_t count, const bw_fill_part *part,
+                                    double tolerance, const bw_fill_options *options,
+                                    bw_mesh **mesh);
 
 /* ---- shapes by formula --------------------------------------------------------------------- */
 
