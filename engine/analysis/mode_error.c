@@ -9,28 +9,35 @@ static double correction(const bw_mesh *mesh) {
   return mesh->order == 1 ? 1 : 1.5;
 }
 
-bw_status bw_modes_error(bw_context *context, const bw_modes *modes, double *relative) {
+bw_status bw_shape_error(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                         const double *shape, double *relative) {
   bw_status status = BW_OK;
-  const bw_mesh *mesh = modes->mesh;
+  double above = 0, all = 0;
   double *error = BW_NEW(context, double, mesh->element_count);
   double *energy = BW_NEW(context, double, mesh->element_count);
   BW_TRY_MEMORY(error && energy);
-  if (modes->components != 3 || !modes->material)
-    BW_TRY(bw_fail(context, BW_INVALID,
-                   "Laplacian modes have no stress: their error is not estimated"));
-  for (int k = 0; k < modes->count; k++) {
-    const double *shape = modes->shape + 3 * (size_t)mesh->node_count * (size_t)k;
-    double above = 0, all = 0;
-    BW_TRY(bw_error_product(context, mesh, modes->material, shape, shape, error));
-    BW_TRY(bw_element_energy(context, mesh, modes->material, shape, energy));
-    for (int32_t e = 0; e < mesh->element_count; e++) {
-      above += error[e];
-      all += 2 * energy[e];
-    }
-    relative[k] = all > 0 ? correction(mesh) * above / all : 0;
+  BW_TRY(bw_error_product(context, mesh, material, shape, shape, error));
+  BW_TRY(bw_element_energy(context, mesh, material, shape, energy));
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    above += error[e];
+    all += 2 * energy[e];
   }
+  *relative = all > 0 ? correction(mesh) * above / all : 0;
 done:
   bw_free(error);
   bw_free(energy);
+  return status;
+}
+
+bw_status bw_modes_error(bw_context *context, const bw_modes *modes, double *relative) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)modes->mesh->node_count;
+  if (modes->components != 3 || !modes->material)
+    BW_TRY(bw_fail(context, BW_INVALID,
+                   "Laplacian modes have no stress: their error is not estimated"));
+  for (int k = 0; k < modes->count; k++)
+    BW_TRY(bw_shape_error(context, modes->mesh, modes->material, modes->shape + k * size,
+                          &relative[k]));
+done:
   return status;
 }

@@ -108,6 +108,7 @@
 #include "barwright/shape.h"
 
 #include "barwright/analysis.h"
+#include "barwright/buckling.h"
 #include "barwright/flow.h"
 #include "barwright/heat.h"
 #include "barwright/responsive.h"

@@ -149,6 +149,9 @@ bw_status bwi_material_carry_by_region(bw_context *context, const bw_material *m
 bool bwi_model_expands(const bw_model *model);
 /* The coefficient of expansion (1/K) that a load of temperature has in an element. */
 double bwi_expansion(const bw_model *model, const bw_load *load, int64_t element);
+/* Adds to `stress` (Voigt) what free expansion would not have at a point of an element. */
+void bwi_thermal_stress_at(const bw_model *model, int32_t element, const double at[4],
+                           double stress[6]);
 /* Nodal forces of one element that expands. */
 void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t element,
                        double (*force)[3]);

@@ -101,6 +101,23 @@ void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t eleme
   }
 }
 
+void bwi_thermal_stress_at(const bw_model *model, int32_t element, const double at[4],
+                           double stress[6]) {
+  const bw_mesh *mesh = model->mesh;
+  const int32_t *node = mesh->element + (size_t)element * (size_t)mesh->nodes_per_element;
+  for (int l = 0; l < model->load_count; l++) {
+    const bw_load *load = &model->load[l];
+    if (load->kind != BW_LOAD_TEMPERATURE)
+      continue;
+    double unit[6], change = change_at(mesh, load, node, at);
+    double projected = projected_stress(model, load, element);
+    double shift = projected != 0 ? projected * (mean_change(mesh, load, element) - change) : 0;
+    unit_stress(model, load, element, unit);
+    for (int k = 0; k < 6; k++)
+      stress[k] += change * unit[k] + (k < 3 ? shift : 0);
+  }
+}
+
 /* C : alpha 1 at points, the mean of the elements around each, as the stresses there are averaged.
  */
 static bw_status point_units(bw_context *context, const bw_model *model, const bw_load *load,

@@ -69,6 +69,7 @@ local bw = {
 }
 require "barwright.fields"
 require "barwright.adaptive"
+require "barwright.buckling"
 require "barwright.singular"
 require "barwright.critical_distance"
 

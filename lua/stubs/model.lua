@@ -256,6 +256,17 @@ function Model:modes(options) end
 ---@field time_limit? number (s) with `error`: no finer mesh that would probably take longer. Default: none
 ---@field surface? bw.Surface with `error`: what the mesh was filled from, for curved edges. Default: edges stay as they are
 
+---The load factors at which the part becomes unstable under its loads: `solve` with a factor, then `static:buckling`.
+---
+---Errors: those of `model:solve` and of `static:buckling`.
+---
+---Source: docs/theory/stability.md.
+---@param options? bw.BucklingOptions how many, and of which sign
+---@return bw.Buckling? buckling the load factors; fewer than asked for where the search ended before
+---@return string? message
+---@return bw.Details? details
+function Model:buckling(options) end
+
 ---The equations of the model, ready for many right-hand sides: with a factor, or with the preconditioner of conjugate
 ---gradients. The model keeps them for what follows.
 ---

@@ -88,6 +88,29 @@ local Static = {}
 ---@return bw.Details? details
 function Static:error_estimate() end
 
+---The load factors at which the solution becomes unstable, and their shapes. All loads, temperatures and prescribed displacements
+---grow by the factor. The equations get a factor where they have none.
+---
+---Errors: unconstrained (the part can move freely), unsupported (a solution of an edit session or of an external solver),
+---convergence (the iteration did not converge), memory (the factor does not fit), limit (too many load factors for the
+---eigensolver). A load that causes no stress raises.
+---
+---Source: docs/theory/stability.md.
+---@param options? bw.BucklingOptions how many, and of which sign
+---@return bw.Buckling? buckling the load factors; fewer than asked for where the search ended before
+---@return string? message
+---@return bw.Details? details
+function Static:buckling(options) end
+
+---How load factors are computed.
+---@class bw.BucklingOptions
+---@field count? integer (count) of load factors. Range: 1 to 500. Default: 4
+---@field sign? "either"|"positive"|"negative" those nearest to zero, those of the load as it is, or those of the reversed load. Default: "either"
+---@field tolerance? number (-) of the relative residuals of the squares. Range: above 0, below 1. Default: 1e-8
+---@field sturm? boolean count the load factors by indefinite factors, so that none is missing. Default: true
+---@field seed? integer (seed) of the start vectors. Default: 1
+---@field solver? bw.Eigensolver|"auto" the eigensolver: `lanczos`, `arpack` or `lobpcg`. Default: "auto"
+
 ---The sum of the reactions on a selection.
 ---@param selection bw.Selection where they are summed
 ---@return bw.Vector reaction (N) the sum

@@ -85,6 +85,10 @@ BW_API bw_status bw_stress_functional(bw_context *context, const bw_mesh *mesh,
                                       const bw_material *material, int64_t count,
                                       const int32_t *node, const double *weight, double *force);
 
+/* By how much the Rayleigh quotient of a shape (any, node_count x 3) is too high, *relative (-) to
+ * it, by its recovered stress (docs/theory/error_control.md). */
+BW_API bw_status bw_shape_error(bw_context *context, const bw_mesh *mesh,
+                                const bw_material *material, const double *shape, double *relative);
 /* By how much every elastic mode's eigenvalue is too high, relative (-, modes->count) to it, by the
  * recovered stress of its shape (docs/theory/error_control.md). BW_INVALID for Laplacian modes. */
 BW_API bw_status bw_modes_error(bw_context *context, const bw_modes *modes, double *relative);

@@ -5,90 +5,13 @@ local bw = require "barwright"
 local core = require "barwright.core"
 local facet_error = require "barwright.facet_error"
 local growth = require "barwright.singular_growth"
+local loads_of = require "barwright.command.loads"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
-local quantity = require "barwright.command.quantity"
 local shown = require "barwright.shown"
 local singular_places = require "barwright.singular"
 local static_picture = require "barwright.command.static_picture"
-
--- "PLACE=VALUE": what stands before and behind the last "=".
-local function split(text)
-  local place, value = text:match "^(.*)=([^=]*)$"
-  if not place then return nil, ("PLACE=VALUE expected, got '%s'"):format(text) end
-  local ok, message = places.check(place)
-  if not ok then return nil, message end
-  return place, value
-end
-
--- Loads, before anything is read: {place =, force = | pressure =}.
-local function read_loads(opts)
-  local loads = {}
-  for _, text in ipairs(opts.force) do
-    local place, value = split(text)
-    if not place then return nil, "option --force: " .. value end
-    local force, message = places.vector(value, "N")
-    if not force then return nil, "option --force: " .. message end
-    loads[#loads + 1] = {place = place, force = force}
-  end
-  for _, text in ipairs(opts.pressure) do
-    local place, value = split(text)
-    if not place then return nil, "option --pressure: " .. value end
-    local pressure, expected = quantity.read(value, "Pa")
-    if not pressure then return nil, ("option --pressure: %s expected, got '%s'"):format(expected, value) end
-    loads[#loads + 1] = {place = place, pressure = pressure}
-  end
-  if opts.gravity then
-    local gravity, message = places.vector(opts.gravity, "m/s2")
-    if not gravity then return nil, "option --gravity: " .. message end
-    loads.gravity = gravity
-  end
-  for _, place in ipairs(opts.fix) do
-    local ok, message = places.check(place)
-    if not ok then return nil, "option --fix: " .. message end
-  end
-  if #opts.fix == 0 then return nil, "option --fix PLACE is missing: a part without supports moves freely" end
-  if #loads == 0 and not loads.gravity then
-    return nil, "no load is given: --force, --pressure or --gravity is missing"
-  end
-  return loads
-end
-
-local function set_up(part, opts, loads, out)
-  local mesh, area = part.mesh, 0
-  for _, place in ipairs(opts.fix) do
-    local selection, message, details = places.select(mesh, place)
-    if not selection then return nil, message, details end
-    local ok
-    ok, message = model.try(part.fix, part, selection)
-    if not ok then return nil, place .. ": " .. message, {status = "invalid"} end
-    area = area + selection.area
-    out:say("Constrained at %s (%s).", place, core.quantity(selection.area, "m2"))
-  end
-  for _, load in ipairs(loads) do
-    local selection, message, details = places.select(mesh, load.place)
-    if not selection then return nil, message, details end
-    local ok
-    ok, message = model.try(part.load, part, {on = selection, force = load.force, pressure = load.pressure})
-    if not ok then return nil, load.place .. ": " .. message, {status = "invalid"} end
-    if load.force then
-      out:say("Load applied at %s (%s): force %s.", load.place, core.quantity(selection.area, "m2"),
-        shown.vector(load.force, "N"))
-    else
-      out:say("Load applied at %s (%s): pressure %s.", load.place, core.quantity(selection.area, "m2"),
-        core.quantity(load.pressure, "Pa"))
-    end
-  end
-  if loads.gravity then
-    if not part.material.density then
-      return nil, "the density of the material is not known", {status = "invalid"}
-    end
-    part:gravity(loads.gravity)
-    out:say("Load applied to the whole part: gravity %s.", shown.vector(loads.gravity, "m/s2"))
-  end
-  return part, area
-end
 
 -- The coarser mesh has this fraction of the elements.
 local COARSER = 1 / 4
@@ -113,7 +36,7 @@ local function on_coarser(read, opts, loads, material, radius)
   local quiet = {say = function() end}
   local mesh = model.try(bw.mesh.fill, read.surface, {elements = math.max(1, math.floor(opts.elements * COARSER)),
     order = opts.order})
-  local part = mesh and set_up(bw.model {mesh = mesh, material = material}, opts, loads, quiet)
+  local part = mesh and loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, loads, quiet)
   local static = part and model.try(part.solve, part, {solver = model.solver(opts)})
   bw.warnings() -- those of the finer mesh are shown
   return static and measure(static, mesh, material, radius)
@@ -276,7 +199,7 @@ local function analyse(opts, loads, out)
   local part, message, details
   opts.radius, message, details = averaging_radius("statics", opts.length, material, mesh.box)
   if not opts.radius then return nil, message, details end
-  part, message, details = set_up(bw.model {mesh = mesh, material = material}, opts, loads, out)
+  part, message, details = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, loads, out)
   if not part then return nil, message, details end
   out:json {supported_area_m2 = message}
   local static, accuracy
@@ -297,10 +220,9 @@ end
 local options = {
   model.material_option,
   model.fix_option,
-  {name = "force", value = "PLACE=FX,FY,FZ", many = true, what = "a total force, in N, spread over a place"},
-  {name = "pressure", value = "PLACE=PRESSURE", many = true, what = "a pressure, in Pa, on a place"},
-  {name = "gravity", value = "GX,GY,GZ",
-    what = "gravity: an acceleration in m/s2, 0,0,-9.81 for instance"},
+  loads_of.options.force,
+  loads_of.options.pressure,
+  loads_of.options.gravity,
   model.unit_option,
   model.elements_option,
   {name = "error", value = "FRACTION", type = "number", above = 0, max = 1,
@@ -336,7 +258,7 @@ return {
   examples = {"barwright statics hook.stl --fix min:z --force max:z=0,0,-50",
     {"barwright statics shelf.stl --fix min:x --pressure max:z=2kPa --gravity 0,0,-9.81", "books on a shelf"}},
   run = function(opts, out)
-    local loads, message = read_loads(opts)
+    local loads, message = loads_of.read(opts)
     if not loads then return out:misuse(message) end
     local static, answer, details = analyse(opts, loads, out)
     if not static then return out:fail(answer, details) end -- a message

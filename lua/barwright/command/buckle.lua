@@ -1,0 +1,128 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright buckle MODEL: how many times the load may grow before the part buckles.
+local bw = require "barwright"
+local loads_of = require "barwright.command.loads"
+local model = require "barwright.command.model"
+local output = require "barwright.command.output"
+local places = require "barwright.command.places"
+local shown = require "barwright.shown"
+
+-- One mesh leaves at least this open, beside the error of the shapes: that of the stress.
+local MIN_ERROR = 0.02
+
+local function analyse(opts, loads, out)
+  if opts.threads then bw.threads(opts.threads) end
+  local mesh, material, read = model.body(opts, out)
+  if not mesh then return nil, material, read end
+  local part, message, details = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, loads, out)
+  if not part then return nil, message, details end
+  out:json {supported_area_m2 = message}
+  local static, buckling, errors
+  static, message, details = model.try(part.solve, part, {solver = bw.solver.cholesky()})
+  if static then
+    buckling, message, details = model.try(static.buckling, static, {count = opts.count, sign = opts.sign})
+  end
+  out:warnings()
+  if not buckling then return nil, message, details end
+  errors, message, details = buckling:error_estimate()
+  if not errors then return nil, message, details end
+  return {static = static, buckling = buckling, errors = errors:totable()}
+end
+
+local load_words = {positive = "this load", negative = "the reversed load",
+  either = "this load and the reversed one"}
+
+-- The verdict on the loads of the wanted sign, and its words. The first factor is the smallest in size.
+local function judge(buckling, errors, sign)
+  local size, error = buckling.searched, MIN_ERROR
+  if buckling.count > 0 then
+    size, error = math.abs(buckling.factors[1]), math.max(errors[1], MIN_ERROR)
+    if size < 1 then return "buckles", "the part buckles under " .. load_words[sign] end
+  elseif not buckling.counted then
+    return "unsure", "no load factor was found, and none was excluded"
+  end
+  if size * (1 - error) > 1 then return "holds", "the part does not buckle under " .. load_words[sign] end
+  return "unsure", "the error leaves open whether the part buckles"
+end
+
+local function report(found, opts, out)
+  local buckling, errors, factors = found.buckling, found.errors, found.buckling.factors:totable()
+  local verdict, words = judge(buckling, errors, opts.sign)
+  out:say("")
+  if #factors == 0 then
+    out:say("There is no load factor of the wanted sign to %s times the load.", shown.number(buckling.searched))
+  else
+    out:say("It buckles at these multiples of the load%s:", opts.sign == "positive" and ""
+      or " (negative: of the reversed load)")
+  end
+  for i, factor in ipairs(factors) do
+    out:say("  %2d  %10s   about %s too large in size", i, shown.number(factor), shown.error(errors[i]))
+  end
+  out:say("With an error of at least %s, %s.", shown.error(MIN_ERROR), words)
+  local material, used = found.static.material, nil
+  if material.strength and buckling.factor then
+    used = found.static.utilisation:max() * buckling.factor
+    if used > 1 then
+      out:say("The stress at the first factor is %s of the strength: the material may fail before.",
+        shown.percent(used))
+    end
+  end
+  out:say(buckling.counted and "A count of the load factors confirms that none is missing."
+    or "Not counted: a smaller factor may be missing.")
+  out:say "Linear theory: loads keep their directions, and shape and supports are perfect."
+  out:json {verdict = verdict, load_factors = bw.json.list(factors), load_factor = buckling.factor,
+    errors = bw.json.list(errors), counted = buckling.counted, searched = buckling.searched,
+    utilisation_at_factor = used, fix = bw.json.list(opts.fix), material = opts.material,
+    solver = buckling.report.solver}
+  return verdict
+end
+
+return {
+  summary = "how many times a load may grow before the part buckles",
+  about = "Constrains a part at places, applies loads at others, and finds the load factors of linear buckling. A "
+    .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help .. "\n\n"
+    .. output.codes("it does not buckle", "it buckles, or the estimated error leaves it open"),
+  arguments = {model.body_argument},
+  options = {
+    model.material_option,
+    {name = "count", value = "N", type = "integer", default = 4, min = 1, max = 500, what = "how many factors"},
+    {name = "sign", value = "positive|negative|either", type = "string", default = "positive",
+      one_of = {"positive", "negative", "either"},
+      what = "factors of the load as it is, of the reversed load, or the nearest to zero"},
+    model.fix_option,
+    loads_of.options.force,
+    loads_of.options.pressure,
+    loads_of.options.gravity,
+    model.unit_option,
+    model.elements_option,
+    {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
+      what = "linear or quadratic elements; linear ones are too stiff, and their factors too large"},
+    {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
+      what = "write the shapes, for ParaView"},
+    {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
+      what = "a picture of the first shape"},
+    model.threads_option,
+  },
+  examples = {"barwright buckle strut.stl --fix min:z --force max:z=0,0,-50 --material steel",
+    {"barwright buckle shelf.stl --fix min:x --pressure max:z=2kPa --sign either --count 10",
+      "of both directions"}},
+  run = function(opts, out)
+    local loads, message = loads_of.read(opts)
+    if not loads then return out:misuse(message) end
+    local found, why, details = analyse(opts, loads, out)
+    if not found then return out:fail(why, details) end
+    local verdict = report(found, opts, out)
+    local buckling, written = found.buckling, bw.json.list {}
+    for _, how in ipairs {{opts.vtu, function() return buckling:write(opts.vtu) end},
+      {buckling.count > 0 and opts.picture, function() return buckling:picture(1, opts.picture) end}} do
+      if how[1] then
+        local ok, more, about = how[2]()
+        if not ok then return out:fail(more, about) end
+        written[#written + 1] = how[1]
+      end
+    end
+    if #written > 0 then out:say("Written: %s.", table.concat(written, ", ")) end
+    out:json {files = written}
+    return verdict == "holds" and 0 or 1
+  end,
+}

@@ -1,0 +1,97 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The supports and loads that `statics` and `buckle` take on the command line.
+local core = require "barwright.core"
+local model = require "barwright.command.model"
+local places = require "barwright.command.places"
+local quantity = require "barwright.command.quantity"
+local shown = require "barwright.shown"
+
+local loads = {}
+
+loads.options = {
+  force = {name = "force", value = "PLACE=FX,FY,FZ", many = true,
+    what = "a total force, in N, spread over a place"},
+  pressure = {name = "pressure", value = "PLACE=PRESSURE", many = true, what = "a pressure, in Pa, on a place"},
+  gravity = {name = "gravity", value = "GX,GY,GZ",
+    what = "gravity: an acceleration in m/s2, 0,0,-9.81 for instance"},
+}
+
+-- "PLACE=VALUE": what stands before and behind the last "=".
+local function split(text)
+  local place, value = text:match "^(.*)=([^=]*)$"
+  if not place then return nil, ("PLACE=VALUE expected, got '%s'"):format(text) end
+  local ok, message = places.check(place)
+  if not ok then return nil, message end
+  return place, value
+end
+
+--- Loads, before anything is read: {place =, force = | pressure =}.
+function loads.read(opts)
+  local list = {}
+  for _, text in ipairs(opts.force) do
+    local place, value = split(text)
+    if not place then return nil, "option --force: " .. value end
+    local force, message = places.vector(value, "N")
+    if not force then return nil, "option --force: " .. message end
+    list[#list + 1] = {place = place, force = force}
+  end
+  for _, text in ipairs(opts.pressure) do
+    local place, value = split(text)
+    if not place then return nil, "option --pressure: " .. value end
+    local pressure, expected = quantity.read(value, "Pa")
+    if not pressure then return nil, ("option --pressure: %s expected, got '%s'"):format(expected, value) end
+    list[#list + 1] = {place = place, pressure = pressure}
+  end
+  if opts.gravity then
+    local gravity, message = places.vector(opts.gravity, "m/s2")
+    if not gravity then return nil, "option --gravity: " .. message end
+    list.gravity = gravity
+  end
+  for _, place in ipairs(opts.fix) do
+    local ok, message = places.check(place)
+    if not ok then return nil, "option --fix: " .. message end
+  end
+  if #opts.fix == 0 then return nil, "option --fix PLACE is missing: a part without supports moves freely" end
+  if #list == 0 and not list.gravity then
+    return nil, "no load is given: --force, --pressure or --gravity is missing"
+  end
+  return list
+end
+
+--- Supports and loads of a part; the part and the supported area (m2), or nil, message, details.
+function loads.set_up(part, opts, given, out)
+  local mesh, area = part.mesh, 0
+  for _, place in ipairs(opts.fix) do
+    local selection, message, details = places.select(mesh, place)
+    if not selection then return nil, message, details end
+    local ok
+    ok, message = model.try(part.fix, part, selection)
+    if not ok then return nil, place .. ": " .. message, {status = "invalid"} end
+    area = area + selection.area
+    out:say("Constrained at %s (%s).", place, core.quantity(selection.area, "m2"))
+  end
+  for _, load in ipairs(given) do
+    local selection, message, details = places.select(mesh, load.place)
+    if not selection then return nil, message, details end
+    local ok
+    ok, message = model.try(part.load, part, {on = selection, force = load.force, pressure = load.pressure})
+    if not ok then return nil, load.place .. ": " .. message, {status = "invalid"} end
+    if load.force then
+      out:say("Load applied at %s (%s): force %s.", load.place, core.quantity(selection.area, "m2"),
+        shown.vector(load.force, "N"))
+    else
+      out:say("Load applied at %s (%s): pressure %s.", load.place, core.quantity(selection.area, "m2"),
+        core.quantity(load.pressure, "Pa"))
+    end
+  end
+  if given.gravity then
+    if not part.material.density then
+      return nil, "the density of the material is not known", {status = "invalid"}
+    end
+    part:gravity(given.gravity)
+    out:say("Load applied to the whole part: gravity %s.", shown.vector(given.gravity, "m/s2"))
+  end
+  return part, area
+end
+
+return loads
