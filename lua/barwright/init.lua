@@ -13,6 +13,7 @@ local bw = {
   material = core.material,
   solver = core.solver,
   model = core.model,
+  heat = core.heat,
   eigensolver = core.eigensolver,
   element_stress = core.element_stress,
   nodal_stress = core.nodal_stress,
@@ -70,6 +71,7 @@ local bw = {
 require "barwright.fields"
 require "barwright.adaptive"
 require "barwright.buckling"
+require "barwright.heat"
 require "barwright.singular"
 require "barwright.critical_distance"
 

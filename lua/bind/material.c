@@ -23,7 +23,59 @@ static const char *name_option(lua_State *L, const char *function) {
   return name;
 }
 
-/* material.isotropic{young, poisson, density, strength, toughness, name} */
+/* The options "conductivity" (one number, three along the axes, or rows {temperature,
+ * conductivity}) and "heat_capacity". */
+static void thermal_options(lua_State *L, const char *function, bool isotropic,
+                            bw_thermal *thermal) {
+  memset(thermal, 0, sizeof *thermal);
+  int type = lbw_option_get(L, 1, "conductivity");
+  bool rows = false;
+  if (type == LUA_TTABLE) {
+    rows = lua_rawgeti(L, -1, 1) == LUA_TTABLE;
+    lua_pop(L, 1);
+  }
+  if (type == LUA_TNUMBER)
+    thermal->conductivity[0] = lua_tonumber(L, -1);
+  else if (rows && isotropic) {
+    int64_t count;
+    const double *row = lbw_to_doubles(L, -1, "conductivity", 2, &count);
+    if (count > BW_THERMAL_ROWS)
+      lbw_error(L, "%s: option 'conductivity': up to %d rows expected, got %d", function,
+                (int)BW_THERMAL_ROWS, (int)count);
+    lua_pop(L, 1);
+    thermal->rows = (int)count;
+    thermal->conductivity[0] = row[1];
+    for (int i = 0; i < thermal->rows; i++) {
+      thermal->temperature[i] = row[2 * i];
+      thermal->factor[i] = row[2 * i + 1] / row[1];
+    }
+  } else if (type != LUA_TNIL && (isotropic || !lbw_to_vector(L, -1, thermal->conductivity)))
+    lbw_option_refused(L, function, "conductivity",
+                       isotropic ? "a number in W/(m K), or rows {temperature, conductivity}"
+                                 : "a number in W/(m K), or three along the axes");
+  if (isotropic || type == LUA_TNUMBER)
+    thermal->conductivity[1] = thermal->conductivity[2] = thermal->conductivity[0];
+  lua_pop(L, 1);
+  type = lbw_option_get(L, 1, "heat_capacity");
+  if (type == LUA_TNUMBER)
+    thermal->heat_capacity = lua_tonumber(L, -1);
+  else if (type != LUA_TNIL)
+    lbw_option_refused(L, function, "heat_capacity", "a number in J/(kg K)");
+  lua_pop(L, 1);
+}
+
+/* The material on the way to its box, with its thermal constants. */
+static int leave_material(lua_State *L, lbw_box *box, bw_status status, bw_material *made,
+                          const bw_thermal *thermal) {
+  bw_material *warm = NULL;
+  if (status == BW_OK)
+    status = bw_material_with_thermal(lbw_state_of(L)->context, made, thermal, &warm);
+  bw_release(made);
+  return lbw_leave_object(L, box, warm, status);
+}
+
+/* material.isotropic{young, poisson, density, strength, toughness, conductivity, heat_capacity,
+ * name} */
 static int material_isotropic(lua_State *L) {
   static const lbw_option list[] = {{"young", LBW_REAL, offsetof(bw_isotropic, young)},
                                     {"poisson", LBW_REAL, offsetof(bw_isotropic, poisson)},
@@ -31,6 +83,8 @@ static int material_isotropic(lua_State *L) {
                                     {"strength", LBW_REAL, offsetof(bw_isotropic, strength)},
                                     {"toughness", LBW_REAL, offsetof(bw_isotropic, toughness)},
                                     {"expansion", LBW_REAL, offsetof(bw_isotropic, expansion)},
+                                    {"conductivity", LBW_OTHER, 0},
+                                    {"heat_capacity", LBW_OTHER, 0},
                                     {"name", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
   bw_isotropic constants;
@@ -38,14 +92,16 @@ static int material_isotropic(lua_State *L) {
   lbw_check_type(L, 1, LUA_TTABLE);
   lbw_options(L, 1, "material.isotropic", list, &constants);
   constants.name = name_option(L, "material.isotropic");
+  bw_thermal thermal;
+  thermal_options(L, "material.isotropic", true, &thermal);
   lbw_box *box = lbw_box_new(L, &lbw_material_class);
   bw_material *out = NULL;
   bw_status status = bw_material_isotropic(lbw_enter(L), &constants, &out);
-  return lbw_leave_object(L, box, out, status);
+  return leave_material(L, box, status, out, &thermal);
 }
 
-/* material.orthotropic{young, poisson, poisson_t, shear, axes, density, strength, toughness, name}
- */
+/* material.orthotropic{young, poisson, poisson_t, shear, axes, density, strength, toughness,
+ * conductivity, heat_capacity, name} */
 static int material_orthotropic(lua_State *L) {
   static const lbw_option list[] = {{"young", LBW_VECTOR, offsetof(bw_orthotropic, young)},
                                     {"poisson", LBW_VECTOR, offsetof(bw_orthotropic, poisson)},
@@ -56,6 +112,8 @@ static int material_orthotropic(lua_State *L) {
                                     {"expansion", LBW_REAL, offsetof(bw_orthotropic, expansion)},
                                     {"density", LBW_REAL, offsetof(bw_orthotropic, density)},
                                     {"axes", LBW_OTHER, 0},
+                                    {"conductivity", LBW_OTHER, 0},
+                                    {"heat_capacity", LBW_OTHER, 0},
                                     {"name", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
   bw_orthotropic constants;
@@ -65,10 +123,12 @@ static int material_orthotropic(lua_State *L) {
   constants.name = name_option(L, "material.orthotropic");
   if (lbw_option_get(L, 1, "axes") != LUA_TNIL)
     lbw_check_matrix(L, -1, "material.orthotropic: axes", 3, 3, constants.axes);
+  bw_thermal thermal;
+  thermal_options(L, "material.orthotropic", false, &thermal);
   lbw_box *box = lbw_box_new(L, &lbw_material_class);
   bw_material *out = NULL;
   bw_status status = bw_material_orthotropic(lbw_enter(L), &constants, &out);
-  return lbw_leave_object(L, box, out, status);
+  return leave_material(L, box, status, out, &thermal);
 }
 
 /* material.named(name); raises for an unknown name and names the nearest */
@@ -246,6 +306,20 @@ static int material_critical_distance(lua_State *L) {
   return 1;
 }
 
+static int material_conductivity(lua_State *L) {
+  const bw_material *material = self(L);
+  if (!(material->thermal.conductivity[0] > 0)) {
+    lua_pushnil(L);
+    return 1;
+  }
+  return push_constant(L, material, material->thermal.conductivity);
+}
+
+static int material_heat_capacity(lua_State *L) {
+  push_known(L, self(L)->thermal.heat_capacity);
+  return 1;
+}
+
 static int material_axes(lua_State *L) {
   const bw_material *material = self(L);
   return lbw_push_borrowed(L, BW_F64, 3, 3, material->axes, material);
@@ -282,7 +356,10 @@ static int material_sources(lua_State *L) {
     push_value(L, key, &material->poisson_value[i]);
     snprintf(key, sizeof key, "strength_%d", i + 1);
     push_value(L, key, &material->strength_value[i]);
+    snprintf(key, sizeof key, "conductivity_%d", i + 1);
+    push_value(L, key, &material->conductivity_value[i]);
   }
+  push_value(L, "heat_capacity", &material->heat_capacity_value);
   push_value(L, "density", &material->density_value);
   push_value(L, "toughness", &material->toughness_value);
   const bw_value critical = bw_material_critical_distance_value(material);
@@ -355,6 +432,8 @@ static int material_tostring(lua_State *L) {
   }
   add_source(&buffer, "density", "", &material->density_value, "kg/m3");
   add_source(&buffer, "fracture toughness", "", &material->toughness_value, "Pa m^0.5");
+  add_source(&buffer, "conductivity", "", &material->conductivity_value[0], "W/(m K)");
+  add_source(&buffer, "heat capacity", "", &material->heat_capacity_value, "J/(kg K)");
   const bw_value critical = bw_material_critical_distance_value(material);
   add_source(&buffer, "critical distance", "", &critical, "m");
   luaL_pushresult(&buffer);
@@ -377,6 +456,8 @@ static const luaL_Reg properties[] = {{"name", material_name},
                                       {"expansion", material_expansion},
                                       {"parts", material_parts},
                                       {"critical_distance", material_critical_distance},
+                                      {"conductivity", material_conductivity},
+                                      {"heat_capacity", material_heat_capacity},
                                       {"axes", material_axes},
                                       {"elasticity", material_elasticity},
                                       {"sources", material_sources},

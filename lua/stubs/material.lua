@@ -36,6 +36,8 @@ function material_module.isotropic(options) end
 ---@field strength? number (Pa) tensile strength; 0: not known. Default: 0
 ---@field toughness? number (Pa m^0.5) fracture toughness K_Ic; 0: not known. Default: 0
 ---@field expansion? number (1/K) coefficient of linear expansion, alike in all directions. Default: 0
+---@field conductivity? number|number[][] (W/(m K), n × 2) thermal conductivity, or up to 16 rows {temperature, conductivity} of ascending temperatures (K), linear between and constant outside; 0: not known. Default: 0
+---@field heat_capacity? number (J/(kg K)) heat capacity per mass; 0: not known. Default: 0
 ---@field name? string for `print`. Default: none
 
 ---An orthotropic material, by nine constants along its axes 1, 2 and 3. Constants that do not belong to a stable material,
@@ -62,6 +64,8 @@ function material_module.orthotropic(options) end
 ---@field strength? bw.Vector (Pa) tensile strengths along the axes; 0: not known. Default: 0
 ---@field toughness? number (Pa m^0.5) fracture toughness K_Ic; 0: not known. Default: 0
 ---@field expansion? number (1/K) coefficient of linear expansion, alike in all directions. Default: 0
+---@field conductivity? number|bw.Vector (W/(m K)) thermal conductivity, or three along the axes; 0: not known. Default: 0
+---@field heat_capacity? number (J/(kg K)) heat capacity per mass; 0: not known. Default: 0
 ---@field name? string for `print`. Default: none
 
 ---A material of the library. An unknown name raises an error that names the nearest.
@@ -98,11 +102,13 @@ function material_module.names() end
 ---@field toughness number? (Pa m^0.5) fracture toughness K_Ic; nil where it is not known
 ---@field expansion number? (1/K) coefficient of linear expansion; nil where it is none
 ---@field parts bw.Material[]? of a model with several materials: each of them once. Density, strength and toughness are then the least of them, and moduli are nil. nil where there is one material
+---@field conductivity number|bw.Vector|nil (W/(m K)) thermal conductivity, along the axes of an orthotropic material; of a table its first row; nil where it is not known
+---@field heat_capacity number? (J/(kg K)) per mass; nil where it is not known
 ---@field critical_distance number? (m) (toughness / strength)^2 / pi, by the largest strength; nil where it is not known
 ---@field axes bw.Array (-, 3 × 3) rows are the material axes
 ---@field rotated_by_element boolean whether the axes differ from element to element, as in an edit session with `rotate_material`; `axes` and `elasticity` are then those before
 ---@field elasticity bw.Array (Pa, 6 × 6) in the order xx yy zz yz zx xy, for engineering shear strains, in directions of space
----@field sources table<string, bw.MaterialSource> by value: young_1, poisson_12, strength_1, ..., density, toughness, critical_distance
+---@field sources table<string, bw.MaterialSource> by value: young_1, poisson_12, strength_1, ..., conductivity_1, heat_capacity, density, toughness, critical_distance
 local Material = {}
 
 ---Where a value of a material comes from, in the unit of the value.

@@ -1,0 +1,123 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Heat: files and pictures of temperatures, and steps in time with histories and a chosen error.
+local arguments = require "barwright.arguments"
+local core = require "barwright.core"
+local fine_boundary = require "barwright.fine_boundary"
+local options = require "barwright.options"
+
+local raise = core.raise
+
+local solution = core.classes.heat_solution.methods
+
+--- Temperature, flux and reaction, as .vtu (or what the ending says).
+function solution:write(path)
+  return self.mesh:write(path, {fields = {
+    temperature = {self.temperature, on = "nodes"}, heat_flux = {self.flux, on = "nodes"},
+    reaction = {self.reaction, on = "nodes"}, element_heat_flux = {self.element_flux, on = "elements"}}})
+end
+
+--- The body coloured by its temperature; options of bw.picture.
+function solution:picture(path, given)
+  local opts = {}
+  for key, value in pairs(given or {}) do opts[key] = value end
+  local surface, nodes, details = fine_boundary(self.mesh)
+  if not surface then return nil, nodes, details end
+  opts.values = self.temperature:gather(nodes)
+  opts.unit = opts.unit or "temperature, K"
+  return core.picture(surface, path, opts)
+end
+
+-- The value at a time of {{time, value}, ...}, linear between the rows and constant outside.
+local function interpolate(rows, time)
+  local before = rows[1]
+  for i = 1, #rows do
+    local row = rows[i]
+    if row[1] >= time then
+      if i == 1 then return row[2] end
+      return before[2] + (row[2] - before[2]) * (time - before[1]) / (row[1] - before[1])
+    end
+    before = row
+  end
+  return before[2]
+end
+
+local function are_rows(rows)
+  if #rows == 0 then return false end
+  for i, row in ipairs(rows) do
+    if type(row) ~= "table" or type(row[1]) ~= "number" or type(row[2]) ~= "number" then return false end
+    if i > 1 and row[1] <= rows[i - 1][1] then return false end
+  end
+  return true
+end
+
+-- The values of conditions as functions of time.
+local function read_histories(given)
+  local histories = {}
+  for index, history in pairs(given) do
+    if type(history) == "function" then
+      histories[index] = history
+    elseif type(history) == "table" and are_rows(history) then
+      histories[index] = function(time) return interpolate(history, time) end
+    else
+      raise(("run: the history of condition %s: a function of time or rows {time, value} of ascending times "
+        .. "expected, got %s"):format(tostring(index), core.got(history)))
+    end
+  end
+  return histories
+end
+
+local function set_values(heat, histories, time)
+  for index, history in pairs(histories) do
+    local value = history(time)
+    if type(value) ~= "number" then
+      raise(("run: the history of condition %s must return a number, it returned %s"):format(tostring(index),
+        core.got(value)))
+    end
+    local ok, message, details = heat:set(index, value)
+    if not ok then return nil, message, details end
+  end
+  return true
+end
+
+local transient = core.classes.heat_transient.methods
+
+--- Steps to a time; see lua/stubs/heat.lua.
+function transient:run(given)
+  local opts = options.read("run", given, {
+    time = {type = "number", needed = true, above = 0},
+    step = {type = "number", needed = true, above = 0},
+    tolerance = {type = "number", above = 0},
+    histories = {type = "table", default = {}},
+    each = {type = "function"},
+  })
+  local histories, heat, first = read_histories(opts.histories), self.heat, self.time
+  local step, limit = opts.step, opts.tolerance
+  while self.time < opts.time * (1 - 1e-12) do
+    local left = opts.time - self.time
+    local h = left < step * (1 + 1e-9) and left or step
+    if limit and left > h and left < 2 * h then h = left / 2 end
+    local ok, message, details = core.report_progress("time steps", (self.time - first) / (opts.time - first))
+    if ok then ok, message, details = set_values(heat, histories, self.time + h) end
+    if not ok then return nil, message, details end
+    local taken, why, more = self:step(h, limit)
+    if taken == nil then return nil, why, more end
+    if taken and opts.each then opts.each(self.now) end
+    if limit then -- the error of a step grows with a power of it: aim at a half of what is allowed
+      local ratio = self.error > 0 and math.sqrt(0.5 * limit / self.error) or 1
+      if not taken then
+        step = h * math.max(0.1, math.min(0.5, ratio))
+      elseif ratio > 1.5 then
+        step = h * math.min(2, ratio)
+      end
+      if step < 1e-9 * opts.time then
+        raise(("run: the step fell to %g s without reaching the tolerance of %g K: give a larger one, or a "
+          .. "history without jumps"):format(step, limit))
+      end
+    end
+  end
+  return self.now
+end
+
+arguments.methods("heat_solution", solution, nil, {write = "path: string",
+  picture = "path: string, options?: options"})
+arguments.methods("heat_transient", transient, nil, {run = "options: options"})

@@ -1,0 +1,82 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Heat from scripts: histories and chosen errors in time, thermal stress from a computed field, misuse.
+local bw = require "barwright"
+local check = require "check"
+
+local function bar(material, order)
+  local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 1, 1}, order = order or 2}
+  return bw.heat {mesh = mesh, material = material}, mesh
+end
+
+local metal = bw.material.isotropic {young = 70e9, poisson = 0.3, density = 7200, conductivity = 35,
+  heat_capacity = 440.5}
+
+local function at(solution, x)
+  local value, least = nil, math.huge
+  local nodes = solution.mesh.nodes
+  for i = 1, #nodes do
+    local distance = math.abs(nodes[i][1] - x) + nodes[i][2] + nodes[i][3]
+    if distance < least then value, least = solution.temperature[i], distance end
+  end
+  return value
+end
+
+describe("heat", function()
+  it("NAFEMS T3 with a history and a chosen error", function()
+    local heat, mesh = bar(metal)
+    heat:prescribe(mesh.boundary:below("x", 0), 0):prescribe(mesh.boundary:above("x", 0.1), 0)
+    local function history(time) return 100 * math.sin(math.pi * time / 40) end
+    local before = math.huge
+    for _, tolerance in ipairs {0.05, 0.002} do
+      local transient = assert(heat:set(2, 0):transient {initial = 0, scheme = "bdf2"})
+      local now = assert(transient:run {time = 32, step = 0.1, tolerance = tolerance, histories = {[2] = history}})
+      check.near(32, now.time, 1e-9)
+      check.near(36.60, at(now, 0.08), tolerance > 0.01 and 0.01 or 0.003)
+      assert.is_true(math.abs(now.imbalance) <= 1e-9 * math.abs(now.stored))
+      local lengths = transient.steps
+      assert.is_true(before == math.huge or lengths > before)
+      before = lengths
+    end
+  end)
+
+  it("rows of a history are linear between and constant outside", function()
+    local heat, mesh = bar(metal, 1)
+    heat:load {on = mesh.boundary:below("x", 0), heat_flux = 0}
+    local transient = assert(heat:transient {initial = 300, scheme = "crank_nicolson"})
+    local heats = {}
+    assert(transient:run {time = 4, step = 1, histories = {{{1, 100}, {3, 300}}},
+      each = function(now) heats[#heats + 1] = now.heat_in[1] / 1e-4 end})
+    for i, expected in ipairs {100, 200, 250, 300} do check.near(expected, heats[i], 1e-6) end
+  end)
+
+  it("thermal stress of a computed field: a bar between walls", function()
+    local heat, mesh = bar(metal)
+    heat:prescribe(mesh.boundary:below("x", 0), 300):prescribe(mesh.boundary:above("x", 0.1), 400)
+    local solution = assert(heat:solve())
+    local part = bw.model {mesh = mesh, material = metal}
+    part:slide(mesh.boundary:below("x", 0), {1, 0, 0}):slide(mesh.boundary:above("x", 0.1), {1, 0, 0})
+    part:temperature(solution.temperature - 300, 20e-6)
+    local static = assert(part:solve())
+    -- the mean change of 50 K is prevented: -E alpha dT on the walls
+    check.near(70e9 * 20e-6 * 50 * 1e-4, static:reaction_on(mesh.boundary:below("x", 0))[1], 1e-3)
+  end)
+
+  it("materials", function()
+    check.near(53.3, bw.material.steel.conductivity, 0)
+    check.near(896, bw.material.aluminium.heat_capacity, 0)
+    assert.is_true(bw.material.abs.conductivity == nil)
+    local wood = bw.material.orthotropic {young = {11e9, 0.9e9, 0.5e9}, poisson_t = {0.3, 0.02, 0.03},
+      conductivity = {0.3, 0.15, 0.1}}
+    check.near(0.1, wood.conductivity[3], 1e-15)
+  end)
+
+  it("misuse", function()
+    local heat, mesh = bar(metal)
+    check.raises("has no conductivity", bw.heat, {mesh = mesh, material = bw.material.abs})
+    check.raises("one of the options", heat.load, heat, {})
+    check.raises("ascending times", function()
+      assert(heat:transient {initial = 0}):run {time = 1, step = 1, histories = {{{1, 2}, {1, 3}}}}
+    end)
+    check.fails("unconstrained", "no steady temperature", heat:solve())
+  end)
+end)
