@@ -75,6 +75,7 @@ typedef struct gather_data {
   const int32_t *group; /* by element: where the material is rotated by element, or NULL */
   tensor *sum; /* threads x 2 x longest row: of gradients, then of mean gradients with B-bar */
   int64_t longest;
+  const uint8_t *wanted; /* rows, or NULL: all */
   double *values;          /* all, or NULL: a row at a time, to `take` */
   double *row;             /* then threads x longest row x 9 */
   bwi_stiffness_row *take; /* with `data` */
@@ -219,6 +220,8 @@ static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker)
   const bw_block_pattern *pattern = g->rows.pattern;
   int32_t *place = g->rows.place + (int64_t)worker * pattern->node_count;
   for (int64_t i = begin; i < end; i++) {
+    if (g->wanted && !g->wanted[i])
+      continue;
     double *row = g->values ? g->values + (g->kind == TRACE ? 1 : 9) * pattern->start[i]
                             : g->row + 9 * worker * g->longest;
     gather_row(g, i, place, g->sum + 2 * worker * g->longest, row);
@@ -308,6 +311,12 @@ done:
   bwi_row_sums_close(&g->rows);
   bwi_frames_clear(&g->frames);
   return status;
+}
+
+bw_status bwi_stiffness_update(bw_context *context, const bw_block_pattern *pattern,
+                               const bw_mesh *mesh, const bw_material *material,
+                               const uint8_t *rows, double *values) {
+  return gather(context, pattern, mesh, material, &(gather_data){.wanted = rows, .values = values});
 }
 
 bw_status bw_stiffness(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,

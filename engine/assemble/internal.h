@@ -96,6 +96,11 @@ static inline void bwi_gradients_at_node(const bw_mesh *mesh, int64_t element, i
   bw_tet_gradient(mesh->order, (const double(*)[3])x, l, gradient);
 }
 
+/* bw_stiffness of the rows of the nodes that are not 0 in `rows` alone, with the same bits. The
+ * other values are left as they are. */
+bw_status bwi_stiffness_update(bw_context *context, const bw_block_pattern *pattern,
+                               const bw_mesh *mesh, const bw_material *material,
+                               const uint8_t *rows, double *values);
 /* BW_INVALID unless the mesh has the pattern's topology (by its sizes). */
 bw_status bwi_block_pattern_fits(bw_context *context, const bw_block_pattern *pattern,
                                  const bw_mesh *mesh);

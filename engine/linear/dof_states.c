@@ -65,3 +65,14 @@ void bwi_project_unknowns(const bw_dof_map *dof_map, int64_t node, const double 
       out[d] += along * frame[3 * c + d];
   }
 }
+
+bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b) {
+  if (a == b)
+    return true;
+  size_t nodes = (size_t)a->mesh->node_count;
+  return a->mesh->node_count == b->mesh->node_count && a->frame_count == b->frame_count &&
+         a->rigid_mode_count == b->rigid_mode_count && memcmp(a->state, b->state, 3 * nodes) == 0 &&
+         memcmp(a->frame_of, b->frame_of, nodes * sizeof(int32_t)) == 0 &&
+         (a->frame_count == 0 ||
+          memcmp(a->frame, b->frame, 9 * (size_t)a->frame_count * sizeof(double)) == 0);
+}

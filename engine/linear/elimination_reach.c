@@ -15,6 +15,7 @@ static void reach_destroy(void *object) {
   bw_release(reach->symbolic);
   bw_free(reach->set);
   bw_free(reach->keep);
+  bw_free(reach->part);
   bw_free(reach);
 }
 
@@ -116,6 +117,55 @@ double bwi_elimination_reach_flops(const bwi_elimination_reach *reach,
     if (meets(reach, s, touched_subdomain))
       flops += bwi_front_flops(reach->symbolic, s);
   return flops;
+}
+
+/* The subdomain of an element: that of its node eliminated first; 0 where none is eliminated. */
+static int32_t part_of(const bwi_order *order, const int32_t *part, const int32_t *node,
+                       int nodes) {
+  int32_t first = INT32_MAX;
+  for (int a = 0; a < nodes; a++) {
+    int32_t position = order->position[node[a]];
+    if (position >= 0 && position < first)
+      first = position;
+  }
+  return first < INT32_MAX ? part[first] : 0;
+}
+
+bw_status bwi_elimination_reach_create_by_plan(bw_context *context, bwi_symbolic *symbolic,
+                                               const bw_mesh *mesh, bwi_elimination_reach **out) {
+  bw_status status = BW_OK;
+  const bwi_order *order = symbolic->order;
+  const bwi_plan *plan = &symbolic->plan;
+  int32_t *part = BW_NEW(context, int32_t, order->size);
+  int32_t *subdomain = BW_NEW(context, int32_t, mesh->element_count);
+  BW_TRY_MEMORY(part && subdomain);
+  for (int32_t t = 0; t < plan->task_count; t++)
+    for (int32_t p = order->super[plan->task[t].first]; p < order->super[plan->task[t].root + 1];
+         p++)
+      part[p] = t;
+  for (int32_t k = 0; k < plan->top_count; k++)
+    for (int32_t p = order->super[plan->top[k]]; p < order->super[plan->top[k] + 1]; p++)
+      part[p] = plan->task_count + k;
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    subdomain[e] =
+        part_of(order, part, mesh->element + e * mesh->nodes_per_element, mesh->nodes_per_element);
+  BW_TRY(bwi_elimination_reach_create(context, symbolic, mesh, plan->task_count + plan->top_count,
+                                      subdomain, out));
+  (*out)->part = part;
+  part = NULL;
+done:
+  bw_free(part);
+  bw_free(subdomain);
+  return status;
+}
+
+void bwi_elimination_reach_touch(const bwi_elimination_reach *reach, const bw_mesh *mesh,
+                                 const uint8_t *changed, uint8_t *touched_subdomain) {
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    if (changed[e])
+      touched_subdomain[part_of(reach->symbolic->order, reach->part,
+                                mesh->element + e * mesh->nodes_per_element,
+                                mesh->nodes_per_element)] = 1;
 }
 
 bw_status bwi_elimination_reach_create_whole(bw_context *context, bwi_symbolic *symbolic,

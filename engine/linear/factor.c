@@ -320,6 +320,16 @@ static void factor_destroy(void *object) {
   bw_free(factor);
 }
 
+double bwi_factor_peak_bytes(const bwi_symbolic *symbolic, int threads) {
+  const bwi_plan *plan = &symbolic->plan;
+  double stack = 0;
+  for (int32_t t = 0; t < plan->task_count; t++)
+    stack = fmax(stack, (double)plan->task[t].stack);
+  stack = fmax(stack * threads, (double)plan->top_stack);
+  return sizeof(double) *
+         ((double)symbolic->panel[symbolic->order->super_count] + (double)plan->own + stack);
+}
+
 size_t bwi_factor_bytes(const bwi_factor *factor) {
   if (factor->cholmod)
     return bwi_cholmod_bytes(factor->cholmod);
@@ -508,6 +518,45 @@ bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
                                const bwi_matrix *matrix, bwi_elimination_reach *reach,
                                const bwi_kernels *kernels, bwi_factor **factor, int32_t *bad_node) {
   return create(context, symbolic, matrix, reach, kernels, factor, bad_node);
+}
+
+bwi_elimination_reach *bwi_factor_reach(const bwi_factor *factor) {
+  return factor->kept && !factor->cholmod ? factor->kept->reach : NULL;
+}
+
+void bwi_factor_release_work(bwi_factor *factor) {
+  if (factor->kept)
+    store_clear(&factor->kept->store);
+}
+
+bw_status bwi_factor_create_updated(bw_context *context, const bwi_factor *former,
+                                    const bwi_matrix *matrix, const uint8_t *touched_subdomain,
+                                    double *flops, bwi_factor **out, int32_t *bad_node) {
+  bw_status status = BW_OK;
+  const bwi_symbolic *symbolic = former->symbolic;
+  size_t numbers = (size_t)symbolic->panel[symbolic->order->super_count];
+  bwi_elimination_reach *reach = bwi_factor_reach(former);
+  bwi_factor *factor = BW_NEW0(context, bwi_factor, 1);
+  if (!factor)
+    return BW_MEMORY;
+  bw_object_init(factor, &factor_kind);
+  factor->symbolic = bw_retain(symbolic);
+  factor->kernels = former->kernels;
+  factor->unit = former->unit;
+  factor->value = bwi_alloc_once(context, numbers, factor->kernels->size);
+  BW_TRY_MEMORY(factor->value);
+  BW_TRY(kept_create(context, symbolic, reach, factor));
+  memcpy(factor->value, former->value, numbers * factor->kernels->size);
+  memcpy(factor->kept->block, former->kept->block,
+         (size_t)reach->kept_numbers * factor->kernels->size);
+  factor->broken = former->broken;
+  BW_TRY(bwi_factor_update(context, factor, matrix, touched_subdomain, flops, bad_node));
+done:
+  if (status == BW_OK)
+    *out = factor;
+  else
+    bw_release(factor);
+  return status;
 }
 
 bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,

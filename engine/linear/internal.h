@@ -116,11 +116,20 @@ typedef struct bwi_elimination_reach {
                     or of any below it */
   uint8_t *keep; /* super_count: its update matrix is kept, its set differs from its parent's */
   int64_t kept_numbers; /* in all those update matrices */
+  int32_t *part;        /* order->size: subdomain of an element by its position eliminated first, of
+                           bwi_elimination_reach_create_by_plan; else NULL */
 } bwi_elimination_reach;
 bw_status bwi_elimination_reach_create(bw_context *context, bwi_symbolic *symbolic,
                                        const bw_mesh *mesh, int32_t subdomain_count,
                                        const int32_t *element_subdomain,
                                        bwi_elimination_reach **reach);
+/* For changes anywhere: each task of the symbolic's plan is a subdomain, and each supernode above
+ * them. */
+bw_status bwi_elimination_reach_create_by_plan(bw_context *context, bwi_symbolic *symbolic,
+                                               const bw_mesh *mesh, bwi_elimination_reach **reach);
+/* Of such a reach: marks the subdomains of the elements that are not 0 in `changed`. */
+void bwi_elimination_reach_touch(const bwi_elimination_reach *reach, const bw_mesh *mesh,
+                                 const uint8_t *changed, uint8_t *touched_subdomain);
 /* Of one subdomain that is everything: for factors made again as a whole, in place. */
 bw_status bwi_elimination_reach_create_whole(bw_context *context, bwi_symbolic *symbolic,
                                              bwi_elimination_reach **reach);
@@ -194,6 +203,16 @@ bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
  * above. */
 bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
                             const uint8_t *touched_subdomain, double *flops, int32_t *bad_node);
+/* A factor with update matrices, of which all that the touched subdomains reach is computed; the
+ * rest is copied from `former`, which has them too. *flops: work done. Statuses and *bad_node as
+ * there. */
+bw_status bwi_factor_create_updated(bw_context *context, const bwi_factor *former,
+                                    const bwi_matrix *matrix, const uint8_t *touched_subdomain,
+                                    double *flops, bwi_factor **factor, int32_t *bad_node);
+/* By what a factor can be updated in part; NULL: it cannot. */
+bwi_elimination_reach *bwi_factor_reach(const bwi_factor *factor);
+/* Gives back the memory that updates work in, until the next one. */
+void bwi_factor_release_work(bwi_factor *factor);
 /* Bytes of L; operations of the factorisation. */
 size_t bwi_factor_bytes(const bwi_factor *factor);
 int64_t bwi_factor_entries(const bwi_factor *factor);
@@ -300,7 +319,8 @@ void bwi_prescribed_field(const bw_dof_map *dof_map, double *field);
 /* ---- systems (system.c) -------------------------------------------------------------------- */
 
 /* Block sparsity pattern: no stiffness, no mass, no factor yet. `previous` (may be NULL), of the
- * same topology, gives its pattern. */
+ * same topology, gives its pattern, what has not changed of its stiffness where it has one, and
+ * what its factor leaves. */
 bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                            const bw_dof_map *dof_map, const bw_system *previous,
                            bw_system **system);
@@ -330,6 +350,22 @@ bw_status bwi_system_begin_external(bw_context *context, const bw_model *model,
  * by the stiffness, which is made where there is none. */
 bw_status bwi_system_multiply(bw_context *context, bw_system *system, int64_t count,
                               const double *x, double *y, double *noise);
+/* What is left of the equations that a system was made from, with other positions, materials or
+ * supports (system_former.c). */
+typedef struct bwi_former {
+  bw_object object;
+  bwi_factor *factor; /* retained: of the same supports; or NULL */
+  uint8_t *changed;   /* element_count: contributes other numbers than then */
+} bwi_former;
+/* Compares the equations with those of `previous` and takes over what has not changed. */
+bw_status bwi_system_take_over(bw_context *context, const bw_system *previous, bw_system *system);
+/* The factor of a system, in part from that of the former one where this saves much of the work.
+ * Statuses and *bad_node as bwi_factor_create. */
+bw_status bwi_system_factorise(bw_context *context, bw_system *system, bwi_symbolic *symbolic,
+                               const bwi_matrix *matrix, const struct bwi_kernels *kernels,
+                               bwi_factor **factor, int32_t *bad_node);
+/* Nothing else is taken from the former equations. */
+void bwi_system_forget(bw_system *system);
 /* The mass, where the system has none yet. */
 bw_status bwi_system_mass(bw_context *context, bw_system *system);
 

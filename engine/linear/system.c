@@ -28,6 +28,7 @@ static void system_destroy(void *object) {
   bw_release(system->preconditioner);
   bw_release(system->solver);
   bw_release(system->external);
+  bwi_system_forget(system);
   bw_free(system->stiffness);
   bw_free(system->mass);
   bw_free(system);
@@ -146,6 +147,8 @@ bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_ma
   else
     BW_TRY(bw_block_pattern_create(context, mesh, &system->pattern));
   system->times.pattern = bw_seconds() - start;
+  if (previous && previous->object.kind == system->object.kind) /* not a view: it has other bits */
+    BW_TRY(bwi_system_take_over(context, previous, system));
 done:
   if (status == BW_OK)
     *out = system;
@@ -168,6 +171,7 @@ bw_status bw_system_stiffness(bw_context *context, bw_system *system) {
     system->stiffness = stiffness;
   else
     bw_free(stiffness);
+  system->times.elements = system->mesh->element_count;
   system->times.stiffness += bw_seconds() - start;
   return status;
 }
@@ -222,16 +226,6 @@ bw_status bwi_system_mass(bw_context *context, bw_system *system) {
   }
   system->mass = mass;
   return BW_OK;
-}
-
-double bwi_factor_peak_bytes(const bwi_symbolic *symbolic, int threads) {
-  const bwi_plan *plan = &symbolic->plan;
-  double stack = 0;
-  for (int32_t t = 0; t < plan->task_count; t++)
-    stack = fmax(stack, (double)plan->task[t].stack);
-  stack = fmax(stack * threads, (double)plan->top_stack);
-  return sizeof(double) *
-         ((double)symbolic->panel[symbolic->order->super_count] + (double)plan->own + stack);
 }
 
 /* Not even begun: memory given out but never there would end the process, or all others. */
@@ -294,9 +288,10 @@ void bwi_report_way(const bw_system *system, bwi_way way, const bw_solver *solve
   report->solver = bw_solver_word(direct ? BW_SOLVER_CHOLESKY : BW_SOLVER_PCG);
   report->backend = factor ? factor->kernels->backend : "";
   report->preconditioner = direct ? "" : bw_solver_word(inner);
-  if (factor)
-    report->flops = bwi_factor_flops(factor);
-  else if (way == BWI_BY_TWO_LEVEL && !bwi_coarse_iterative(l->coarse))
+  if (factor) {
+    report->reused = way == BWI_BY_FACTOR ? system->times.factor_reused : 0;
+    report->flops = (1 - report->reused) * bwi_factor_flops(factor);
+  } else if (way == BWI_BY_TWO_LEVEL && !bwi_coarse_iterative(l->coarse))
     report->flops = bwi_coarse_flops(l->coarse);
   report->bytes = way == BWI_BY_FACTOR      ? (double)bwi_factor_bytes(factor)
                   : way == BWI_BY_TWO_LEVEL ? (double)bw_bytes(l->preconditioner)
@@ -348,8 +343,8 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_sol
                        .dof_map = system->dof_map,
                        .memory = available};
   int32_t bad = 0;
-  status =
-      bwi_factor_create_in(context, symbolic, &matrix, NULL, bwi_kernels_of(solver), &factor, &bad);
+  status = bwi_system_factorise(context, system, symbolic, &matrix, bwi_kernels_of(solver), &factor,
+                                &bad);
   if (status == BW_SINGULAR)
     status = bwi_fail_singular(context, system->mesh, bad);
   if (status != BW_OK)
@@ -362,6 +357,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_sol
   system->times.factor += bw_seconds() - start;
   bw_release(system->two_level); /* of no more use */
   system->two_level = NULL;
+  bwi_system_forget(system);
 done:
   bw_release(symbolic);
   return status;
@@ -480,17 +476,6 @@ bw_status bwi_need_factor(bw_context *context, const bw_system *system) {
   return bw_fail(context, BW_INVALID,
                  "the system follows an edited shape and its factor is lagged: refactorise it "
                  "first (bw_incremental_system_refactor)");
-}
-
-bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b) {
-  if (a == b)
-    return true;
-  size_t nodes = (size_t)a->mesh->node_count;
-  return a->mesh->node_count == b->mesh->node_count && a->frame_count == b->frame_count &&
-         a->rigid_mode_count == b->rigid_mode_count && memcmp(a->state, b->state, 3 * nodes) == 0 &&
-         memcmp(a->frame_of, b->frame_of, nodes * sizeof(int32_t)) == 0 &&
-         (a->frame_count == 0 ||
-          memcmp(a->frame, b->frame, 9 * (size_t)a->frame_count * sizeof(double)) == 0);
 }
 
 /* What is left of a residual after a direct solution is about as much as this says without its

@@ -79,6 +79,7 @@ bw_status bwi_system_make(bw_context *context, const bw_model *model, bw_system 
                           bwi_way way, const bw_solver *preconditioner, bwi_symbolic *old,
                           double available, bool *made) {
   const bwi_two_level_solver *l = system->two_level;
+  bwi_system_forget(system); /* its memory first */
   *made = way == BWI_BY_TWO_LEVEL
               ? !l || !l->preconditioner
               : !bwi_preconditioner_serves(system->preconditioner, preconditioner);

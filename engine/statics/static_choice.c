@@ -242,8 +242,10 @@ static bw_status by_factor(statics *s) {
   BW_TRY(bwi_system_factor(s->context, system, solver, s->old, s->available));
   BW_TRY(run(s, &by_solves));
   bwi_report_way(system, BWI_BY_FACTOR, s->opts.solver, report);
-  report->reused = system->factor == before;
-  report->flops = system->factor == before ? 0 : report->flops;
+  if (system->factor == before) {
+    report->reused = 1;
+    report->flops = 0;
+  }
 done:
   return status;
 }

@@ -347,7 +347,25 @@ static bool external_ready(lua_State *L) {
   return false;
 }
 
-/* model:solve{inertia_relief, balance_tolerance, solver, memory_limit, write} */
+/* The equations that may be reused: the model's own, or else those of the option `former`. */
+static bw_system *former(lua_State *L, const lbw_box *model, const char *function) {
+  bw_system *system = (bw_system *)model->extra;
+  int kind = lbw_option_get(L, 2, "former");
+  const bw_static *solution = (const bw_static *)lbw_test(L, -1, &lbw_static_class);
+  if (kind != LUA_TNIL && !system) {
+    system = (bw_system *)lbw_test(L, -1, &lbw_system_class);
+    if (lbw_test(L, -1, &lbw_model_class))
+      system = (bw_system *)((const lbw_box *)lua_touserdata(L, -1))->extra;
+    else if (solution)
+      system = solution->system;
+    else if (!system)
+      lbw_option_refused(L, function, "former", "a part, a static solution or a system");
+  }
+  lua_settop(L, 2); /* the table of options keeps it */
+  return system;
+}
+
+/* model:solve{inertia_relief, balance_tolerance, solver, memory_limit, write, former} */
 static int model_solve(lua_State *L) {
   static const lbw_option list[] = {
       {"inertia_relief", LBW_BOOLEAN, offsetof(bw_statics_options, inertia_relief)},
@@ -355,6 +373,7 @@ static int model_solve(lua_State *L) {
       {"memory_limit", LBW_REAL, offsetof(bw_statics_options, memory)},
       {"solver", LBW_OTHER, 0},
       {"write", LBW_OTHER, 0},
+      {"former", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   bw_statics_options options = {.tolerance = 1e-6};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
@@ -372,12 +391,13 @@ static int model_solve(lua_State *L) {
       lbw_option_refused(L, "solve", "write", "the path of a .pvtu file");
     options.output = lua_tostring(L, -1); /* the table of options keeps it */
   }
+  bw_system *given = former(L, model, "solve");
   if (external && !external_ready(L))
     return 3;
   lbw_box *box = lbw_box_new(L, &lbw_static_class);
   bw_static *result = NULL;
-  bw_status status = bw_statics(lbw_enter(L), (const bw_model *)model->object,
-                                (bw_system *)model->extra, &options, &result);
+  bw_status status =
+      bw_statics(lbw_enter(L), (const bw_model *)model->object, given, &options, &result);
   if (status == BW_OK && result->system && result->system != model->extra) {
     bw_release(model->extra);
     model->extra = bw_retain(result->system);
@@ -388,7 +408,7 @@ static int model_solve(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* model:modes{count, tolerance, sturm, seed, laplacian, solver} */
+/* model:modes{count, tolerance, sturm, seed, laplacian, solver, former} */
 static int model_modes(lua_State *L) {
   struct opts {
     bw_modes_options options;
@@ -401,6 +421,7 @@ static int model_modes(lua_State *L) {
       {"seed", LBW_SEED, offsetof(struct opts, options.seed)},
       {"laplacian", LBW_BOOLEAN, offsetof(struct opts, laplacian)},
       {"solver", LBW_OTHER, 0},
+      {"former", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   lua_settop(L, 2);
@@ -414,9 +435,10 @@ static int model_modes(lua_State *L) {
   if (external && !external_ready(L))
     return 3;
   opts.options.solver = solver;
+  bw_system *given = former(L, model, "modes");
   lbw_box *box = lbw_box_new(L, &lbw_modes_class);
   const bw_model *of = (const bw_model *)model->object;
-  bw_system *given = (bw_system *)model->extra, *system = NULL;
+  bw_system *system = NULL;
   bw_modes *modes = NULL;
   bw_status status;
   bw_context *context = lbw_enter(L);
@@ -439,20 +461,22 @@ static int model_modes(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* model:system{solver}: the equations, those it has or new ones that reuse what they can, ready for
- * many right-hand sides. The model's box holds the reference. */
+/* model:system{solver, former}: the equations, those it has or new ones that reuse what they can,
+ * ready for many right-hand sides. The model's box holds the reference. */
 static int model_system(lua_State *L) {
-  static const lbw_option list[] = {{"solver", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {
+      {"solver", LBW_OTHER, 0}, {"former", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   lua_settop(L, 2);
   lbw_options(L, 2, "system", list, NULL);
   const bw_solver *solver = lbw_solver_option(L, 2, "system");
+  bw_system *given = former(L, model, "system");
   if (lbw_solver_is_external(solver) && !external_ready(L))
     return 3;
   lbw_box *box = lbw_box_new(L, &lbw_system_class);
   bw_system *system = NULL;
-  bw_status status = bw_system_of_model(lbw_enter(L), (const bw_model *)model->object, solver,
-                                        (bw_system *)model->extra, &system);
+  bw_status status =
+      bw_system_of_model(lbw_enter(L), (const bw_model *)model->object, solver, given, &system);
   if (status == BW_OK) {
     bw_release(model->extra);
     model->extra = bw_retain(system);

@@ -172,23 +172,26 @@ static int static_material(lua_State *L) {
 }
 
 static void push_times(lua_State *L, const bw_solve_times *times) {
-  lua_createtable(L, 0, 8);
-  lua_pushnumber(L, times->pattern);
-  lua_setfield(L, -2, "pattern");
-  lua_pushnumber(L, times->stiffness);
-  lua_setfield(L, -2, "stiffness");
-  lua_pushnumber(L, times->order);
-  lua_setfield(L, -2, "order");
-  lua_pushnumber(L, times->factor);
-  lua_setfield(L, -2, "factor");
-  lua_pushnumber(L, times->pcg);
-  lua_setfield(L, -2, "pcg");
-  lua_pushnumber(L, times->solve);
-  lua_setfield(L, -2, "solve");
+  const struct {
+    const char *key;
+    double value;
+  } list[] = {{"pattern", times->pattern},
+              {"stiffness", times->stiffness},
+              {"order", times->order},
+              {"factor", times->factor},
+              {"pcg", times->pcg},
+              {"solve", times->solve},
+              {"factor_flops", times->factor_flops},
+              {"factor_reused", times->factor_reused}};
+  lua_createtable(L, 0, 10);
+  for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+    lua_pushnumber(L, list[i].value);
+    lua_setfield(L, -2, list[i].key);
+  }
   lua_pushinteger(L, times->factor_entries);
   lua_setfield(L, -2, "factor_entries");
-  lua_pushnumber(L, times->factor_flops);
-  lua_setfield(L, -2, "factor_flops");
+  lua_pushinteger(L, times->elements);
+  lua_setfield(L, -2, "elements");
 }
 
 static int static_times(lua_State *L) {

@@ -190,6 +190,7 @@ function Model:solve(options) end
 ---@field inertia_relief? boolean balance a load on a free body by inertia. Default: false
 ---@field balance_tolerance? number (-) a load is balanced when its part along free motions is below this fraction of its size. Default: 1e-6
 ---@field solver? bw.Solver|"auto" the solver, of `bw.solver`. Default: "auto", chosen by counted costs
+---@field former? bw.Model|bw.Static|bw.System of a part of the same elements at other positions, of another material or with other supports: its equations are reused as far as they fit (`Model:system`). Default: the part's own
 ---@field memory_limit? number (bytes) that a factor may take; without a solver, and with `bw.solver.cholesky`. Default: the free memory
 ---@field write? string path of a .pvtu file, with a solver of the backend "petsc": each process writes a piece of what `static:write` writes, and computes its stresses. The matrices are released before. Default: none
 ---@field error? number (-) relative error to be reached. Range: above 0 to 1. Default: none, one mesh
@@ -251,6 +252,7 @@ function Model:modes(options) end
 ---@field seed? integer (seed) of the start vector. Default: 1
 ---@field laplacian? boolean modes of the Laplacian, with free boundary. Default: false
 ---@field solver? bw.Eigensolver|"auto" the eigensolver; that of SLEPc runs on all processes that mpirun started (docs/howto_cluster.md). Default: "auto"
+---@field former? bw.Model|bw.Static|bw.System of a part of the same elements, as of `Model:solve`. Default: the part's own
 ---@field error? number (-) relative error of every frequency to be reached. Range: above 0 to 1. Default: none, one mesh
 ---@field max_elements? integer (count) with `error`: elements at most. Range: 1 to 100000000. Default: 200000
 ---@field time_limit? number (s) with `error`: no finer mesh that would probably take longer. Default: none
@@ -274,6 +276,11 @@ function Model:buckling(options) end
 ---conjugate gradients solve them, with the two-level preconditioner on quadratic elements and multigrid on linear ones. Where
 ---these do not converge, a factor takes their place, with a warning.
 ---
+---With `former`, the equations of another part of the same elements, only elements that differ are assembled. Where they are
+---few and the supports are the same, its factor serves too. The first time, the new factor is kept so that it can be updated.
+---From then on, only what such changes reach is factored again: `times.elements` and `times.factor_reused` say how much that
+---saved. Solutions have the same bits as without it. The former part and its solutions stay as they are.
+---
 ---With the backend "petsc" they are spread over the processes that mpirun started, when they are first used, and stay there.
 ---Right-hand sides are sent, and displacements come back. A script has one such system at a time: another takes its place, and
 ---it is distributed again when it is used again. Its matrices are not here (`system:matrix`).
@@ -290,6 +297,7 @@ function Model:system(options) end
 ---How equations are solved.
 ---@class bw.ModelSystemOptions
 ---@field solver? bw.Solver|"auto" what solves them. A `tolerance` of `pcg` is on the error in energy over that of the solution, 1e-8 where it is left out; with "petsc" on the residual over the load, 1e-10. Default: "auto"
+---@field former? bw.Model|bw.Static|bw.System of a part of the same elements, whose equations are reused as far as they fit. Default: the part's own
 
 ---The same supports and loads on a mesh of the same topology, such as that of an edited shape. They go with the surface; forces
 ---and gravity keep their directions.

@@ -50,6 +50,8 @@ local Static = {}
 ---@field solve number (s) triangular solves or iterations
 ---@field factor_entries integer (count) entries of the factor
 ---@field factor_flops number (count) operations of the factor
+---@field factor_reused number (-) fraction of these that the factor of former equations had done
+---@field elements integer (count) elements whose stiffness was computed: with `former` those that differ
 
 ---What a solution of an edit session reused, and what it cost. `print` shows it.
 ---@class bw.Reuse

@@ -399,6 +399,39 @@ describe("a model", function()
     check.fails("io", "/no/such", static:write "/no/such/folder/s.vtu")
   end)
 
+  it("reuses the equations of a former part, which stays as it is", function()
+    local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {2, 0.4, 0.4}, cells = {20, 4, 4}})
+    local function part_of(edit, material)
+      local nodes = {}
+      for i = 1, mesh.node_count do
+        local x, y, z = mesh.nodes(i, 1), mesh.nodes(i, 2), mesh.nodes(i, 3)
+        nodes[i] = {x + ((x > 1.99 and y > 0.39 and z > 0.39) and 0.01 * edit or 0), y, z}
+      end
+      local shape = assert(mesh:moved(nodes))
+      local part = bw.model {mesh = shape, material = material or bw.material.pla}
+      part:fix(shape.boundary:below(1, 1e-6))
+      part:gravity {0, 0, -9.81}
+      return part
+    end
+    local first = assert(part_of(0):solve())
+    local former, tip = first, first.displacement:min()
+    assert.equal(mesh.element_count, first.times.elements)
+    for edit = 1, 3 do
+      local part = part_of(edit)
+      local again, fresh = assert(part:solve {former = former}), assert(part_of(edit):solve())
+      assert.same(fresh.displacement:min(), again.displacement:min())
+      assert.equal(0, (fresh.displacement - again.displacement):norm())
+      assert.is_true(again.times.elements < 20)
+      assert.is_true(edit == 1 or again.times.factor_reused > 0.3 and again.report.reused > 0.3)
+      former = edit == 1 and part or edit == 2 and assert(part:system()) or again
+    end
+    assert.equal(tip, first.displacement:min())
+    local other = assert(part_of(3, bw.material.abs):solve {former = former})
+    assert.equal(mesh.element_count, other.times.elements)
+    local part = part_of(1)
+    check.raises("option 'former': a part, a static solution or a system", part.solve, part, {former = mesh})
+  end)
+
   it("raises for misuse", function()
     local part, mesh = bar()
     check.raises("unknown option 'mateial': did you mean 'material'?", bw.model,

@@ -96,6 +96,8 @@ typedef struct bw_solve_times {
   double pattern, stiffness, order, factor, pcg, solve; /* (s) spent so far */
   int64_t factor_entries;                               /* of L; 0 where there is no factor */
   double factor_flops;                                  /* (-) operations of the factorisation */
+  double factor_reused; /* (-) fraction of these that the factor of former equations had done */
+  int32_t elements;     /* (count) whose stiffness was computed */
 } bw_solve_times;
 
 /* The equations of a body: stiffness, mass, DOF map and the factor of the reduced stiffness, or the
@@ -109,6 +111,7 @@ struct bwi_factor;
 struct bwi_two_level_solver;
 struct bwi_preconditioner;
 struct bwi_external;
+struct bwi_former;
 struct bw_system {
   bw_object object;
   const bw_mesh *mesh;         /* retained */
@@ -124,16 +127,24 @@ struct bw_system {
   struct bwi_external *external; /* at the external solver: this process has neither pattern nor
                                     matrices; else NULL */
   const struct bw_external_report *external_report; /* what that did, or NULL */
-  bool iterative;                                   /* bw_system_solve is by PCG */
-  const bw_solver *solver; /* retained: of bw_system_of_model, where it is iterative; or NULL */
-  bw_solve_times times;    /* of all that was computed */
-  bw_solver_report report; /* how bw_system_solve solves, and what solutions took since
-                              bw_system_of_model; its `solver` is NULL before */
+  struct bwi_former *former; /* what equations of other values left, until there is a factor or a
+                                preconditioner; or NULL */
+  bool iterative;            /* bw_system_solve is by PCG */
+  const bw_solver *solver;   /* retained: of bw_system_of_model, where it is iterative; or NULL */
+  bw_solve_times times;      /* of all that was computed */
+  bw_solver_report report;   /* how bw_system_solve solves, and what solutions took since
+                                bw_system_of_model; its `solver` is NULL before */
 };
 /* The equations of a model, with what `solver` needs to solve them for many right-hand sides:
  * `given` (may be NULL), retained, where its mesh, material and supports are the model's; else new
  * ones, with its pattern, ordering and analysis where they fit. Prescribed values may differ: they
  * act on right-hand sides alone.
+ *
+ * Where `given` has the same elements at other positions or of another material, only those that
+ * differ are assembled. Where they are few and the supports are the same, its factor serves too:
+ * the first time the new factor is kept so that from then on, only what such changes reach is
+ * factored again. times.elements and times.factor_reused say how much that saved; the solutions are
+ * the same to the bit. `given` itself stays as it is.
  *
  * Without a solver (NULL) a factor is made, with the mass, unless it is predicted to take more than
  * four gigabytes or more than the memory that is free: then it is PCG, with the two-level

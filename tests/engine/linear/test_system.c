@@ -137,6 +137,127 @@ static void reuse(void **state) {
   bw_release(moved);
 }
 
+enum { EDITS = 4 };
+
+/* Shapes whose last corner differs, one after the other; of `order` 2 with an edge that is curved
+ * by it. */
+static bw_mesh *edited(bw_context *context, const bw_mesh *mesh, int edit) {
+  bw_mesh *moved = NULL;
+  double *x = numbers(3 * (int64_t)mesh->node_count);
+  memcpy(x, mesh->node, 3 * (size_t)mesh->node_count * sizeof *x);
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (x[3 * i] > 0.99 && x[3 * i + 1] > 0.79 && x[3 * i + 2] > 0.69)
+      x[3 * i + edit % 3] += 0.003 * (edit + 1);
+  check_ok(context, bw_mesh_moved(context, mesh, x, &moved));
+  free(x);
+  return moved;
+}
+
+/* A chain of edits has, bit for bit, the stiffness and the solutions that each shape has from
+ * scratch; only elements at the edit are assembled. Where isostatic constraints stay, the first
+ * edit makes a factor that can be updated, and later ones update it in part. What came before stays
+ * as it was. */
+static void edits(void **state) {
+  bw_context *context = check_context(state);
+  int updated = 0;
+  for (int order = 1; order <= 2; order++) {
+    bw_mesh *mesh = body_box(context, 1, 0.8, 0.7, 12 / order, 8 / order, 8 / order, order);
+    bw_material *material = body_material(context);
+    bw_dof_map *dof_map = NULL;
+    bw_system *system = NULL;
+    int64_t size = 3 * (int64_t)mesh->node_count;
+    double *f = numbers(size), *u = numbers(size), *v = numbers(size), *first = numbers(size);
+    random_field(9, size, f);
+    check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
+    check_ok(context, body_system(context, mesh, material, dof_map, NULL, &system));
+    check_ok(context, bw_system_solve(context, system, 1, f, first));
+    bw_system *rest = bw_retain(system);
+    for (int k = 0; k < EDITS; k++) {
+      bw_mesh *shape = edited(context, mesh, k);
+      bw_dof_map *now = NULL;
+      bw_system *next = NULL, *fresh = NULL;
+      check_ok(context, bw_dof_map_unconstrained(context, shape, &now));
+      check_ok(context, body_system(context, shape, material, now, system, &next));
+      check_ok(context, body_system(context, shape, material, now, NULL, &fresh));
+      assert_int_equal(fresh->times.elements, mesh->element_count);
+      assert_true(next->times.elements > 0 && next->times.elements < mesh->element_count / 10);
+      bool can = system->factor->kept && bwi_same_supports(system->dof_map, now);
+      assert_true(can ? next->times.factor_reused > 0.3 : next->times.factor_reused == 0);
+      updated += can;
+      assert_memory_equal(next->stiffness, fresh->stiffness,
+                          (size_t)(9 * next->pattern->block_count) * sizeof(double));
+      check_ok(context, bw_system_solve(context, next, 1, f, u));
+      check_ok(context, bw_system_solve(context, fresh, 1, f, v));
+      assert_memory_equal(u, v, (size_t)size * sizeof(double));
+      bw_release(system);
+      system = next;
+      bw_release(fresh);
+      bw_release(now);
+      bw_release(shape);
+    }
+    check_ok(context, bw_system_solve(context, rest, 1, f, u));
+    assert_memory_equal(u, first, (size_t)size * sizeof(double));
+    free(f);
+    free(u);
+    free(v);
+    free(first);
+    bw_release(rest);
+    bw_release(system);
+    bw_release(dof_map);
+    bw_release(material);
+    bw_release(mesh);
+  }
+  assert_true(updated >= 2);
+}
+
+/* Another rotation of the material in some elements, then another material in all. */
+static void other_materials(void **state) {
+  bw_context *context = check_context(state);
+  static const double turn[27] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.6, -0.8, 0, 0.8, 0.6,
+                                  0, 0, 0, 1, 0, 0, 1, 1, 0, 0,   0,    1, 0};
+  bw_mesh *mesh = body_box(context, 1, 0.8, 0.7, 6, 4, 4, 1);
+  bw_material *base = NULL, *whole = NULL, *material[4] = {NULL};
+  check_ok(context, bw_material_named(context, "zp150", &base));
+  check_ok(context, bw_material_formulated(context, base, BW_STANDARD, &whole));
+  int32_t *group = calloc((size_t)mesh->element_count, sizeof *group);
+  for (int k = 0; k < 3; k++) {
+    for (int32_t e = 0; e < mesh->element_count; e++)
+      group[e] = e < 20 ? k : 0;
+    check_ok(context, bw_material_rotated_by_element(context, whole, mesh->element_count, 3, group,
+                                                     turn, &material[k]));
+  }
+  material[3] = body_material(context);
+  bw_dof_map *dof_map = NULL;
+  bw_system *system = NULL;
+  int64_t size = 3 * (int64_t)mesh->node_count;
+  double *f = numbers(size), *u = numbers(size), *v = numbers(size);
+  random_field(4, size, f);
+  check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
+  for (int k = 0; k < 4; k++) {
+    bw_system *next = NULL, *fresh = NULL;
+    check_ok(context, body_system(context, mesh, material[k], dof_map, system, &next));
+    check_ok(context, body_system(context, mesh, material[k], dof_map, NULL, &fresh));
+    assert_int_equal(next->times.elements, k == 0 || k == 3 ? mesh->element_count : 20);
+    check_ok(context, bw_system_solve(context, next, 1, f, u));
+    check_ok(context, bw_system_solve(context, fresh, 1, f, v));
+    assert_memory_equal(u, v, (size_t)size * sizeof(double));
+    bw_release(system);
+    system = next;
+    bw_release(fresh);
+  }
+  free(group);
+  free(f);
+  free(u);
+  free(v);
+  bw_release(system);
+  bw_release(dof_map);
+  for (int k = 0; k < 4; k++)
+    bw_release(material[k]);
+  bw_release(whole);
+  bw_release(base);
+  bw_release(mesh);
+}
+
 static void failing_allocations(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 1, 1, 1, 3, 3, 3, 1);
@@ -146,12 +267,24 @@ static void failing_allocations(void **state) {
   int64_t size = 3 * (int64_t)mesh->node_count;
   double *u = numbers(3 * size);
   check_ok(context, bw_set_threads(context, 1));
+  bw_mesh *shape[2] = {edited(context, mesh, 0), edited(context, mesh, 1)};
+  bw_system *former = NULL, *kept = NULL;
+  check_ok(context, body_system(context, mesh, material, dof_map, NULL, &former));
+  check_ok(context, body_system(context, shape[0], material, dof_map, former, &kept));
   int64_t before = bw_live_blocks();
   bool passed = false;
   for (int64_t n = 1; !passed && n < 2000; n++) {
     bw_system *system = NULL;
     bw_fail_allocation(n, true);
     bw_status status = body_system(context, mesh, material, dof_map, NULL, &system);
+    if (status == BW_OK) {
+      bw_release(system);
+      status = body_system(context, shape[0], material, dof_map, former, &system);
+    }
+    if (status == BW_OK) {
+      bw_release(system);
+      status = body_system(context, shape[1], material, dof_map, kept, &system);
+    }
     random_field(1, 3 * size, u);
     if (status == BW_OK)
       status = bw_system_solve(context, system, 3, u, u);
@@ -165,6 +298,10 @@ static void failing_allocations(void **state) {
   }
   assert_true(passed);
   free(u);
+  bw_release(former);
+  bw_release(kept);
+  bw_release(shape[0]);
+  bw_release(shape[1]);
   bw_release(dof_map);
   bw_release(material);
   bw_release(mesh);
@@ -172,7 +309,10 @@ static void failing_allocations(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(free_body_against_bordered),
-                                     check_test(residual_and_threads), check_test(reuse),
+                                     check_test(residual_and_threads),
+                                     check_test(reuse),
+                                     check_test(edits),
+                                     check_test(other_materials),
                                      check_test(failing_allocations)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
