@@ -75,7 +75,7 @@ typedef struct gather_data {
   const int32_t *group; /* by element: where the material is rotated by element, or NULL */
   tensor *sum; /* threads x 2 x longest row: of gradients, then of mean gradients with B-bar */
   int64_t longest;
-  const uint8_t *wanted; /* rows, or NULL: all */
+  const uint8_t *wanted;   /* rows, or NULL: all */
   double *values;          /* all, or NULL: a row at a time, to `take` */
   double *row;             /* then threads x longest row x 9 */
   bwi_stiffness_row *take; /* with `data` */

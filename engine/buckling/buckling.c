@@ -3,7 +3,7 @@
  *     K phi = lambda^2 S phi,   S = K_sigma K^-1 K_sigma,
  * a problem with K positive definite and S positive, which the eigensolvers of eigen/ take as it
  * is. Factors of both signs come out by size. On a space of whole clusters of lambda^2 the operator
- * -K^-1 K_sigma tells the signs apart. K + s K_sigma has as many negative eigenvalues as there are
+ * -K^-1 K_sigma separates the signs. K + s K_sigma has as many negative eigenvalues as there are
  * factors between 0 and s. */
 #include <math.h>
 #include <stdio.h>
@@ -164,7 +164,7 @@ static int whole_clusters(const bwi_eigen_result *result, bool all) {
 
 /* Eigenvectors of -K_sigma by K on the span of n vectors, from the largest eigenvalue to the
  * smallest: positive factors ascend, then negative ones descend. */
-static bw_status tell_signs(bw_context *context, pencil *p, int n, const double *x, found *f) {
+static bw_status separate_signs(bw_context *context, pencil *p, int n, const double *x, found *f) {
   bw_status status = BW_OK;
   int64_t size = size_of(p);
   int info = 0, kind = 1, length = 8 * n + 64;
@@ -318,7 +318,7 @@ static bw_status search(bw_context *context, pencil *p, const bw_buckling_option
     int n = whole_clusters(&result, all);
     out->recovered += result.recovered;
     if (n > 0) {
-      BW_TRY(tell_signs(context, p, n, result.vector, f));
+      BW_TRY(separate_signs(context, p, n, result.vector, f));
       out->searched = sqrt(result.value[n - 1]);
       out->counted = result.counted;
       if (wanted_among(f, options->sign) == 0 && options->sturm && !all)

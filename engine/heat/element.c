@@ -19,8 +19,7 @@ void bwi_heat_conductivity(const bw_material *material, int64_t element, double 
         tensor[4 * i] = part->thermal.conductivity[0];
       else
         for (int j = 0; j < 3; j++)
-          tensor[3 * i + j] +=
-              part->thermal.conductivity[k] * axes[3 * k + i] * axes[3 * k + j];
+          tensor[3 * i + j] += part->thermal.conductivity[k] * axes[3 * k + i] * axes[3 * k + j];
     }
 }
 

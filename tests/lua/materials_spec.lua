@@ -4,7 +4,8 @@ local bw = require "barwright"
 local check = require "check"
 
 local soft = bw.material.isotropic {name = "soft", young = 1e9, density = 1000, strength = 1e6, expansion = 1e-4}
-local stiff = bw.material.isotropic {name = "stiff", young = 100e9, density = 8000, strength = 4e8, expansion = 1e-5}
+local stiff = bw.material.isotropic {name = "stiff", young = 100e9, density = 8000, strength = 4e8,
+  expansion = 1e-5}
 
 --- A bar along x whose halves across x or y (axis) are the regions "low" and "high".
 local function bar(axis, order)
@@ -80,7 +81,9 @@ describe("materials by region", function()
     local mesh = part.mesh
     for axis = 1, 3 do part:slide(mesh.boundary:below(axis, 0), {axis == 1 and 1 or 0, axis == 2 and 1 or 0,
       axis == 3 and 1 or 0}) end
-    for axis = 2, 3 do part:slide(mesh.boundary:above(axis, 1), {0, axis == 2 and 1 or 0, axis == 3 and 1 or 0}) end
+    for axis = 2, 3 do
+      part:slide(mesh.boundary:above(axis, 1), {0, axis == 2 and 1 or 0, axis == 3 and 1 or 0})
+    end
     part:temperature(10)
     local static = assert(part:solve())
     check.near(10 * (1e-4 + 1e-5), static.displacement:column(1):max(), 1e-12)

@@ -79,7 +79,7 @@ static void uniform_stress(void **state) {
     check_ok(context, bw_block_pattern_create(context, mesh, &pattern));
     double *values = numbers(pattern->block_count), *mass = numbers(pattern->block_count);
     check_ok(context, bw_stress_stiffness(context, pattern, model, u, values));
-    check_ok(context, bw_mass(context, pattern, mesh, mass));
+    check_ok(context, bw_mass(context, pattern, mesh, NULL, mass));
     check_ok(context, bw_block_multiply(context, pattern, values, 1, 3, 1, v, y));
     for (int64_t i = 0; i < size; i++)
       sum += v[i] * y[i];
@@ -317,7 +317,7 @@ static void heated_between_walls(void **state) {
   check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 1, &warmer));
   for (int32_t i = 0; i < mesh->node_count; i++)
     ((double *)warmer->data)[i] = 1;
-  check_ok(context, bw_model_temperature(context, model, warmer, alpha));
+  check_ok(context, bw_model_temperature(context, model, warmer, &alpha));
   bw_static *solution = solved(context, model);
   bw_buckling *b = buckled(context, solution, 1, BW_BUCKLING_EITHER, BW_EIGENSOLVER_AUTO);
   double euler = 4 * M_PI * M_PI * pow(side, 2) / 12 / (length * length); /* strain */

@@ -331,7 +331,7 @@ static bw_status solve(bw_context *context, int size, int64_t count, const int32
   bw_sparse_matrix *matrix;
   check_ok(context,
            bw_sparse_matrix_create(context, size, size, count, row, column, value, &matrix));
-  bw_status status = bwi_matrix_solve(context, matrix, "a", columns, x);
+  bw_status status = bwi_matrix_solve(context, matrix, "a", "", columns, x);
   bw_release(matrix);
   return status;
 }
