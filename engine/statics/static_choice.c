@@ -20,7 +20,7 @@
 #include "statics/internal.h"
 
 /* Seconds of the reference machine that a factor may take. */
-#define CHEAP 5.0
+#define CHEAP 1.0
 /* Of the factor's cost that PCG may be at most: it may serve again. */
 #define MAX_COST_RATIO 0.5
 

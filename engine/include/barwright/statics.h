@@ -42,7 +42,7 @@ typedef struct bw_statics_options {
  * are the same; it may gain a factor, which then takes the place of PCG).
  *
  * Without a solver, a static solution is by a factor where there is one already, or where that
- * counts as cheap (less than five seconds of the reference machine), or where PCG would cost more
+ * counts as cheap (less than one second of the reference machine), or where PCG would cost more
  * than half as much. Else it is by PCG, with the two-level preconditioner on quadratic elements and
  * multigrid on linear ones, and also where the factor would take more than four gigabytes or more
  * than `memory`. Costs are operations and bytes, counted, over the rates of one fixed machine, so
