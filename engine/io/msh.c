@@ -215,6 +215,12 @@ bw_status bwi_msh_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
     BW_TRY(read_section(&msh, &version, word));
     BW_TRY(bw_check_cancel(cursor->context));
   }
+  for (size_t i = 0; i < msh.group_count; i++) {
+    const bwi_msh_group *group = &msh.group[i];
+    if (group->dimension == 3 && group->name.length > 0 && group->tag >= INT32_MIN &&
+        group->tag <= INT32_MAX)
+      BW_TRY(bwi_raw_name_region(raw, (int32_t)group->tag, group->name));
+  }
   *format = version == 2 ? (msh.binary ? "MSH 2.2 binary" : "MSH 2.2")
                          : (msh.binary ? "MSH 4.1 binary" : "MSH 4.1");
 done:

@@ -1,8 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Gmsh files: 4.1 binary, 2.2 text. Nodes and elements are numbered from 1 in mesh order. Regions
- * that are all positive become physical groups; others, which Gmsh has no place for, an element
- * field "region". Fields have 1, 3 or 9 components there: symmetric tensors are written with all
- * nine, other widths filled up with zeros, more than nine left out with a warning. */
+ * whose tags are all positive become named physical groups; others, which Gmsh has no place for, an
+ * element field "region". Fields have 1, 3 or 9 components there: symmetric tensors are written
+ * with all nine, other widths filled up with zeros, more than nine left out with a warning. */
 #include "io/raw.h"
 
 #include <stdlib.h>
@@ -13,10 +13,11 @@ typedef struct cells {
   int64_t points, count;
   const double *point;
   const int32_t *node;
-  const int32_t *tag; /* or NULL */
-  int32_t shift;      /* added to a tag to give the physical group */
-  bool physical;      /* tags are written as physical groups */
-  int32_t *group;     /* the different tags, ascending */
+  const int32_t *tag;  /* or NULL */
+  int32_t shift;       /* added to a tag to give the physical group */
+  bool physical;       /* tags are written as physical groups */
+  const bw_mesh *mesh; /* whose regions have names; or NULL */
+  int32_t *group;      /* the different tags, ascending */
   size_t group_count;
   int field_count;
   const bw_field *fields;
@@ -75,6 +76,12 @@ static double component(const bw_array *array, int64_t row, int column, int colu
   return column < array->columns ? bw_array_get(array, row, column) : 0;
 }
 
+/* There is no way to write a quotation mark. */
+static void write_quoted(bw_writer *writer, const char *text) {
+  for (; *text; text++)
+    bw_writer_bytes(writer, *text == '"' || (unsigned char)*text < 32 ? "'" : text, 1);
+}
+
 static void write_field(bw_context *context, bw_writer *writer, const bw_field *field,
                         bool binary) {
   const bw_array *array = field->array;
@@ -86,8 +93,7 @@ static void write_field(bw_context *context, bw_writer *writer, const bw_field *
     return;
   }
   bw_writer_print(writer, "$%sData\n1\n\"", nodes ? "Node" : "Element");
-  for (const char *at = field->name; *at; at++) /* no way to write a quotation mark */
-    bw_writer_bytes(writer, *at == '"' || (unsigned char)*at < 32 ? "'" : at, 1);
+  write_quoted(writer, field->name);
   bw_writer_print(writer, "\"\n1\n0\n3\n0\n%d\n%lld\n", columns, (long long)array->rows);
   for (int64_t i = 0; i < array->rows; i++) {
     if (binary)
@@ -122,6 +128,19 @@ static void write_fields(bw_context *context, bw_writer *writer, const cells *c,
   }
   for (int i = 0; i < c->field_count; i++)
     write_field(context, writer, &c->fields[i], binary);
+}
+
+/* The names of regions, which are text in binary files too. */
+static void write_names(bw_writer *writer, const cells *c) {
+  if (!c->physical || !c->mesh)
+    return;
+  bw_writer_print(writer, "$PhysicalNames\n%d\n", (int)c->mesh->region_count);
+  for (int32_t i = 0; i < c->mesh->region_count; i++) {
+    bw_writer_print(writer, "3 %d \"", (int)c->mesh->regions[i].tag);
+    write_quoted(writer, c->mesh->regions[i].name.text);
+    bw_writer_print(writer, "\"\n");
+  }
+  bw_writer_print(writer, "$EndPhysicalNames\n");
 }
 
 /* ---- 4.1 binary ---------------------------------------------------------------------------- */
@@ -201,6 +220,7 @@ static void write_41(bw_context *context, bw_writer *writer, const cells *c) {
   bw_writer_print(writer, "$MeshFormat\n4.1 1 8\n");
   put_i32(writer, 1);
   bw_writer_print(writer, "\n$EndMeshFormat\n");
+  write_names(writer, c);
   write_entities(writer, c);
   write_nodes(writer, c);
   write_elements(writer, c);
@@ -210,8 +230,9 @@ static void write_41(bw_context *context, bw_writer *writer, const cells *c) {
 /* ---- 2.2 text ------------------------------------------------------------------------------ */
 
 static void write_22(bw_context *context, bw_writer *writer, const cells *c) {
-  bw_writer_print(writer, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%lld\n",
-                  (long long)c->points);
+  bw_writer_print(writer, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n");
+  write_names(writer, c);
+  bw_writer_print(writer, "$Nodes\n%lld\n", (long long)c->points);
   for (int64_t i = 0; i < c->points; i++) {
     bw_writer_integer(writer, i + 1);
     for (int k = 0; k < 3; k++) {
@@ -257,6 +278,7 @@ static bw_status write_mesh(bw_context *context, const bw_mesh *mesh, const char
   if (status != BW_OK)
     return status;
   cells c = {.tag = tag,
+             .mesh = mesh,
              .dimension = 3,
              .type = mesh->order == 2 ? 11 : 4,
              .width = mesh->nodes_per_element,

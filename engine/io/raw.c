@@ -17,6 +17,7 @@ void bwi_raw_clear(bwi_raw *raw) {
   bw_free(raw->point);
   bw_free(raw->tet);
   bw_free(raw->region);
+  bw_free(raw->named);
   bw_free(raw->facet);
   for (size_t i = 0; i < raw->field_count; i++) {
     bw_free(raw->field[i].name);
@@ -66,6 +67,40 @@ bw_status bwi_raw_tet(bwi_raw *raw, int width, const int32_t *node, int32_t regi
   raw->region[raw->tet_count++] = region;
   raw->regions = raw->regions || region != 0;
   return BW_OK;
+}
+
+bw_status bwi_raw_name_region(bwi_raw *raw, int32_t tag, bwi_word name) {
+  if (!bw_grow(raw->context, (void **)&raw->named, &raw->named_capacity, raw->named_count, 1,
+               sizeof *raw->named))
+    return BW_MEMORY;
+  bw_mesh_region *named = &raw->named[raw->named_count++];
+  *named = (bw_mesh_region){.tag = tag};
+  size_t length = name.length < BW_NAME ? name.length : BW_NAME - 1;
+  while (length < name.length && length > 0 && (name.at[length] & 0xC0) == 0x80)
+    length--; /* no half of a UTF-8 character */
+  memcpy(named->name.text, name.at, length);
+  return BW_OK;
+}
+
+/* A name that an earlier tag has is followed by its own tag. */
+static void separate_names(bwi_raw *raw) {
+  for (size_t i = 1; i < raw->named_count; i++)
+    for (size_t k = 0; k < i; k++)
+      if (strcmp(raw->named[i].name.text, raw->named[k].name.text) == 0 &&
+          raw->named[i].tag != raw->named[k].tag) {
+        char *text = raw->named[i].name.text, tag[16];
+        size_t room = sizeof raw->named[i].name.text - 1;
+        size_t length = strlen(text),
+               more = (size_t)snprintf(tag, sizeof tag, " (%d)", (int)raw->named[i].tag);
+        bw_warn(raw->context,
+                "%s: two regions are called '%s'; that of the tag %d is '%.*s%s' here", raw->name,
+                text, (int)raw->named[i].tag, (int)(room - more), text, tag);
+        length = length < room - more ? length : room - more;
+        while (length > 0 && (text[length] & 0xC0) == 0x80)
+          length--;
+        memcpy(text + length, tag, more + 1);
+        break;
+      }
 }
 
 bw_status bwi_raw_facet(bwi_raw *raw, size_t corners, const int32_t *corner, int32_t group) {
@@ -283,12 +318,15 @@ bw_status bwi_raw_mesh(bwi_raw *raw, const char *format, bw_mesh_file *file) {
   for (size_t i = 0; i < raw->set_count; i++)
     tidy_set(&raw->set[i], to);
   adopt_region(raw);
+  separate_names(raw);
   if (raw->regions)
-    BW_TRY(
-        bw_mesh_regions_by_tag(context, (int64_t)raw->tet_count, raw->region, 0, NULL, &regions));
+    BW_TRY(bw_mesh_regions_by_tag(context, (int64_t)raw->tet_count, raw->region,
+                                  (int32_t)raw->named_count, raw->named, &regions));
   status = bw_mesh_adopt(context, raw->width == 10 ? 2 : 1, (int64_t)kept, raw->point,
                          (int64_t)raw->tet_count, raw->tet, &regions, &file->mesh);
   if (status != BW_OK) {
+    if (status == BW_INVALID) /* a region has the name that another gets by its tag */
+      status = BW_FORMAT;
     if (status != BW_MEMORY && status != BW_CANCELLED)
       name_file_in_failure(raw, status);
     goto done;

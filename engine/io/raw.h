@@ -26,7 +26,9 @@ typedef struct bwi_raw {
   int width; /* nodes of a tetrahedron, 4 or 10; 0: none yet */
   int32_t *tet, *region;
   size_t tet_count, tet_capacity, region_capacity;
-  bool regions;   /* some tetrahedron has a tag other than 0 */
+  bool regions;          /* some tetrahedron has a tag other than 0 */
+  bw_mesh_region *named; /* the names that the file gives to tags */
+  size_t named_count, named_capacity;
   int32_t *facet; /* for each: number of corners, group, corners */
   size_t facet_count, facet_used, facet_capacity;
   size_t field_count, field_capacity, set_count, set_capacity;
@@ -42,6 +44,8 @@ enum { BWI_MAX_SETS = 10000 };
 void bwi_raw_init(bwi_raw *raw, bw_context *context, const char *name);
 void bwi_raw_clear(bwi_raw *raw);
 bw_status bwi_raw_point(bwi_raw *raw, const double point[3]);
+/* The name of a tag, cut to the bytes that a name may have. */
+bw_status bwi_raw_name_region(bwi_raw *raw, int32_t tag, bwi_word name);
 /* Node numbers must lie in 0..point_count-1 by the time of bwi_raw_mesh, which relies on it. Order
  * of nodes as in bw_mesh. */
 bw_status bwi_raw_tet(bwi_raw *raw, int width, const int32_t *node, int32_t region);

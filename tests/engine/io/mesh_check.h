@@ -81,8 +81,10 @@ static inline void same_mesh(const bw_mesh *a, const bw_mesh *b) {
   if (a->region)
     assert_memory_equal(a->region, b->region, sizeof(int32_t) * (size_t)a->element_count);
   assert_int_equal(a->region_count, b->region_count);
-  for (int i = 0; i < a->region_count; i++)
+  for (int i = 0; i < a->region_count; i++) {
     assert_int_equal(a->regions[i].tag, b->regions[i].tag);
+    assert_string_equal(a->regions[i].name.text, b->regions[i].name.text);
+  }
 }
 
 static inline void same_field(const bw_mesh_file *file, const bw_field *field, bool types) {

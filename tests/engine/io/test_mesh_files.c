@@ -63,6 +63,53 @@ static void round_trips(void **state) {
       }
 }
 
+/* Names of regions are physical names of volumes; the second of two that have one name gets its tag
+ * too, and groups of surfaces alone make no regions. */
+static void msh_names(void **state) {
+  bw_context *context = check_context(state);
+  sample s = make_sample(context, 2, true);
+  bw_mesh_regions regions = bw_mesh_regions_of(s.mesh);
+  bw_mesh_region region[3] = {{1, 0, {"a \"b\""}}, {2, 0, {"steel insert"}}, {3, 0, {"\u00e4"}}};
+  bw_mesh *named;
+  bw_mesh_file file;
+  char path[300];
+  assert_int_equal(regions.count, 3);
+  regions.region = region;
+  check_ok(context, bw_mesh_with_regions(context, s.mesh, &regions, &named));
+  for (int i = 0; i < 2; i++) {
+    temporary(path, "names.msh");
+    check_ok(context, i ? bw_msh22_write(context, named, path, 0, NULL)
+                        : bw_mesh_write(context, named, path, 0, NULL));
+    check_ok(context, bw_mesh_read(context, path, &file));
+    assert_string_equal(file.mesh->regions[0].name.text, "a 'b'");
+    assert_string_equal(file.mesh->regions[1].name.text, "steel insert");
+    assert_string_equal(file.mesh->regions[2].name.text, "\u00e4");
+    assert_memory_equal(file.mesh->region, named->region, 4 * (size_t)named->element_count);
+    bw_mesh_file_clear(&file);
+  }
+  unlink(path);
+  static const char start[] = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n%s"
+                              "$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+                              "5 1 1 1\n$EndNodes\n$Elements\n2\n%s$EndElements\n";
+  char text[600];
+  snprintf(text, sizeof text, start, "3 4 \"one\"\n3 5 \"one\"\n",
+           "1 4 2 4 1 1 2 3 4\n2 4 2 5 1 2 3 4 5\n");
+  check_ok(context,
+           bw_mesh_parse(context, "two.msh", (const unsigned char *)text, strlen(text), &file));
+  assert_string_equal(file.mesh->regions[0].name.text, "one");
+  assert_string_equal(file.mesh->regions[1].name.text, "one (5)");
+  bw_mesh_file_clear(&file);
+  snprintf(text, sizeof text, start, "2 4 \"side\"\n2 5 \"top\"\n",
+           "1 2 2 4 1 1 2 3\n2 4 2 0 1 1 2 3 4\n");
+  check_ok(context,
+           bw_mesh_parse(context, "sides.msh", (const unsigned char *)text, strlen(text), &file));
+  assert_int_equal(file.mesh->region_count, 0);
+  assert_int_equal(file.set_count, 1);
+  bw_mesh_file_clear(&file);
+  bw_release(named);
+  free_sample(&s);
+}
+
 /* Tags that Gmsh cannot have as groups come back through the field "region". */
 static void msh_negative_regions(void **state) {
   bw_context *context = check_context(state);
@@ -339,9 +386,10 @@ static void out_of_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(round_trips),  check_test(msh_negative_regions), check_test(msh22_text),
-      check_test(msh_refusals), check_test(mixed_meshes),         check_test(medit_text),
-      check_test(tetgen_text),  check_test(tetgen_ten_nodes),     check_test(inp_text),
-      check_test(inp_refusals), check_test(flat_element),         check_test(out_of_memory)};
+      check_test(round_trips),  check_test(msh_names),    check_test(msh_negative_regions),
+      check_test(msh22_text),   check_test(msh_refusals), check_test(mixed_meshes),
+      check_test(medit_text),   check_test(tetgen_text),  check_test(tetgen_ten_nodes),
+      check_test(inp_text),     check_test(inp_refusals), check_test(flat_element),
+      check_test(out_of_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
