@@ -104,6 +104,12 @@ makers.Static = {
   function(p) return assert(p.Model:solve()) end,
   function(p) return assert(part(p:variant("bw.Mesh", 2), bw.material.zp150):solve()) end,
 }
+makers.Heat = {function(p)
+  return bw.heat {mesh = p.Mesh, material = bw.material.steel}:prescribe(p.Mesh.boundary:below(1, 0), 300)
+    :load {on = p.Mesh.boundary:above(1, 1), power = 10}
+end}
+makers.HeatSolution = {function(p) return assert(p.Heat:solve()) end}
+makers.HeatTransient = {function(p) return assert(p.Heat:transient {initial = 300}) end}
 makers.Eigensolver = { -- none of several processes
   function() return bw.eigensolver.lanczos {} end,
   function() return bw.eigensolver.arpack {} end,
@@ -258,7 +264,8 @@ makers.Test = {function(p) return p.test end}
 -- Changed by their methods: made again after so many uses.
 local lives = {Model = 60, Session = 40, Bone = 40, IncrementalSystem = 40, LiveServer = 40, SteadySheet = 40,
   LargeDeflectionSheet = 40, TransientSheet = 40, Sheet = 40, Metallophone = 40, Plate = 40, Bridge = 60,
-  Flow = 40, ThermalFlow = 40, FlowBody = 40, BodyState = 40, MeshMotion = 40, Solid = 60, SolidTransient = 40,
+  Flow = 40, ThermalFlow = 40, FlowBody = 40, BodyState = 40, Heat = 40,
+  HeatTransient = 40, MeshMotion = 40, Solid = 60, SolidTransient = 40,
   Canvas = 40, Study = 60, Trials = 100, Trial = 40, ReuseStatistics = 40, Results = 60}
 
 -- ---- the pool -----------------------------------------------------------------------------------
