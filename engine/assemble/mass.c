@@ -16,9 +16,10 @@ typedef struct mass_data {
   bwi_row_sums rows;
   const bw_mesh *mesh;
   int32_t *curved;
-  double *curved_mass;         /* curved elements x 100 */
-  double factor[256];          /* of V, by local pair (a << 4 | b) */
-  const bw_material *material; /* NULL: density 1 */
+  double *curved_mass;  /* curved elements x 100 */
+  double factor[256];   /* of V, by local pair (a << 4 | b) */
+  const double *weight; /* (any, element_count) or NULL: 1 */
+  double scale;         /* (any) of all */
   double *values;
 } mass_data;
 
@@ -79,16 +80,10 @@ static void clear(mass_data *m) {
   bw_free(m->curved_mass);
 }
 
-/* 1 where a density is not known, in some element or all */
-static double density_of(const bw_material *material, int64_t element) {
-  return material->density > 0 ? bw_material_of(material, element)->density : 1;
-}
-
 static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker) {
   const mass_data *m = (const mass_data *)data;
   const bwi_row_sums *r = &m->rows;
   int32_t *place = r->place + (int64_t)worker * r->pattern->node_count;
-  bool several = m->material && m->material->parts;
   for (int64_t i = begin; i < end; i++) {
     double *row = m->values + r->pattern->start[i];
     int64_t count = bwi_row_places(r, i, place);
@@ -101,25 +96,23 @@ static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker)
       const double *of_pair =
           curved ? m->curved_mass + 100 * (int64_t)m->curved[e] + 10 * a : m->factor + (a << 4);
       double volume = curved ? 1 : m->mesh->volume[e];
-      if (several)
-        volume *= density_of(m->material, e);
+      if (m->weight)
+        volume *= m->weight[e];
       for (int b = 0; b < r->nodes_per_element; b++)
         if (node[b] <= i)
           row[place[node[b]]] += of_pair[b] * volume;
     }
-    for (int64_t k = 0; m->material && !several && k < count; k++)
-      row[k] *= density_of(m->material, 0);
+    for (int64_t k = 0; m->scale != 1 && k < count; k++)
+      row[k] *= m->scale;
   }
   return BW_OK;
 }
 
-bw_status bw_mass(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
-                  const bw_material *material, double *values) {
+static bw_status fill(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
+                      const double *weight, double scale, double *values) {
   bw_status status;
-  mass_data m = {.material = material, .values = values};
+  mass_data m = {.weight = weight, .scale = scale, .values = values};
   BW_TRY(bwi_block_pattern_fits(context, pattern, mesh));
-  if (material)
-    BW_TRY(bw_material_fits(context, material, mesh->element_count));
   BW_TRY(prepare(context, mesh, &m));
   BW_TRY(bwi_row_sums_open(context, pattern, mesh->element_count, mesh->nodes_per_element,
                            mesh->element, &m.rows));
@@ -130,7 +123,32 @@ done:
   return status;
 }
 
-bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, double *values) {
+bw_status bw_mass(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
+                  const bw_material *material, double *values) {
+  bw_status status = BW_OK;
+  bool known = material && material->density > 0; /* in all elements */
+  double *weight = NULL;
+  if (material)
+    BW_TRY(bw_material_fits(context, material, mesh->element_count));
+  if (known && material->parts) {
+    weight = BW_NEW(context, double, mesh->element_count);
+    BW_TRY_MEMORY(weight);
+    for (int64_t e = 0; e < mesh->element_count; e++)
+      weight[e] = bw_material_of(material, e)->density;
+  }
+  BW_TRY(fill(context, pattern, mesh, weight, known && !weight ? material->density : 1, values));
+done:
+  bw_free(weight);
+  return status;
+}
+
+bw_status bw_weighted_mass(bw_context *context, const bw_block_pattern *pattern,
+                           const bw_mesh *mesh, const double *weight, double *values) {
+  return fill(context, pattern, mesh, weight, 1, values);
+}
+
+bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, const double *weight,
+                         double *values) {
   bw_status status;
   int n = mesh->nodes_per_element;
   mass_data m = {0};
@@ -151,6 +169,8 @@ bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, double *value
         diagonal[a] = m.factor[a << 4 | a];
     for (int a = 0; a < n; a++)
       trace += diagonal[a];
+    if (weight)
+      volume *= weight[e];
     for (int a = 0; a < n; a++)
       values[node[a]] += diagonal[a] / trace * volume;
   }

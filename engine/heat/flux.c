@@ -1,7 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Heat flux, -k grad T, in elements and at nodes, and the error estimate of Zienkiewicz and Zhu:
- * the flux at nodes, interpolated, stands for the true one. */
+ * the flux at nodes, interpolated, stands for the true one. On an interface between materials the
+ * part of the flux along it jumps, so that a node has one flux for each of them there. */
 #include "heat/internal.h"
+
+#include "barwright/model.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,7 +13,8 @@ typedef struct flux_data {
   const bw_mesh *mesh;
   const bw_material *material;
   const double *temperature;
-  const double *nodal; /* of the estimate */
+  const double *recovered; /* (W/m2, points->count x 3) of the estimate */
+  const bw_stress_points *points;
   bwi_incidence incidence;
   double *out, *energy;
 } flux_data;
@@ -40,14 +44,17 @@ static double flux_at(const flux_data *d, int64_t e, const double l[4], double f
   return size;
 }
 
-static bw_status of_nodes(void *data, int64_t begin, int64_t end, int worker) {
+static bw_status of_points(void *data, int64_t begin, int64_t end, int worker) {
   const flux_data *d = data;
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
     double sum[3] = {0}, volume = 0;
-    for (int64_t p = d->incidence.start[i]; p < d->incidence.start[i + 1]; p++) {
+    int32_t node = bw_stress_point_node(d->points, (int32_t)i);
+    for (int64_t p = d->incidence.start[node]; p < d->incidence.start[node + 1]; p++) {
       int64_t e = d->incidence.element[p];
       double l[4], flux[3], k[9], gradient[3];
+      if (!bw_stress_point_has(d->points, (int32_t)i, d->material, e))
+        continue;
       bwi_node_barycentric(d->incidence.local[p], l);
       flux_at(d, e, l, flux, k, gradient);
       volume += d->mesh->volume[e];
@@ -87,7 +94,6 @@ static bw_status errors(void *data, int64_t begin, int64_t end, int worker) {
   int points = bw_tet_quadrature(mesh->order == 1 ? 2 : BWI_CURVED_DEGREE, point, weight);
   (void)worker;
   for (int64_t e = begin; e < end; e++) {
-    const int32_t *node = mesh->element + e * n;
     d->out[e] = d->energy[e] = 0;
     for (int q = 0; q < points; q++) {
       double flux[3], k[9], inverse[9], gradient[3], shape[10], difference[3];
@@ -96,9 +102,11 @@ static bw_status errors(void *data, int64_t begin, int64_t end, int worker) {
       bw_inverse3(k, inverse);
       for (int c = 0; c < 3; c++)
         difference[c] = -flux[c];
-      for (int a = 0; a < n; a++)
+      for (int a = 0; a < n; a++) {
+        const double *at = d->recovered + 3 * (int64_t)bw_stress_point_of(d->points, mesh, e, a);
         for (int c = 0; c < 3; c++)
-          difference[c] += shape[a] * d->nodal[3 * (int64_t)node[a] + c];
+          difference[c] += shape[a] * at[c];
+      }
       d->energy[e] -= v * bw_dot(flux, gradient);
       for (int c = 0; c < 3; c++)
         d->out[e] += v * difference[c] * bw_dot(inverse + 3 * c, difference);
@@ -114,12 +122,38 @@ static flux_data data_of(const bw_heat_solution *solution, double *out) {
                      .out = out};
 }
 
-bw_status bw_heat_flux(bw_context *context, const bw_heat_solution *solution, double *flux) {
-  flux_data d = data_of(solution, flux);
-  bw_status status = bwi_incidence_create(context, d.mesh, &d.incidence);
-  if (status == BW_OK)
-    status = bw_parallel(context, d.mesh->node_count, 256, of_nodes, &d);
+/* The flux (W/m2, count x 3) at all points, which the caller clears and frees. */
+static bw_status recover(bw_context *context, const bw_heat_solution *solution,
+                         bw_stress_points *points, double **flux) {
+  bw_status status = BW_OK;
+  flux_data d = data_of(solution, NULL);
+  BW_TRY(bw_stress_points_create(context, d.mesh, d.material, points));
+  d.points = points;
+  d.out = *flux = BW_NEW(context, double, 3 * (size_t)points->count);
+  BW_TRY_MEMORY(d.out);
+  BW_TRY(bwi_incidence_create(context, d.mesh, &d.incidence));
+  BW_TRY(bw_parallel(context, points->count, 256, of_points, &d));
+done:
   bwi_incidence_clear(&d.incidence);
+  return status;
+}
+
+bw_status bw_heat_flux(bw_context *context, const bw_heat_solution *solution, double *flux) {
+  bw_status status = BW_OK;
+  bw_stress_points points = {0};
+  double *all = NULL;
+  BW_TRY(recover(context, solution, &points, &all));
+  for (int32_t i = 0; i < solution->mesh->node_count; i++) {
+    const double *most = all + 3 * (int64_t)i;
+    for (int32_t k = points.point ? points.point[i].next : -1; k >= 0; k = points.point[k].next) {
+      const double *own = all + 3 * (int64_t)k;
+      most = bw_dot(own, own) > bw_dot(most, most) ? own : most;
+    }
+    memcpy(flux + 3 * (int64_t)i, most, 3 * sizeof *flux);
+  }
+done:
+  bw_free(all);
+  bw_stress_points_clear(&points);
   return status;
 }
 
@@ -138,13 +172,15 @@ bw_status bw_heat_error(bw_context *context, const bw_heat_solution *solution, d
                         double *relative) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = solution->mesh;
-  double *nodal = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
+  bw_stress_points points = {0};
+  double *recovered = NULL;
   double *own = element ? NULL : BW_NEW(context, double, mesh->element_count);
   double *energy = BW_NEW(context, double, mesh->element_count), error = 0, whole = 0;
   flux_data d = data_of(solution, element ? element : own);
-  BW_TRY_MEMORY(nodal && energy && d.out);
-  BW_TRY(bw_heat_flux(context, solution, nodal));
-  d.nodal = nodal;
+  BW_TRY_MEMORY(energy && d.out);
+  BW_TRY(recover(context, solution, &points, &recovered));
+  d.recovered = recovered;
+  d.points = &points;
   d.energy = energy;
   BW_TRY(bw_parallel(context, mesh->element_count, 256, errors, &d));
   for (int32_t e = 0; e < mesh->element_count; e++) {
@@ -153,7 +189,8 @@ bw_status bw_heat_error(bw_context *context, const bw_heat_solution *solution, d
   }
   *relative = whole > 0 ? correction(mesh) * sqrt(error / whole) : 0;
 done:
-  bw_free(nodal);
+  bw_free(recovered);
+  bw_stress_points_clear(&points);
   bw_free(own);
   bw_free(energy);
   return status;

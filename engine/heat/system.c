@@ -126,6 +126,31 @@ done:
   return status;
 }
 
+/* Density times heat capacity of each element, at pairs of nodes or lumped. */
+static bw_status add_capacity(bw_context *context, bwi_heat_system *s, bool lumped) {
+  bw_status status = BW_OK;
+  const bw_mesh *mesh = s->heat->mesh;
+  double *nodal = NULL, *per_volume = BW_NEW(context, double, mesh->element_count);
+  s->capacity = BW_NEW0(context, double, s->pattern->block_count);
+  BW_TRY_MEMORY(per_volume && s->capacity);
+  for (int64_t e = 0; e < mesh->element_count; e++) {
+    const bw_material *own = bw_material_of(s->heat->material, e);
+    per_volume[e] = own->density * own->thermal.heat_capacity;
+  }
+  if (lumped) {
+    nodal = BW_NEW(context, double, mesh->node_count);
+    BW_TRY_MEMORY(nodal);
+    BW_TRY(bw_lumped_mass(context, mesh, per_volume, nodal));
+    for (int32_t i = 0; i < mesh->node_count; i++)
+      s->capacity[s->pattern->start[i + 1] - 1] = nodal[i];
+  } else
+    BW_TRY(bw_weighted_mass(context, s->pattern, mesh, per_volume, s->capacity));
+done:
+  bw_free(nodal);
+  bw_free(per_volume);
+  return status;
+}
+
 bw_status bwi_heat_system_open(bw_context *context, const bw_heat *heat,
                                const bw_heat_options *options, bool transient, bool lumped,
                                bwi_heat_system *s) {
@@ -177,23 +202,8 @@ bw_status bwi_heat_system_open(bw_context *context, const bw_heat *heat,
     if (!heat->condition[c].on)
       BW_TRY(bwi_heat_volume(context, mesh, heat->condition[c].nodal,
                              s->volume + (size_t)volumes++ * (size_t)mesh->node_count));
-  if (transient) {
-    const bw_material *part = bw_material_part(material, 0);
-    double per_volume = part->density * part->thermal.heat_capacity;
-    s->capacity = BW_NEW0(context, double, s->pattern->block_count);
-    BW_TRY_MEMORY(s->capacity);
-    if (lumped) {
-      double *nodal = BW_NEW(context, double, mesh->node_count);
-      status = nodal ? bw_lumped_mass(context, mesh, nodal) : BW_MEMORY;
-      for (int32_t i = 0; status == BW_OK && i < mesh->node_count; i++)
-        s->capacity[s->pattern->start[i + 1] - 1] = nodal[i];
-      bw_free(nodal);
-      BW_TRY(status);
-    } else
-      BW_TRY(bw_mass(context, s->pattern, mesh, NULL, s->capacity));
-    for (int64_t k = 0; k < s->pattern->block_count; k++)
-      s->capacity[k] *= per_volume;
-  }
+  if (transient)
+    BW_TRY(add_capacity(context, s, lumped));
 done:
   return status;
 }

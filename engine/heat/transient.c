@@ -55,8 +55,6 @@ static const bw_kind transient_kind = {"heat transient", transient_destroy, tran
 
 static bw_status check(bw_context *context, const bw_heat *heat,
                        const bw_heat_transient_options *options) {
-  if (bw_material_mixed(heat->material))
-    return bw_fail(context, BW_UNSUPPORTED, "heat in time serves bodies of one material");
   for (int32_t i = 0; i < bw_material_part_count(heat->material); i++) {
     const bw_material *part = bw_material_part(heat->material, i);
     if (!(part->density > 0) || !(part->thermal.heat_capacity > 0))

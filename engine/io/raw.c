@@ -89,13 +89,13 @@ static void separate_names(bwi_raw *raw) {
       if (strcmp(raw->named[i].name.text, raw->named[k].name.text) == 0 &&
           raw->named[i].tag != raw->named[k].tag) {
         char *text = raw->named[i].name.text, tag[16];
-        size_t room = sizeof raw->named[i].name.text - 1;
+        size_t most = sizeof raw->named[i].name.text - 1;
         size_t length = strlen(text),
                more = (size_t)snprintf(tag, sizeof tag, " (%d)", (int)raw->named[i].tag);
         bw_warn(raw->context,
                 "%s: two regions are called '%s'; that of the tag %d is '%.*s%s' here", raw->name,
-                text, (int)raw->named[i].tag, (int)(room - more), text, tag);
-        length = length < room - more ? length : room - more;
+                text, (int)raw->named[i].tag, (int)(most - more), text, tag);
+        length = length < most - more ? length : most - more;
         while (length > 0 && (text[length] & 0xC0) == 0x80)
           length--;
         memcpy(text + length, tag, more + 1);

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Where stresses are recovered: at nodes, and at nodes on an interface between materials once for
- * each of them, since stresses jump there. A material whose axes turn from element to element is
- * one. */
+/* Where stresses and fluxes of heat are recovered: at nodes, and at nodes on an interface between
+ * materials once for each of them, since they jump there. A material whose axes turn from element
+ * to element is one. */
 #include "model/internal.h"
 
 bw_status bw_stress_points_create(bw_context *context, const bw_mesh *mesh,

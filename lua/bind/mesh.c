@@ -541,7 +541,7 @@ static int mesh_volumes(lua_State *L) {
 static int compute_node_volumes(lua_State *L) {
   const bw_mesh *mesh = self(L);
   double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 1)->data;
-  lbw_leave_or_raise(L, bw_lumped_mass(lbw_enter(L), mesh, out));
+  lbw_leave_or_raise(L, bw_lumped_mass(lbw_enter(L), mesh, NULL, out));
   return 1;
 }
 

@@ -144,7 +144,7 @@ function Heat:transient(options) end
 ---@field mesh bw.Mesh the body
 ---@field time number (s) 0 of a steady state
 ---@field temperature bw.Array (K, n, per node) the field
----@field flux bw.Array (W/m2, n × 3, per node) means over the elements around each
+---@field flux bw.Array (W/m2, n × 3, per node) means over the elements around each, of one material; on an interface the larger one of its sides
 ---@field element_flux bw.Array (W/m2, n × 3, per element) means over each
 ---@field reaction bw.Array (W, n, per node) heat into the body where temperatures are prescribed
 ---@field heat_in bw.Array (W, n, per condition) heat into the body; in time its mean over the last step

@@ -51,9 +51,15 @@ BW_API const char *bw_locking(const bw_mesh *mesh, const bw_material *material);
  * material of other elements. */
 BW_API bw_status bw_mass(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
                          const bw_material *material, double *values);
-/* Lumped mass per unit density: values (m3, node_count), positive, summing to the volume (diagonal
- * scaling for tet10). */
-BW_API bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, double *values);
+/* The same of a weight by element, such as a heat capacity per volume: weight (any, element_count)
+ * or NULL, 1; values (any, block_count) in its unit times m3. */
+BW_API bw_status bw_weighted_mass(bw_context *context, const bw_block_pattern *pattern,
+                                  const bw_mesh *mesh, const double *weight, double *values);
+/* Lumped mass of a weight by element: weight (any, element_count) or NULL, 1; values (any,
+ * node_count) in its unit times m3, summing to the weighted volume, and positive where weights are
+ * (diagonal scaling for tet10). */
+BW_API bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, const double *weight,
+                                double *values);
 /* Stiffness of the scalar Laplacian: values (m, block_count). BW_GEOMETRY as bw_stiffness. */
 BW_API bw_status bw_laplacian(bw_context *context, const bw_block_pattern *pattern,
                               const bw_mesh *mesh, double *values);

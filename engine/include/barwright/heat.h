@@ -93,7 +93,8 @@ typedef struct bw_heat_solution {
 BW_API bw_status bw_heat_steady(bw_context *context, const bw_heat *heat,
                                 const bw_heat_options *options, bw_heat_solution **solution);
 
-/* Flux at nodes by averages over the elements around each, flux (W/m2, node_count x 3). */
+/* Flux at nodes by averages over the elements around each, flux (W/m2, node_count x 3). Averages
+ * are over elements of one material: on an interface a node has the larger flux of its sides. */
 BW_API bw_status bw_heat_flux(bw_context *context, const bw_heat_solution *solution, double *flux);
 /* The mean flux of every element: flux (W/m2, element_count x 3). */
 BW_API bw_status bw_heat_element_flux(bw_context *context, const bw_heat_solution *solution,

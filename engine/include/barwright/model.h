@@ -195,7 +195,8 @@ BW_API bw_status bw_model_prescribe_field(bw_context *context, bw_model *model,
  * material. Stresses of such a model: bw_static_stress (analysis.h). */
 BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_array *change,
                                       const double *expansion);
-/* A place where stresses are recovered: a node, as one of the materials around it sees it. */
+/* A place where stresses, or fluxes of heat, are recovered: a node, as one of the materials around
+ * it sees it. */
 typedef struct bw_stress_point {
   int32_t node;                /* (index) */
   int32_t next;                /* (index) another point at the node, of another material, or -1 */

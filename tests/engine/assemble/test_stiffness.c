@@ -223,7 +223,7 @@ static bw_status assemble_all(bw_context *context, const bw_mesh *mesh, const bw
   BW_TRY(bw_stiffness(context, g, mesh, material, values));
   BW_TRY(bw_laplacian(context, g, mesh, values));
   BW_TRY(bw_mass(context, g, mesh, NULL, values));
-  BW_TRY(bw_lumped_mass(context, mesh, values));
+  BW_TRY(bw_lumped_mass(context, mesh, NULL, values));
   BW_TRY(bw_block_multiply(context, g, values, 1, 1, 2, values, values + 4000));
 done:
   bw_release(g);

@@ -18,6 +18,26 @@ static inline bw_material *heat_material(bw_context *context, double conductivit
   return material;
 }
 
+/* The first material where coordinate `axis` of an element's centre is below `at`, else the second.
+ * Takes over both. */
+static inline bw_material *heat_layers(bw_context *context, const bw_mesh *mesh, int axis,
+                                       double at, bw_material *first, bw_material *second) {
+  const bw_material *part[2] = {first, second};
+  bw_material *material = NULL;
+  int32_t *of = malloc(sizeof *of * (size_t)mesh->element_count);
+  for (int64_t e = 0; e < mesh->element_count; e++) {
+    double centre = 0;
+    for (int a = 0; a < 4; a++)
+      centre += mesh->node[3 * mesh->element[e * mesh->nodes_per_element + a] + axis] / 4;
+    of[e] = centre > at;
+  }
+  check_ok(context, bw_material_by_element(context, mesh->element_count, 2, of, part, &material));
+  free(of);
+  bw_release(first);
+  bw_release(second);
+  return material;
+}
+
 /* Takes over mesh and material. */
 static inline bw_heat *heat_body(bw_context *context, bw_mesh *mesh, bw_material *material) {
   bw_heat *heat = NULL;

@@ -67,6 +67,56 @@ static void test_half_space(void **state) {
   }
 }
 
+/* Two layers that differ in conductivity, density and heat capacity, one end at 400, the other
+ * isolated: finite volumes in one dimension, of 400 cells and the same steps of backward Euler,
+ * which Thomas' algorithm solves, give the temperatures. */
+static void test_two_layers(void **state) {
+  bw_context *context = check_context(state);
+  enum { CELLS = 400, STEPS = 100 };
+  const double k[2] = {50, 2}, c[2] = {7800 * 500.0, 1200 * 1500.0}, L = 0.1, until = 400;
+  const double w = L / CELLS, h = until / STEPS;
+  double cell[CELLS], lower[CELLS + 1], upper[CELLS], right[CELLS];
+  for (int i = 0; i < CELLS; i++)
+    cell[i] = 300;
+  lower[0] = 2 * k[0] / w; /* (W/(m2 K)) from the end to the first cell */
+  lower[CELLS] = 0;
+  for (int i = 1; i < CELLS; i++) {
+    double a = k[2 * (i - 1) >= CELLS], b = k[2 * i >= CELLS];
+    lower[i] = 2 * a * b / (a + b) / w;
+  }
+  for (int s = 0; s < STEPS; s++) {
+    for (int i = 0; i < CELLS; i++) {
+      double capacity = c[2 * i >= CELLS] * w / h, before = i ? upper[i - 1] : 0;
+      double pivot = capacity + lower[i] + lower[i + 1] - (i ? lower[i] * before : 0);
+      upper[i] = lower[i + 1] / pivot;
+      right[i] = (capacity * cell[i] + lower[i] * (i ? right[i - 1] : 400)) / pivot;
+    }
+    for (int i = CELLS - 1; i >= 0; i--)
+      cell[i] = right[i] + (i < CELLS - 1 ? upper[i] * cell[i + 1] : 0);
+  }
+  for (int lumped = 0; lumped < 2; lumped++) {
+    bw_mesh *mesh = body_box(context, L, 0.005, 0.005, lumped ? 120 : 60, 1, 1, lumped ? 1 : 2);
+    bw_material *material =
+        heat_layers(context, mesh, 0, L / 2, heat_material(context, k[0], 7800, 500),
+                    heat_material(context, k[1], 1200, 1500));
+    bw_heat *heat = heat_body(context, mesh, material);
+    heat_on_plane(context, heat, 0, 0,
+                  (bw_heat_condition){.kind = BW_HEAT_TEMPERATURE, .value = 400});
+    bw_heat_transient *t = start(context, heat, 300, BW_HEAT_EULER, lumped);
+    march(context, t, until, STEPS);
+    for (int i = 0; i < mesh->node_count; i++) {
+      double at = mesh->node[3 * i] / w - 0.5;
+      int left = (int)fmin(fmax(at, 0), CELLS - 2);
+      double expected = cell[left] + (cell[left + 1] - cell[left]) * (at - left);
+      if (2 * left == CELLS - 2) /* on the interface the flux is the same from both sides */
+        expected = (k[0] * cell[left] + k[1] * cell[left + 1]) / (k[0] + k[1]);
+      check_near(t->now->temperature[i], expected, lumped ? 0.05 : 0.02);
+    }
+    bw_release(t);
+    bw_release(heat);
+  }
+}
+
 /* Short steps after a jump: the consistent capacity undershoots, the lumped one on a mesh without
  * obtuse angles does not. */
 static void test_undershoot(void **state) {
@@ -186,12 +236,10 @@ static void test_misuse(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_lumped_cooling),
-                                     check_test(test_half_space),
-                                     check_test(test_undershoot),
-                                     check_test(test_nafems_t3),
-                                     check_test(test_radiating_in_time),
-                                     check_test(test_estimate),
-                                     check_test(test_misuse)};
+  const struct CMUnitTest tests[] = {
+      check_test(test_lumped_cooling), check_test(test_half_space),
+      check_test(test_two_layers),     check_test(test_undershoot),
+      check_test(test_nafems_t3),      check_test(test_radiating_in_time),
+      check_test(test_estimate),       check_test(test_misuse)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
