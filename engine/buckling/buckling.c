@@ -404,7 +404,7 @@ static bw_status check_supports(bw_context *context, const bw_dof_map *dof_map) 
   BW_TRY(bw_dof_map_describe_rigid_modes(context, dof_map, &text));
   status = bw_fail(context, BW_UNCONSTRAINED,
                    "a body that can move freely has no load factors, because loads that keep their "
-                   "directions turn it without resistance; %s. Add supports that hold it",
+                   "directions turn it without resistance; %s. Add supports that constrain it",
                    text);
 done:
   bw_free(text);

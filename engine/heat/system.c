@@ -40,7 +40,7 @@ static bw_status number_unknowns(bw_context *context, bwi_heat_system *s) {
     }
   }
   if (twice)
-    bw_warn(context, "%lld nodes have two prescribed temperatures: the later one holds",
+    bw_warn(context, "%lld nodes have two prescribed temperatures: the later one counts",
             (long long)twice);
   for (int32_t i = 0; i < mesh->node_count; i++) {
     s->unknown[i] = s->prescribe[i] < 0 ? s->unknowns : -1;
@@ -51,24 +51,25 @@ static bw_status number_unknowns(bw_context *context, bwi_heat_system *s) {
 }
 
 /* Every body needs a temperature to which it tends. */
-static bw_status check_held(bw_context *context, const bwi_heat_system *s) {
+static bw_status check_steady(bw_context *context, const bwi_heat_system *s) {
   const bw_mesh *mesh = s->heat->mesh;
   bw_status status = BW_OK;
-  uint8_t *held = BW_NEW0(context, uint8_t, mesh->component_count);
-  BW_TRY_MEMORY(held);
+  uint8_t *steady = BW_NEW0(context, uint8_t, mesh->component_count);
+  BW_TRY_MEMORY(steady);
   for (int32_t i = 0; i < mesh->node_count; i++)
     if (s->prescribe[i] >= 0)
-      held[mesh->component[i]] = 1;
+      steady[mesh->component[i]] = 1;
   for (int c = 0; c < s->heat->condition_count; c++) {
     const bw_heat_condition *condition = &s->heat->condition[c];
     for (int32_t f = 0; bwi_heat_is_film(condition) && condition->coefficient > 0 &&
                         f < condition->on->facet_count;
          f++)
-      held[mesh->component[mesh->facet[(int64_t)condition->on->facet[f] * mesh->nodes_per_facet]]] =
-          1;
+      steady
+          [mesh->component[mesh->facet[(int64_t)condition->on->facet[f] * mesh->nodes_per_facet]]] =
+              1;
   }
   for (int32_t b = 0; b < mesh->component_count; b++)
-    if (!held[b]) {
+    if (!steady[b]) {
       status = bw_fail(context, BW_UNCONSTRAINED,
                        "body %d of %d has no steady temperature: prescribe one, or give convection "
                        "or radiation",
@@ -77,7 +78,7 @@ static bw_status check_held(bw_context *context, const bwi_heat_system *s) {
       goto done;
     }
 done:
-  bw_free(held);
+  bw_free(steady);
   return status;
 }
 
@@ -117,10 +118,13 @@ static bw_status choose_solver(bw_context *context, bwi_heat_system *s) {
   if (way == BW_SOLVER_CHOLESKY && !(outer.tolerance > 0))
     outer.tolerance = 1e-12;
   BW_TRY(bw_solver_create(context, &outer, &s->solver));
-  snprintf(s->report.reason, sizeof s->report.reason, "%s",
-           given                       ? "it was given"
-           : way == BW_SOLVER_CHOLESKY ? "a factor serves up to 100000 unknowns"
-                                       : "a factor of more than 100000 unknowns is large");
+  if (given)
+    snprintf(s->report.reason, sizeof s->report.reason, "it was given");
+  else
+    snprintf(s->report.reason, sizeof s->report.reason,
+             way == BW_SOLVER_CHOLESKY ? "a factor serves up to %d unknowns"
+                                       : "a factor of more than %d unknowns is large",
+             (int)DIRECT_UNKNOWNS);
 done:
   bw_release(preconditioner);
   return status;
@@ -175,7 +179,7 @@ bw_status bwi_heat_system_open(bw_context *context, const bw_heat *heat,
                    s->options.tolerance, s->options.max_iterations);
   BW_TRY(number_unknowns(context, s));
   if (!transient)
-    BW_TRY(check_held(context, s));
+    BW_TRY(check_steady(context, s));
   BW_TRY(choose_solver(context, s));
   BW_TRY(bw_block_pattern_create(context, mesh, &s->pattern));
   s->by_temperature = bwi_heat_varies(material);

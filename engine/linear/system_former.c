@@ -14,7 +14,7 @@
 
 /* Part of the factor's work that may be done again: beyond it a whole factor, without the update
  * matrices, costs less. */
-#define WORTH_UPDATING 0.7
+#define MAX_UPDATED_FRACTION 0.7
 
 static void former_destroy(void *object) {
   bwi_former *former = object;
@@ -120,7 +120,8 @@ bw_status bwi_system_factorise(bw_context *context, bw_system *system, bwi_symbo
     touched = BW_NEW0(context, uint8_t, reach->subdomain_count);
     BW_TRY_MEMORY(touched);
     bwi_elimination_reach_touch(reach, system->mesh, system->former->changed, touched);
-    bool few = bwi_elimination_reach_flops(reach, touched) <= WORTH_UPDATING * symbolic->flops;
+    bool few =
+        bwi_elimination_reach_flops(reach, touched) <= MAX_UPDATED_FRACTION * symbolic->flops;
     if (few && updatable) {
       BW_TRY(bwi_factor_create_updated(context, former, matrix, touched, &flops, factor, bad_node));
       system->times.factor_reused = symbolic->flops > 0 ? 1 - flops / symbolic->flops : 1;

@@ -4,6 +4,7 @@
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"
+local shape_files = require "barwright.shape_files"
 local shown = require "barwright.shown"
 
 local raise = core.raise
@@ -16,39 +17,19 @@ function model:buckling(given)
   return static:buckling(given)
 end
 
-local function copied(given)
-  local out = {}
-  for key, value in pairs(given or {}) do out[key] = value end
-  return out
-end
-
 --- The shapes as .vtu, one field for each load factor.
 function buckling:write(path, given)
-  local opts = copied(given)
-  opts.fields = copied(opts.fields)
-  for i = 1, self.count do
-    opts.fields[("shape_%02d"):format(i)] = {self:shape(i), on = "nodes"}
-  end
-  return self.mesh:write(path, opts)
+  return shape_files.write(self, "shape_%02d", path, given)
 end
 
 --- A shape, deformed and coloured by how far each place moves.
 function buckling:picture(i, path, given)
-  local opts = copied(given)
-  local shape = self:shape(i)
-  local surface, nodes, details = self.mesh:surface()
-  if not surface then return nil, nodes, details end
-  opts.values = core.array.map("norm(a)", {a = shape}):gather(nodes)
-  opts.unit, opts.scale = opts.unit or "displacement over the largest", opts.scale or 1
-  opts.displacement = shape:gather(nodes)
-  if not opts.title then
-    local errors
-    errors, nodes, details = self:error_estimate()
-    if not errors then return nil, nodes, details end
-    opts.title = ("buckling shape %d: load factor %s, about %s too large"):format(i,
-      shown.number(self.factors[i]), shown.error(errors[i]))
-  end
-  return core.picture(surface, path, opts)
+  return shape_files.picture(self, i, path, given, function()
+    local errors, message, details = self:error_estimate()
+    if not errors then return nil, message, details end
+    return ("buckling shape %d: load factor %s, about %s too large"):format(i, shown.number(self.factors[i]),
+      shown.error(errors[i]))
+  end)
 end
 
 --- The mesh moved along a combination of shapes, whose largest displacement is the amplitude (m).

@@ -5,17 +5,9 @@ local core = require "barwright.core"
 local shown = require "barwright.shown"
 local fine_boundary = require "barwright.fine_boundary"
 local options = require "barwright.options"
+local shape_files = require "barwright.shape_files"
 
 local raise = core.raise
-
-local function copied(given)
-  local opts = {}
-  if given ~= nil and type(given) ~= "table" then
-    raise(("option 'fields': a table of arrays expected, got %s"):format(core.got(given)))
-  end
-  for key, value in pairs(given or {}) do opts[key] = value end
-  return opts
-end
 
 -- name -> what it is called, unit on the bar, factor
 local pictured = {
@@ -33,8 +25,8 @@ local static = core.classes.static.methods
 
 --- Displacement, stress and what follows from it, as .vtu (or what the ending says).
 function static:write(path, given)
-  local opts = copied(given)
-  local fields = copied(opts.fields)
+  local opts = options.copied(given)
+  local fields = options.copied(opts.fields)
   for _, name in ipairs {"displacement", "force", "reaction", "stress", "von_mises",
     "max_principal"} do
     fields[name] = fields[name] or {self[name], on = "nodes"}
@@ -46,7 +38,7 @@ end
 
 --- The deformed shape coloured by {field = "von_mises"} or {field = an array over nodes or elements}.
 function static:picture(path, given)
-  local opts = copied(given)
+  local opts = options.copied(given)
   local field = opts.field or "von_mises"
   opts.field = nil
   local values = field
@@ -81,38 +73,20 @@ local modes = core.classes.modes.methods
 
 --- The shapes as .vtu, one field for each mode.
 function modes:write(path, given)
-  local opts = copied(given)
-  opts.fields = copied(opts.fields)
-  for i = 1, self.count do
-    opts.fields[("mode_%02d"):format(i)] = {self:shape(i), on = "nodes"}
-  end
-  return self.mesh:write(path, opts)
+  return shape_files.write(self, "mode_%02d", path, given)
 end
 
---- A mode's shape, deformed and coloured by how far each place moves.
+--- A mode's shape; see shape_files.lua.
 function modes:picture(i, path, given)
-  local opts = copied(given)
-  local shape = self:shape(i)
-  local surface, nodes, details = self.mesh:surface()
-  if not surface then return nil, nodes, details end
-  local frequencies = self.frequencies
-  if self.components == 3 then
-    opts.values = core.array.map("norm(a)", {a = shape}):gather(nodes)
-    opts.unit, opts.scale = opts.unit or "displacement over the largest", opts.scale or 1 / opts.values:max()
-    opts.displacement = shape:gather(nodes)
-  else
-    opts.values = shape:gather(nodes)
-  end
-  local title = ("mode %d"):format(i)
-  if frequencies then
+  return shape_files.picture(self, i, path, given, function()
+    local title, frequencies = ("mode %d"):format(i), self.frequencies
+    if not frequencies then return title end
     local cents = self:error_estimate()
     cents = cents and cents[i]
-    title = ("%s: %s%s"):format(title, core.quantity(frequencies[i], "Hz"), cents
+    return ("%s: %s%s"):format(title, core.quantity(frequencies[i], "Hz"), cents
       and (", about %s too high"):format(shown.cents(cents))
       or "; " .. core.error_unknown)
-  end
-  opts.title = opts.title or title
-  return core.picture(surface, path, opts)
+  end)
 end
 
 local surface = core.classes.surface.methods
@@ -160,7 +134,7 @@ end
 
 --- A picture of the mesh; values over nodes or elements.
 function mesh:picture(path, given)
-  local opts = copied(given)
+  local opts = options.copied(given)
   local boundary, nodes, details = self:surface()
   if not boundary then return nil, nodes, details end
   if opts.values ~= nil then

@@ -18,8 +18,7 @@ end
 
 --- The body coloured by its temperature; options of bw.picture.
 function solution:picture(path, given)
-  local opts = {}
-  for key, value in pairs(given or {}) do opts[key] = value end
+  local opts = options.copied(given)
   local surface, nodes, details = fine_boundary(self.mesh)
   if not surface then return nil, nodes, details end
   opts.values = self.temperature:gather(nodes)
@@ -110,8 +109,8 @@ function transient:run(given)
         step = h * math.min(2, ratio)
       end
       if step < 1e-9 * opts.time then
-        raise(("run: the step fell to %g s without reaching the tolerance of %g K: give a larger one, or a "
-          .. "history without jumps"):format(step, limit))
+        return nil, ("the step fell to %g s without reaching the tolerance of %g K: give a larger one, or a "
+          .. "history without jumps"):format(step, limit), {status = "convergence", step = step}
       end
     end
   end

@@ -106,4 +106,14 @@ function options.object(where, argument, value, class)
   end
 end
 
+--- A copy of the options of a call, of which one level is changed.
+function options.copied(given)
+  local out = {}
+  if given ~= nil and type(given) ~= "table" then
+    raise(("option 'fields': a table of arrays expected, got %s"):format(core.got(given)))
+  end
+  for key, value in pairs(given or {}) do out[key] = value end
+  return out
+end
+
 return options

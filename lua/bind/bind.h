@@ -340,6 +340,8 @@ int lbw_mesh_split(lua_State *L);
 int lbw_mesh_interface(lua_State *L);
 /* The region that the argument names; raises where there is none. */
 int32_t lbw_check_region(lua_State *L, int argument, const bw_mesh *mesh);
+/* The options mesh, and material or materials, of the table at index 1. They stay on the stack. */
+const bw_mesh *lbw_check_body(lua_State *L, const char *function, const bw_material **material);
 /* Names by tag, {[tag] = name}, into a userdata that is pushed; *count: how many. */
 bw_mesh_region *lbw_read_region_names(lua_State *L, int index, const char *what, int32_t *count);
 /* ", regions 'shell', 'core'", or "": pushed. */

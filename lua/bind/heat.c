@@ -14,21 +14,17 @@ static int leave_self(lua_State *L, bw_status status) {
   return lbw_leave(L, status, 1);
 }
 
-/* heat{mesh, material} */
+/* heat{mesh, material or materials} */
 static int heat_new(lua_State *L) {
-  static const lbw_option list[] = {
-      {"mesh", LBW_OTHER, 0}, {"material", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {{"mesh", LBW_OTHER, 0},
+                                    {"material", LBW_OTHER, 0},
+                                    {"materials", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   lbw_options(L, 1, "heat", list, NULL);
-  const bw_mesh *mesh =
-      (const bw_mesh *)lbw_object_option(L, 1, "heat", "mesh", &lbw_mesh_class, "an open mesh");
-  if (!mesh)
-    return lbw_option_missing(L, "heat", "mesh", "");
-  const bw_material *material = (const bw_material *)lbw_object_option(
-      L, 1, "heat", "material", &lbw_material_class, "an open material");
-  if (!material)
-    return lbw_option_missing(L, "heat", "material", "");
+  const bw_material *material;
+  const bw_mesh *mesh = lbw_check_body(L, "heat", &material);
   lbw_box *box = lbw_box_new(L, &lbw_heat_class);
   bw_heat *heat = NULL;
   bw_status status = bw_heat_create(lbw_enter(L), mesh, material, &heat);

@@ -22,32 +22,6 @@ static const bw_selection *check_selection(lua_State *L, int argument) {
 
 static const char *const formulations[] = {"standard", "b_bar", NULL};
 
-/* The option 'materials', {name of a region = material}, on the top of the stack, as one material
- * of the mesh. It is pushed. */
-static const bw_material *materials_option(lua_State *L, const bw_mesh *mesh) {
-  int table = lua_gettop(L);
-  if (!lua_istable(L, table))
-    lbw_option_refused(L, "model", "materials", "a table of materials by the names of regions");
-  size_t bytes = ((size_t)mesh->region_count + 1) * sizeof(void *);
-  const bw_material **part = (const bw_material **)lua_newuserdatauv(L, bytes, 0);
-  memset(part, 0, bytes);
-  for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
-    if (lua_type(L, -2) != LUA_TSTRING)
-      lbw_error(L, "model: option 'materials': names of regions expected, got %s", lbw_got(L, -2));
-    int32_t region = lbw_check_region(L, lua_absindex(L, -2), mesh);
-    part[region] = (const bw_material *)lbw_test(L, -1, &lbw_material_class);
-    if (!part[region])
-      lbw_error(L, "model: option 'materials': region '%s': an open material expected, got %s",
-                mesh->regions[region].name.text, lbw_got(L, -1));
-  }
-  lbw_box *box = lbw_box_new(L, &lbw_material_class);
-  bw_material *material = NULL;
-  bw_status status = bw_material_by_region(lbw_enter(L), mesh, part, &material);
-  lbw_box_fill(L, box, material);
-  lbw_leave_or_raise(L, status);
-  return material;
-}
-
 /* model{mesh, material or materials, formulation} */
 static int model_new(lua_State *L) {
   static const lbw_option list[] = {{"mesh", LBW_OTHER, 0},
@@ -58,21 +32,8 @@ static int model_new(lua_State *L) {
   lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   lbw_options(L, 1, "model", list, NULL);
-  lbw_option_get(L, 1, "mesh");
-  const bw_mesh *mesh = (const bw_mesh *)lbw_test(L, -1, &lbw_mesh_class);
-  if (!mesh)
-    return lbw_error(L, "model: option 'mesh': an open mesh expected, got %s", lbw_got(L, -1));
-  const bw_material *material = NULL;
-  if (lbw_option_get(L, 1, "materials") != LUA_TNIL) {
-    if (lbw_option_get(L, 1, "material") != LUA_TNIL)
-      return lbw_error(L, "model: option 'material' or option 'materials' expected, not both");
-    lua_pop(L, 1);
-    material = materials_option(L, mesh);
-  } else if (lbw_option_get(L, 1, "material") != LUA_TNIL)
-    material = (const bw_material *)lbw_test(L, -1, &lbw_material_class);
-  if (!material)
-    return lbw_error(L, "model: option 'material': an open material expected, got %s",
-                     lbw_got(L, -1));
+  const bw_material *material;
+  const bw_mesh *mesh = lbw_check_body(L, "model", &material);
   bw_formulation formulation = (bw_formulation)lbw_word_option(
       L, 1, "model", "formulation", formulations, (int)material->formulation);
   lbw_box *box = lbw_box_new(L, &lbw_model_class);

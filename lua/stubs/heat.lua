@@ -28,7 +28,8 @@ function bw.heat(options) end
 ---What conducts heat.
 ---@class bw.HeatOptions
 ---@field mesh bw.Mesh the body
----@field material bw.Material with a conductivity
+---@field material? bw.Material of all elements, with a conductivity; needed without `materials`
+---@field materials? table<string, bw.Material> the material of each region of the mesh, by its name; instead of `material`
 
 ---A mesh with a material and conditions of heat; `print` lists them with their numbers.
 ---```lua
@@ -37,14 +38,14 @@ function bw.heat(options) end
 ---```
 ---@class bw.Heat
 ---@field mesh bw.Mesh the body
----@field material bw.Material its material
+---@field material bw.Material its material; with several `parts` as `materials` gave them
 ---@field condition_count integer (count) of conditions, in the order in which they were added
 local Heat = {}
 
 ---Releases the body at once.
 function Heat:close() end
 
----Prescribes the temperature of a selection. Where several prescribe that of a node, the last one holds.
+---Prescribes the temperature of a selection. Where several prescribe that of a node, the last one counts.
 ---
 ---Errors: `empty` for a selection without a facet that is no node set.
 ---@param selection bw.Selection where
@@ -217,7 +218,7 @@ function HeatTransient:step(seconds, limit) end
 
 ---Steps to a time, with values of conditions that depend on it.
 ---
----Errors: those of `step`; `cancelled` where it was interrupted.
+---Errors: those of `step`; `cancelled` where it was interrupted; `convergence` where the step falls below 1e-9 of the time.
 ---@param options bw.HeatRunOptions how far, and how
 ---@return bw.HeatSolution? now the state at the end
 ---@return string? message

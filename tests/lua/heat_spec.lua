@@ -49,6 +49,37 @@ describe("heat", function()
     for i, expected in ipairs {100, 200, 250, 300} do check.near(expected, heats[i], 1e-6) end
   end)
 
+  it("regions conduct by their own materials: two layers between two temperatures", function()
+    local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 1, 1}, order = 2}
+      :split({min = {0.06, -1, -1}, max = {1, 1, 1}}, "cover")
+    local plain
+    for _, region in ipairs(mesh.regions) do
+      if region.name ~= "cover" then plain = region.name end
+    end
+    local cover = bw.material.isotropic {young = 1e9, poisson = 0.3, conductivity = 5}
+    local heat = bw.heat {mesh = mesh, materials = {[plain] = metal, cover = cover}}
+    heat:prescribe(mesh.boundary:below("x", 0), 400):prescribe(mesh.boundary:above("x", 0.1), 300)
+    local solution = assert(heat:solve())
+    local flux = 100 / (0.06 / 35 + 0.04 / 5)
+    check.near(400 - flux * 0.06 / 35, at(solution, 0.06), 1e-9)
+    check.near(flux * 1e-4, solution.heat_in[1], 1e-9)
+    check.raises("'material' or option 'materials' expected, not both",
+      bw.heat, {mesh = mesh, material = metal, materials = {cover = cover}})
+    check.raises("there is no region 'covr': did you mean 'cover'?", bw.heat,
+      {mesh = mesh, materials = {covr = cover}})
+  end)
+
+  it("a tolerance that no step reaches is a failure, not misuse", function()
+    local heat, mesh = bar(metal, 1)
+    heat:prescribe(mesh.boundary:below("x", 0), 300)
+    local transient = assert(heat:transient {initial = 300})
+    local now, message, details = transient:run {time = 1, step = 0.5, tolerance = 1e-9,
+      histories = {function(time) return time < 0.3 and 300 or 400 end}}
+    assert.is_nil(now)
+    assert.matches("the step fell to", message)
+    assert.equal("convergence", details.status)
+  end)
+
   it("thermal stress of a computed field: a bar between walls", function()
     local heat, mesh = bar(metal)
     heat:prescribe(mesh.boundary:below("x", 0), 300):prescribe(mesh.boundary:above("x", 0.1), 400)

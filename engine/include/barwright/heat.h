@@ -127,7 +127,7 @@ typedef struct bw_heat_transient {
                    there is none yet */
   struct bwi_heat_transient *inner;
 } bw_heat_transient;
-/* A body at time 0 with temperatures `initial` (K, node_count); prescribed ones hold from the
+/* A body at time 0 with temperatures `initial` (K, node_count); prescribed ones apply from the
  * start. `options` may be NULL. BW_INVALID for a material without density or heat capacity, and for
  * a lumped capacity of tet10; BW_UNSUPPORTED as bw_heat_steady. */
 BW_API bw_status bw_heat_transient_create(bw_context *context, const bw_heat *heat,

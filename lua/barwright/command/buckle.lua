@@ -112,17 +112,11 @@ return {
     local found, why, details = analyse(opts, loads, out)
     if not found then return out:fail(why, details) end
     local verdict = report(found, opts, out)
-    local buckling, written = found.buckling, bw.json.list {}
-    for _, how in ipairs {{opts.vtu, function() return buckling:write(opts.vtu) end},
-      {buckling.count > 0 and opts.picture, function() return buckling:picture(1, opts.picture) end}} do
-      if how[1] then
-        local ok, more, about = how[2]()
-        if not ok then return out:fail(more, about) end
-        written[#written + 1] = how[1]
-      end
-    end
-    if #written > 0 then out:say("Written: %s.", table.concat(written, ", ")) end
-    out:json {files = written}
+    local buckling = found.buckling
+    if opts.picture and buckling.count == 0 then out:say "No picture is written, since no shape was found." end
+    local failed = out:write_files {{opts.vtu, function() return buckling:write(opts.vtu) end},
+      {buckling.count > 0 and opts.picture, function() return buckling:picture(1, opts.picture) end}}
+    if failed then return failed end
     return verdict == "holds" and 0 or 1
   end,
 }

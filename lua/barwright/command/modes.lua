@@ -108,16 +108,8 @@ return {
     local modes, fixed, errors, accuracy = analyse(opts, out)
     if not modes then return out:fail(fixed, errors) end
     report(modes, fixed, errors, accuracy, opts, out)
-    local written = bw.json.list {}
-    for _, how in ipairs {{opts.vtu, function() return modes:write(opts.vtu) end},
-      {opts.picture, function() return modes:picture(1, opts.picture) end}} do
-      if how[1] then
-        local ok, message, more = how[2]()
-        if not ok then return out:fail(message, more) end
-        written[#written + 1] = how[1]
-      end
-    end
-    if #written > 0 then out:say("Written: %s.", table.concat(written, ", ")) end
-    out:json {files = written}
+    local failed = out:write_files {{opts.vtu, function() return modes:write(opts.vtu) end},
+      {opts.picture, function() return modes:picture(1, opts.picture) end}}
+    if failed then return failed end
   end,
 }

@@ -72,6 +72,21 @@ function output:fail(message, details)
   return refused[status] and output.MISUSED or output.FAILED
 end
 
+--- Writes files, a list of {path, function}; where there is no path there is no file. Returns the exit code of a
+--- failure.
+function output:write_files(list)
+  local written = json.list {}
+  for _, file in ipairs(list) do
+    if file[1] then
+      local ok, message, details = file[2]()
+      if not ok then return self:fail(message, details) end
+      written[#written + 1] = file[1]
+    end
+  end
+  if #written > 0 then self:say("Written: %s.", table.concat(written, ", ")) end
+  self:json {files = written}
+end
+
 --- The same for a wrong use of the command.
 function output:misuse(message)
   return self:fail(message .. (" (see barwright %s --help)"):format(self.name), {status = "misuse"})

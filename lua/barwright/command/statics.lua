@@ -262,23 +262,16 @@ return {
     if not loads then return out:misuse(message) end
     local static, answer, details = analyse(opts, loads, out)
     if not static then return out:fail(answer, details) end -- a message
-    local written, picture = bw.json.list {}, nil
+    local picture
     if opts.picture or opts.report then
       picture = static_picture.options(static, answer.title, loads, opts.fix, answer.singular)
     end
-    for _, how in ipairs {{opts.vtu, function() return static:write(opts.vtu) end},
+    local failed = out:write_files {{opts.vtu, function() return static:write(opts.vtu) end},
       {opts.picture, function() return static:picture(opts.picture, picture) end},
       {opts.report, function()
         return static_picture.report(static, opts.report, picture, answer.text)
-      end}} do
-      if how[1] then
-        local ok, why, more = how[2]()
-        if not ok then return out:fail(why, more) end
-        written[#written + 1] = how[1]
-      end
-    end
-    if #written > 0 then out:say("Written: %s.", table.concat(written, ", ")) end
-    out:json {files = written}
+      end}}
+    if failed then return failed end
     return answer.verdict == "holds" and 0 or 1
   end,
 }
