@@ -6,7 +6,7 @@
  * The basis S = [X P W] is M-orthonormal. Then Rayleigh-Ritz is an ordinary symmetric eigenproblem
  * of S^T K S, and nothing of it is ill-conditioned near convergence (Hetmaniuk and Lehoucq 2006,
  * Duersch et al. 2018): W is orthogonalised against X and P and among itself by the eigenvectors of
- * its Gram matrix, dependent vectors dropped, twice where they are nearly dependent; the
+ * its Gram matrix, dependent vectors dropped, again where they are nearly dependent; the
  * coefficients of P are orthogonalised against those of X, so that P needs no product with M.
  *
  * Memory is that of the basis and of a block: no products of the basis with K and M are kept. Those
@@ -34,8 +34,9 @@ enum { SIDES = 8 };
 
 /* Relative size of an eigenvalue of a Gram matrix below which its vector depends on the others. */
 static const double dependent = 1e-14;
-/* And above which a combination of such vectors is as exact as they are. */
-static const double independent = 0.01;
+/* Rounding that orthogonalisation enlarges by no more than this is let pass; by more than the
+ * second it leaves nothing of the Gram matrix. */
+static const double exact = 1e3, unusable = 1e8;
 /* A residual that has not fallen to this fraction of its best in so many rounds stands still; below
  * this one it is rounding that stops it. */
 static const double falls = 0.9, close_enough = 1e-4;
@@ -130,42 +131,34 @@ static bw_status symmetric(bw_context *context, int order, double *matrix, doubl
 }
 
 /* The columns from `first` on, `count` of them, made M-orthonormal among themselves by the
- * eigenvectors of their Gram matrix; dependent ones are dropped. M times them is at hand.
- * `removed`: what was taken off each square of a norm. *exact: neither that nor the combination
- * enlarges rounding, so that they are orthogonal to what was taken off. */
-static bw_status orthonormalise(lobpcg *l, int first, const double *removed, int *count,
-                                bool *exact) {
+ * eigenvectors of their Gram matrix, which is lost; dependent ones are dropped. *least: the
+ * smallest eigenvalue over the largest, of columns of norm 1. */
+static bw_status orthonormalise(lobpcg *l, int first, double *gram, int *count, double *least) {
   bw_status status = BW_OK;
   bw_context *context = l->base.context;
   int64_t size = l->base.size;
   int n = *count, kept = 0;
-  double *gram = BW_NEW(context, double, (int64_t)n *n);
   double *value = BW_NEW(context, double, 2 * (int64_t)n);
-  double *w = l->basis + first * size, *mw = l->heavy ? l->heavy + first * size : l->image;
-  BW_TRY_MEMORY(gram && value);
+  double *w = l->basis + first * size;
+  BW_TRY_MEMORY(value);
   double *scale = value + n;
-  BW_TRY(bwi_multi_dot(context, size, n, w, n, mw, gram));
-  *exact = true;
-  for (int j = 0; j < n; j++)
-    *exact = *exact && removed[j] <= gram[j + j * n];
   for (int j = 0; j < n; j++)
     scale[j] = gram[j + j * n] > 0 ? 1 / sqrt(gram[j + j * n]) : 0;
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++)
       gram[i + j * n] *= scale[i] * scale[j];
   BW_TRY(symmetric(context, n, gram, value));
-  *exact = *exact && value[0] > independent * value[n - 1];
+  *least = value[0] / value[n - 1];
   for (int j = n - 1; j >= 0 && value[j] > dependent * value[n - 1] && value[j] > 0; j--, kept++)
     for (int i = 0; i < n; i++)
       gram[i + j * n] *= scale[i] / sqrt(value[j]);
   if (kept > 0)
-    BW_TRY(combine(l, (combination){.field = {w, mw},
+    BW_TRY(combine(l, (combination){.field = {w, l->heavy ? l->heavy + first * size : NULL},
                                     .from = n,
                                     .count = kept,
                                     .weights = gram + (int64_t)(n - kept) * n}));
   *count = kept;
 done:
-  bw_free(gram);
   bw_free(value);
   return status;
 }
@@ -196,35 +189,59 @@ done:
   return status;
 }
 
+/* The Gram matrix of `count` columns less their parts in `before` ones, from `dots`, the products
+ * of both with M times the columns. Returns the largest of what is taken off a square of a norm
+ * over what is left: so much larger is the rounding of that. */
+static double gram_of_rest(int before, int count, const double *dots, double *gram) {
+  int64_t rows = before + count;
+  double largest = 0;
+  for (int j = 0; j < count; j++) {
+    const double *one = dots + j * rows;
+    for (int i = 0; i <= j; i++) {
+      const double *other = dots + i * rows;
+      double whole = 0.5 * (one[before + i] + other[before + j]);
+      gram[i + j * count] = gram[j + i * count] = whole - bwi_dot(before, one, other);
+    }
+    double removed = bwi_dot(before, one, one), left = gram[j + j * count];
+    largest = fmax(largest, removed <= 0 ? 0 : left > 0 ? removed / left : INFINITY);
+  }
+  return largest;
+}
+
 /* Takes in `count` columns behind the first `before` ones, which are M-orthonormal: orthogonalised
- * against these and among themselves, twice where rounding needs it. *count: those kept. */
+ * against these and among themselves, and again where that enlarged rounding too much. One product
+ * with M serves both. *count: those kept. */
 static bw_status take_in(lobpcg *l, int before, int *count) {
   bw_status status = BW_OK;
   bw_context *context = l->base.context;
   const bwi_eigen_problem *problem = l->base.problem;
-  int64_t size = l->base.size;
+  int64_t size = l->base.size, rows = before + *count;
   double *w = l->basis + before * size, *mw = l->heavy ? l->heavy + before * size : l->image;
-  double *part = BW_NEW(context, double, (int64_t)(before + 1) * *count);
-  double *removed = BW_NEW(context, double, *count);
-  bool exact = false;
-  BW_TRY_MEMORY(part && removed);
+  double *dots = BW_NEW(context, double, rows **count);
+  double *gram = BW_NEW(context, double, (int64_t)*count **count);
+  double enlarged = INFINITY;
+  BW_TRY_MEMORY(dots && gram);
   BW_TRY(problem->project(context, problem->data, *count, w));
-  BW_TRY(problem->mass(context, problem->data, *count, w, mw));
-  for (int pass = 0; pass < 2 && *count > 0 && !exact; pass++) {
-    BW_TRY(bwi_multi_dot(context, size, before, l->basis, *count, mw, part));
-    BW_TRY(bwi_multi_combine(context, size, before, l->basis, *count, part, before, -1, 1, w));
-    if (l->heavy)
-      BW_TRY(bwi_multi_combine(context, size, before, l->heavy, *count, part, before, -1, 1, mw));
-    else
+  for (int pass = 0; pass < 3 && *count > 0 && enlarged > exact; pass++) {
+    if (pass == 0 || !l->heavy)
       BW_TRY(problem->mass(context, problem->data, *count, w, mw));
-    for (int j = 0; j < *count; j++)
-      removed[j] = bwi_dot(before, part + (int64_t)j * before, part + (int64_t)j * before);
-    BW_TRY(orthonormalise(l, before, removed, count, &exact));
+    rows = before + *count;
+    BW_TRY(bwi_multi_dot(context, size, (int)rows, l->basis, *count, mw, dots));
+    BW_TRY(bwi_multi_combine(context, size, before, l->basis, *count, dots, (int)rows, -1, 1, w));
+    if (l->heavy)
+      BW_TRY(
+          bwi_multi_combine(context, size, before, l->heavy, *count, dots, (int)rows, -1, 1, mw));
+    enlarged = 1 + gram_of_rest(before, *count, dots, gram);
+    if (enlarged < unusable || pass == 2) {
+      double least;
+      BW_TRY(orthonormalise(l, before, gram, count, &least));
+      enlarged = least > 0 ? enlarged / least : INFINITY;
+    }
   }
   BW_TRY(project_stiffness(l, before, *count));
 done:
-  bw_free(part);
-  bw_free(removed);
+  bw_free(dots);
+  bw_free(gram);
   return status;
 }
 
