@@ -111,3 +111,64 @@ describe("heat", function()
     check.fails("unconstrained", "no steady temperature", heat:solve())
   end)
 end)
+
+describe("barwright heat", function()
+  local folder = check.folder()
+  local path = folder .. "bar.msh"
+  setup(function()
+    assert(bw.mesh.box({max = {0.1, 0.01, 0.01}, cells = {10, 1, 1}, order = 2}):write(path))
+  end)
+
+  local function answer(words)
+    local status, out, err = check.run("heat --json --conductivity 50 " .. words .. " " .. path)
+    return status, status < 2 and bw.json.decode(out) or out, err
+  end
+
+  it("finds temperatures of units of their own, and judges them", function()
+    -- 2 W through 0.1 m of 1 cm2: 40 K above the cold end
+    local status, object = answer "--temperature below:x:0=20C --power above:x:100mm=2"
+    assert.equal(0, status)
+    assert.equal("computed", object.verdict)
+    check.near(293.15 + 40, object.value, 1e-6)
+    check.near(-2, object.heat_in[1].heat_w, 1e-9)
+    check.near(0.1, object.at_m[1], 1e-12)
+    for limit, expected in pairs {["61C"] = "holds", ["330K"] = "exceeds"} do
+      status, object = answer("--temperature below:x:0=20C --power above:x:100mm=2 --limit " .. limit)
+      assert.equal(expected == "holds" and 0 or 1, status)
+      assert.equal(expected, object.verdict)
+    end
+  end)
+
+  it("takes convection, radiation and a power in the volume", function()
+    local status, object = answer "--volume-power 4.2 --convection all=10,20C --radiation all=1,293.15K"
+    assert.equal(0, status)
+    -- nearly uniform: 4.2 W from 42 cm2 is 1000 W/m2
+    local T = object.value
+    check.near(1000, 10 * (T - 293.15) + 5.670374419e-8 * (T ^ 4 - 293.15 ^ 4), 20)
+    check.near(-4.2, object.heat_in[1].heat_w + object.heat_in[2].heat_w, 1e-6)
+    assert.is_true(object.estimated_error_k > 0 and object.estimated_error_k < 1)
+  end)
+
+  it("prints sentences, writes files", function()
+    local status, out = check.run(("heat %s --material steel --temperature min:x=80C --convection all=10,20C "
+      .. "--picture %sh.png --vtu %sh.vtu"):format(path, folder, folder))
+    assert.equal(0, status)
+    assert.truthy(out:find("353.15 K (80 C)", 1, true), out)
+    assert.truthy(out:find("h.png", 1, true))
+  end)
+
+  it("refuses what cannot be", function()
+    for words, expected in pairs {
+      ["--power min:x=2"] = "nothing holds a temperature",
+      ["--temperature min:x=warm"] = "a temperature such as 293K or 20C expected, got 'warm'",
+      ["--convection min:x=10"] = "two numbers, COEFFICIENT,TEMPERATURE, expected",
+      ["--radiation min:x=2,300"] = "emissivity"} do
+      local status, _, err = check.run(("heat --conductivity 50 %s %s"):format(words, path))
+      assert.equal(2, status)
+      assert.truthy(err:find(expected, 1, true), err)
+    end
+    local status, _, err = check.run("heat --material abs --temperature min:x=300 " .. path)
+    assert.equal(2, status)
+    assert.truthy(err:find("the conductivity of abs is not known", 1, true), err)
+  end)
+end)

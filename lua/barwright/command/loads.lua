@@ -16,27 +16,18 @@ loads.options = {
     what = "gravity: an acceleration in m/s2, 0,0,-9.81 for instance"},
 }
 
--- "PLACE=VALUE": what stands before and behind the last "=".
-local function split(text)
-  local place, value = text:match "^(.*)=([^=]*)$"
-  if not place then return nil, ("PLACE=VALUE expected, got '%s'"):format(text) end
-  local ok, message = places.check(place)
-  if not ok then return nil, message end
-  return place, value
-end
-
 --- Loads, before anything is read: {place =, force = | pressure =}.
 function loads.read(opts)
   local list = {}
   for _, text in ipairs(opts.force) do
-    local place, value = split(text)
+    local place, value = places.split(text)
     if not place then return nil, "option --force: " .. value end
     local force, message = places.vector(value, "N")
     if not force then return nil, "option --force: " .. message end
     list[#list + 1] = {place = place, force = force}
   end
   for _, text in ipairs(opts.pressure) do
-    local place, value = split(text)
+    local place, value = places.split(text)
     if not place then return nil, "option --pressure: " .. value end
     local pressure, expected = quantity.read(value, "Pa")
     if not pressure then return nil, ("option --pressure: %s expected, got '%s'"):format(expected, value) end

@@ -136,6 +136,15 @@ function places.check(text)
   return true
 end
 
+--- "PLACE=VALUE": the place and what stands behind the last "=", or nil and a sentence.
+function places.split(text)
+  local place, value = text:match "^(.*)=([^=]*)$"
+  if not place then return nil, ("PLACE=VALUE expected, got '%s'"):format(text) end
+  local ok, message = places.check(place)
+  if not ok then return nil, message end
+  return place, value
+end
+
 --- Whether a point (x, y, z) lies in one of several places of a body of this box: a function; or nil and a
 --- sentence.
 function places.test(texts, box)

@@ -1,0 +1,203 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright heat MODEL: how warm the part gets in the steady state.
+local bw = require "barwright"
+local core = require "barwright.core"
+local model = require "barwright.command.model"
+local output = require "barwright.command.output"
+local places = require "barwright.command.places"
+local quantity = require "barwright.command.quantity"
+local shown = require "barwright.shown"
+
+local ZERO_CELSIUS = 273.15 -- K
+
+-- A temperature (K) of "353", "353K" or "80C".
+local function temperature_of(text)
+  local celsius = text:match "^(.*[%d.])%s*C$"
+  local value = quantity.read(celsius or text, not celsius and "K" or nil)
+  if not value then return nil, ("a temperature such as 293K or 20C expected, got '%s'"):format(text) end
+  return celsius and value + ZERO_CELSIUS or value
+end
+
+local function number_of(unit)
+  return function(text)
+    local value, expected = quantity.read(text, unit)
+    if not value then return nil, ("%s expected, got '%s'"):format(expected, text) end
+    return value
+  end
+end
+
+-- "20,293K": a number and a temperature, under these names.
+local function film_of(name)
+  return function(text)
+    local first, second = text:match "^([^,]*),([^,]*)$"
+    local value = first and quantity.read(first)
+    if not value then
+      return nil, ("two numbers, %s,TEMPERATURE, expected, got '%s'"):format(name:upper(), text)
+    end
+    local temperature, message = temperature_of(second)
+    if not temperature then return nil, message end
+    return {[name] = value, temperature = temperature}
+  end
+end
+
+-- Of each option PLACE=VALUE: how its value is read, and what is said of it.
+local conditions = {
+  {option = "temperature", read = temperature_of, text = function(t) return core.quantity(t, "K") end},
+  {option = "power", read = number_of "W", text = function(p) return core.quantity(p, "W") end},
+  {option = "convection", read = film_of "coefficient", text = function(c)
+    return ("%s to %s"):format(core.quantity(c.coefficient, "W/(m2 K)"), core.quantity(c.temperature, "K"))
+  end},
+  {option = "radiation", read = film_of "emissivity", text = function(c)
+    return ("emissivity %s, to %s"):format(shown.number(c.emissivity), core.quantity(c.temperature, "K"))
+  end},
+}
+
+-- The conditions, before anything is read: {place =, kind =, value =, text =}.
+local function read_conditions(opts)
+  local list = {}
+  for _, kind in ipairs(conditions) do
+    for _, given in ipairs(opts[kind.option]) do
+      local place, text = places.split(given)
+      if not place then return nil, ("option --%s: %s"):format(kind.option, text) end
+      local value, message = kind.read(text)
+      if not value then return nil, ("option --%s: %s"):format(kind.option, message) end
+      list[#list + 1] = {place = place, kind = kind.option, value = value, text = kind.text(value)}
+      list.bound = list.bound or kind.option ~= "power"
+    end
+  end
+  if not list.bound then
+    return nil, "nothing holds a temperature: --temperature, --convection or --radiation is missing"
+  end
+  if opts.limit then
+    local message
+    list.limit, message = temperature_of(opts.limit)
+    if not list.limit then return nil, "option --limit: " .. message end
+  end
+  return list
+end
+
+-- The steady state on a mesh; say(condition, selection) is told of each condition.
+local function solve(mesh, material, opts, given, say)
+  local heat, message, details = model.try(bw.heat, {mesh = mesh, material = material})
+  if not heat then return nil, message, details end
+  if opts.volume_power then heat:load {power = opts.volume_power} end
+  for _, condition in ipairs(given) do
+    local selection, ok
+    selection, message, details = places.select(mesh, condition.place)
+    if not selection then return nil, message, details end
+    if condition.kind == "temperature" then
+      ok, message, details = model.try(heat.prescribe, heat, selection, condition.value)
+    else
+      ok, message, details = model.try(heat.load, heat, {on = selection, [condition.kind] = condition.value})
+    end
+    if not ok then return nil, condition.place .. ": " .. message, details end
+    say(condition, selection)
+  end
+  return model.try(heat.solve, heat)
+end
+
+local function analyse(opts, given, out)
+  if opts.threads then bw.threads(opts.threads) end
+  local mesh, material, read = model.body(setmetatable({order = 2}, {__index = opts}), out)
+  if not mesh then return nil, material, read end
+  if opts.conductivity then -- all that heat asks of a material
+    material = bw.material.isotropic {name = material.name, young = 1e9, poisson = 0.3,
+      conductivity = opts.conductivity}
+  elseif not material.conductivity then
+    return nil, ("the conductivity of %s is not known: give it by --conductivity"):format(opts.material),
+      {status = "invalid"}
+  end
+  local solution, message, details = solve(mesh, material, opts, given, function(condition, selection)
+    out:say("Condition at %s (%s): %s %s.", condition.place, core.quantity(selection.area, "m2"), condition.kind,
+      condition.text)
+  end)
+  out:warnings()
+  if not solution then return nil, message, details end
+  -- Linear elements of the same mesh have larger errors: the difference is about theirs.
+  local coarse
+  coarse, message, details = solve(mesh:with_order(1), material, opts, given, function() end)
+  bw.warnings() -- those of the quadratic elements are shown
+  if not coarse then return nil, message, details end
+  return {mesh = mesh, solution = solution, coarse = coarse}
+end
+
+local function judge(highest, estimated, limit)
+  if not limit then return "computed" end
+  if highest + estimated < limit then return "holds", "it stays below the limit" end
+  if highest - estimated > limit then return "exceeds", "it exceeds the limit" end
+  return "unsure", "too close to decide"
+end
+
+local function report(found, given, opts, out)
+  local solution = found.solution
+  local temperature = solution.temperature
+  local node, highest, lowest = temperature:argmax(), temperature:max(), temperature:min()
+  local estimated = math.abs(found.coarse.temperature:max() - highest)
+  local verdict, words = judge(highest, estimated, given.limit)
+  local nodes = found.mesh.nodes
+  local at = {nodes(node, 1), nodes(node, 2), nodes(node, 3)}
+  local function both(kelvin)
+    return ("%.5g K (%.4g C)"):format(kelvin, kelvin - ZERO_CELSIUS)
+  end
+  out:say("")
+  out:say("The temperature is highest at %s: %s (estimated error %.2g K); the lowest one is %s.", core.point(at),
+    both(highest), estimated, both(lowest))
+  if words then out:say("Of the limit of %s: %s.", both(given.limit), words) end
+  local heats, gained = solution.heat_in:totable(), bw.json.list {}
+  local skipped = opts.volume_power and 1 or 0
+  for i, condition in ipairs(given) do
+    gained[i] = {place = condition.place, kind = condition.kind, heat_w = heats[i + skipped]}
+    out:say("Heat into the part by %s at %s: %s.", condition.kind, condition.place,
+      core.quantity(heats[i + skipped], "W"))
+  end
+  out:say "Steady state: the conductivity is that of the material's table, and surfaces do not see each other."
+  out:json {verdict = verdict, value = highest, quantity = "highest temperature, K", estimated_error_k = estimated,
+    at_m = at, lowest_k = lowest, limit_k = given.limit, heat_in = gained, imbalance_w = solution.imbalance,
+    flux_error = solution:error_estimate(), material = opts.material}
+  return verdict
+end
+
+return {
+  summary = "how warm a part gets in the steady state",
+  about = "Applies conditions of heat at places and finds the steady temperatures. A surface is repaired where it "
+    .. "must be and filled with quadratic tetrahedra. A temperature is in kelvin, or in degrees Celsius with a C: "
+    .. "353K, 80C. No heat passes where no condition is given.\n\n" .. places.help .. "\n\n"
+    .. output.codes("it stays below the limit, or there is none", "it exceeds the limit, or the estimated error "
+      .. "leaves it open"),
+  arguments = {model.body_argument},
+  options = {
+    model.material_option,
+    {name = "conductivity", value = "NUMBER", type = "number", above = 0,
+      what = "thermal conductivity, in W/(m K), in place of the material's"},
+    {name = "temperature", value = "PLACE=TEMPERATURE", many = true, what = "a place is held at a temperature"},
+    {name = "power", value = "PLACE=POWER", many = true, what = "a power, in W, spread over a place"},
+    {name = "volume-power", value = "POWER", type = "number",
+      what = "a power, in W, spread over the volume of the part"},
+    {name = "convection", value = "PLACE=COEFFICIENT,TEMPERATURE", many = true,
+      what = "a fluid of a temperature: its coefficient is in W/(m2 K), 5 to 25 in still air"},
+    {name = "radiation", value = "PLACE=EMISSIVITY,TEMPERATURE", many = true,
+      what = "surroundings of a temperature, seen by a surface of this emissivity, 0 to 1"},
+    {name = "limit", value = "TEMPERATURE", what = "the temperature that the part may have"},
+    model.unit_option,
+    model.elements_option,
+    {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
+      what = "write temperature and flux, for ParaView"},
+    {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
+      what = "a picture of the temperature"},
+    model.threads_option,
+  },
+  examples = {"barwright heat sink.stl --material aluminium --power min:z=15 --convection all=12,20C --limit 80C",
+    {"barwright heat cup.stl --conductivity 1.5 --temperature below:z:5mm=90C --convection above:z:5mm=10,20C",
+      "between a hot plate and the air"}},
+  run = function(opts, out)
+    local given, message = read_conditions(opts)
+    if not given then return out:misuse(message) end
+    local found, why, details = analyse(opts, given, out)
+    if not found then return out:fail(why, details) end
+    local verdict = report(found, given, opts, out)
+    local failed = out:write_files {{opts.vtu, function() return found.solution:write(opts.vtu) end},
+      {opts.picture, function() return found.solution:picture(opts.picture) end}}
+    if failed then return failed end
+    return (verdict == "computed" or verdict == "holds") and 0 or 1
+  end,
+}
