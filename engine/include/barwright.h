@@ -111,6 +111,7 @@
 #include "barwright/buckling.h"
 #include "barwright/flow.h"
 #include "barwright/dynamics.h"
+#include "barwright/transient.h"
 #include "barwright/heat.h"
 #include "barwright/responsive.h"
 

@@ -18,6 +18,8 @@ typedef struct bwi_static_solver {
   double refine_to;
   bool once; /* not refined: its residual is no measure of what is asked for */
 } bwi_static_solver;
+/* A static solution with room for displacement and force, which are not set. */
+bw_status bwi_static_new(bw_context *context, const bw_model *model, bw_static **result);
 /* A static solution with its load vector, checked for balance; nothing solved yet. */
 bw_status bwi_static_begin(bw_context *context, const bw_model *model,
                            const bw_statics_options *options, const bw_dof_map *dof_map,

@@ -80,16 +80,8 @@ done:
   return status;
 }
 
-bw_status bwi_static_begin(bw_context *context, const bw_model *model,
-                           const bw_statics_options *options, const bw_dof_map *dof_map,
-                           bw_static **out) {
+bw_status bwi_static_new(bw_context *context, const bw_model *model, bw_static **out) {
   bw_status status = BW_OK;
-  bw_statics_options opts = options ? *options : (bw_statics_options){0};
-  if (opts.tolerance == 0)
-    opts.tolerance = 1e-6;
-  if (!(opts.tolerance > 0))
-    return bw_fail(context, BW_INVALID, "the tolerance on balance is %g; it must be positive",
-                   opts.tolerance);
   int64_t size = 3 * (int64_t)model->mesh->node_count;
   bw_static *result = BW_NEW0(context, bw_static, 1);
   if (!result)
@@ -100,6 +92,25 @@ bw_status bwi_static_begin(bw_context *context, const bw_model *model,
   result->displacement = BW_NEW(context, double, size);
   result->force = BW_NEW(context, double, size);
   BW_TRY_MEMORY(result->displacement && result->force);
+  *out = result;
+  result = NULL;
+done:
+  bw_release(result);
+  return status;
+}
+
+bw_status bwi_static_begin(bw_context *context, const bw_model *model,
+                           const bw_statics_options *options, const bw_dof_map *dof_map,
+                           bw_static **out) {
+  bw_status status = BW_OK;
+  bw_statics_options opts = options ? *options : (bw_statics_options){0};
+  if (opts.tolerance == 0)
+    opts.tolerance = 1e-6;
+  if (!(opts.tolerance > 0))
+    return bw_fail(context, BW_INVALID, "the tolerance on balance is %g; it must be positive",
+                   opts.tolerance);
+  bw_static *result = NULL;
+  BW_TRY(bwi_static_new(context, model, &result));
   BW_TRY(bw_model_check_absorbed(context, model, dof_map));
   BW_TRY(bw_model_force_vector(context, model, result->force));
   if (dof_map->rigid_mode_count > 0 && !opts.inertia_relief)

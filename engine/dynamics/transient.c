@@ -1,0 +1,516 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Linear bodies in time by the generalised-alpha method (docs/theory/transient.md).
+ *
+ * With the known parts u* = u + h v + (1/2 - beta) h^2 a and v* = v + (1 - gamma) h a, the new
+ * acceleration x of the unknowns solves A x = r with
+ *
+ *   A = (1 - alpha_m) M + (1 - alpha_f) (gamma h C + beta h^2 K),   C = c_m M + c_k K,
+ *
+ * which is a multiple of K + s M. Its factor serves all steps. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "barwright/transient.h"
+#include "linear/blas.h"
+#include "linear/internal.h"
+#include "linear/pcg_space.h"
+#include "statics/internal.h"
+
+/* The components of the equations: isostatic constraints are for statics alone. */
+enum { FREE = 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, HELD = 1u << BW_DOF_PRESCRIBED };
+
+/* Blocks of numbers, node_count x 3 each. */
+enum { FORCE, NEXT_FORCE, DAMPING_V, NEXT_DAMPING_V, W_M, W_K, RIGHT, ELASTIC, INERTIA, BLOCKS };
+
+/* The state at the end of a step: that of the transient takes it over when all has succeeded. */
+typedef struct state {
+  double *u, *v, *a, *reaction;
+  double kinetic, strain;
+} state;
+
+typedef struct bwi_linear_transient {
+  bw_system *system;
+  bwi_factor *factor;
+  int64_t size;
+  int loads, supports;
+  double *load;       /* (N) a block for each load */
+  double *prescribed; /* (m) the prescribed displacements, or NULL: all 0 */
+  double *block[BLOCKS];
+  state next;
+  double alpha_m, alpha_f, beta, gamma, mass_damping, stiffness_damping, scale;
+} inner;
+
+void bw_linear_transient_options_default(bw_linear_transient_options *options) {
+  *options = (bw_linear_transient_options){.rho = 0.9};
+}
+
+static void transient_destroy(void *object) {
+  bw_linear_transient *t = object;
+  inner *s = t->inner;
+  if (s) {
+    bw_release(s->system);
+    bw_release(s->factor);
+    bw_free(s->load);
+    bw_free(s->prescribed);
+    for (int k = 0; k < BLOCKS; k++)
+      bw_free(s->block[k]);
+    bw_free(s->next.u);
+    bw_free(s->next.v);
+    bw_free(s->next.a);
+    bw_free(s->next.reaction);
+    bw_free(s);
+  }
+  bw_release(t->model);
+  bw_free(t->displacement);
+  bw_free(t->velocity);
+  bw_free(t->acceleration);
+  bw_free(t->reaction);
+  bw_free(t);
+}
+
+static size_t transient_bytes(const void *object) {
+  const bw_linear_transient *t = object;
+  const inner *s = t->inner;
+  return sizeof *t + sizeof *s + bw_bytes(s->system) + bwi_factor_bytes(s->factor) +
+         (size_t)(s->size * (BLOCKS + 9 + s->loads)) * sizeof(double);
+}
+
+static const bw_kind transient_kind = {"linear transient", transient_destroy, transient_bytes};
+
+/* ---- what is asked for ----------------------------------------------------------------------- */
+
+static bw_status check_options(bw_context *context, const bw_model *model,
+                               const bw_linear_transient_options *o) {
+  const bw_damping *d = &o->damping;
+  const double *field[2] = {o->displacement, o->velocity};
+  static const char *const word[2] = {"displacement", "velocity"};
+  if (!(o->step > 0) || !isfinite(o->step))
+    return bw_fail(context, BW_INVALID, "a time step of %g s: above 0 expected", o->step);
+  if (!(o->rho >= 0 && o->rho <= 1))
+    return bw_fail(context, BW_INVALID,
+                   "a spectral radius of %g at infinite frequency: 0 to 1 expected", o->rho);
+  if (!(d->mass >= 0) || !(d->stiffness >= 0) || !isfinite(d->mass + d->stiffness))
+    return bw_fail(context, BW_INVALID,
+                   "damping by %g 1/s of the mass and %g s of the stiffness: both 0 or more "
+                   "expected",
+                   d->mass, d->stiffness);
+  if (d->ratio != 0 || d->loss != 0)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "direct integration takes damping by mass and stiffness: a %s has no matrix "
+                   "that real steps in time could use",
+                   d->ratio != 0 ? "ratio" : "loss factor");
+  for (int32_t i = 0; i < bw_material_part_count(model->material); i++)
+    if (!(bw_material_part(model->material, i)->density > 0))
+      return bw_fail(context, BW_INVALID,
+                     "material %s has no density, which motion needs: give one in kg/m3",
+                     bw_material_part(model->material, i)->name);
+  for (int k = 0; k < model->load_count; k++)
+    if (model->load[k].kind == BW_LOAD_TEMPERATURE)
+      return bw_fail(context, BW_UNSUPPORTED,
+                     "load %d is a change of temperature, which motion in time does not take: "
+                     "remove it from the model",
+                     k + 1);
+  for (int k = 0; k < 2; k++)
+    for (int64_t i = 0; field[k] && i < 3 * (int64_t)model->mesh->node_count; i++)
+      if (!isfinite(field[k][i]))
+        return bw_fail(context, BW_INVALID,
+                       "the %s at the start is not a finite number at node %lld", word[k],
+                       (long long)(i / 3) + 1);
+  return BW_OK;
+}
+
+static bw_status check_factors(bw_context *context, const bw_linear_transient *t,
+                               const bw_transient_factors *f) {
+  const inner *s = t->inner;
+  if (t->model->load_count != s->loads || t->model->support_count != s->supports)
+    return bw_fail(
+        context, BW_INVALID,
+        "the model has other loads or supports than at the start: begin a new transient");
+  if (!isfinite(f->support + f->support_velocity + f->support_acceleration))
+    return bw_fail(context, BW_INVALID,
+                   "the factor of the prescribed displacements is not finite at %g s", t->time);
+  for (int k = 0; f->load && k < s->loads; k++)
+    if (!isfinite(f->load[k]))
+      return bw_fail(context, BW_INVALID, "the factor of load %d is not finite at %g s", k + 1,
+                     t->time);
+  return BW_OK;
+}
+
+/* ---- what is made once ----------------------------------------------------------------------- */
+
+static bw_status make_system(bw_context *context, const bw_model *model, bw_system *given,
+                             inner *s) {
+  bw_status status = BW_OK;
+  bw_dof_map *dof_map = NULL;
+  BW_TRY(bw_dof_map_create(context, model, &dof_map));
+  if (given && bwi_system_serves(given, model, dof_map))
+    s->system = bw_retain(given);
+  else
+    BW_TRY(bwi_system_begin(context, model->mesh, model->material, dof_map,
+                            bwi_system_reusable(given, model->mesh) ? given : NULL, &s->system));
+  if (dof_map->prescribed) {
+    s->prescribed = BW_NEW(context, double, s->size);
+    BW_TRY_MEMORY(s->prescribed);
+    bwi_prescribed_field(dof_map, s->prescribed);
+  }
+  BW_TRY(bw_system_stiffness(context, s->system));
+  BW_TRY(bwi_system_mass(context, s->system));
+done:
+  bw_release(dof_map);
+  return status;
+}
+
+/* The factor of K + (m / k) M, for the matrix m M + k K. */
+static bw_status make_factor(bw_context *context, const bw_model *model, double m, double k,
+                             inner *s, bw_solver_report *report) {
+  bw_status status = BW_OK;
+  const bw_system *system = s->system;
+  const bw_dof_map *dof_map = system->dof_map;
+  bwi_symbolic *constrained = NULL, *symbolic = NULL;
+  int32_t *unknown = NULL, bad_node = 0;
+  double start = bw_seconds();
+  bw_progress(context, "factorisation", 0);
+  BW_TRY(bwi_symbolic_for(context, system->pattern, dof_map, BW_ORDERING_AUTO, 0, NULL, NULL,
+                          system->factor ? system->factor->symbolic : NULL, &constrained));
+  if (dof_map->rigid_mode_count > 0) {
+    unknown = BW_NEW(context, int32_t, s->size);
+    BW_TRY_MEMORY(unknown);
+    for (int64_t i = 0; i < s->size; i++)
+      unknown[i] = dof_map->state[i] == BW_DOF_PRESCRIBED ? -1 : 0;
+    BW_TRY(bwi_symbolic_create(context, constrained->order, 3, unknown, &symbolic));
+  } else
+    symbolic = bw_retain(constrained);
+  s->scale = 1 / k;
+  const bwi_matrix matrix = {.pattern = system->pattern,
+                             .stiffness = system->stiffness,
+                             .mass = system->mass,
+                             .shift = m / k,
+                             .dof_map = dof_map};
+  status = bwi_factor_create(context, symbolic, &matrix, &s->factor, &bad_node);
+  if (status == BW_SINGULAR)
+    status = bwi_fail_singular(context, model->mesh, bad_node);
+  BW_TRY(status);
+  *report = (bw_solver_report){.solver = bw_solver_word(BW_SOLVER_CHOLESKY),
+                               .backend = s->factor->kernels->backend,
+                               .preconditioner = "",
+                               .flops = bwi_factor_flops(s->factor),
+                               .bytes = (double)bwi_factor_bytes(s->factor),
+                               .seconds = bw_seconds() - start};
+  snprintf(report->reason, sizeof report->reason, "one factor serves all steps");
+done:
+  bw_free(unknown);
+  bw_release(constrained);
+  bw_release(symbolic);
+  return status;
+}
+
+/* Loads one by one, that each may have its own factor. */
+static bw_status make_loads(bw_context *context, const bw_model *model, inner *s) {
+  bw_status status = BW_OK;
+  s->load = BW_NEW(context, double, s->size * s->loads);
+  BW_TRY_MEMORY(s->load);
+  for (int k = 0; k < s->loads; k++) {
+    bw_model one = *model;
+    one.load = &model->load[k];
+    one.load_count = 1;
+    BW_TRY(bw_model_force_vector(context, &one, s->load + k * s->size));
+  }
+done:
+  return status;
+}
+
+/* ---- products -------------------------------------------------------------------------------- */
+
+static bw_status by_mass(bw_context *context, const inner *s, const double *x, double *y) {
+  return bw_block_multiply(context, s->system->pattern, s->system->mass, 1, 3, 1, x, y);
+}
+
+static bw_status by_stiffness(bw_context *context, const inner *s, const double *x, double *y) {
+  return bw_block_multiply(context, s->system->pattern, s->system->stiffness, 9, 3, 1, x, y);
+}
+
+static double dot(int64_t size, const double *x, const double *y) {
+  double sum = 0;
+  for (int64_t i = 0; i < size; i++)
+    sum += x[i] * y[i];
+  return sum;
+}
+
+static void add_forces(const inner *s, const bw_transient_factors *f, double *force) {
+  memset(force, 0, (size_t)s->size * sizeof *force);
+  for (int k = 0; k < s->loads; k++) {
+    double factor = f->load ? f->load[k] : 1;
+    for (int64_t i = 0; i < s->size && factor != 0; i++)
+      force[i] += factor * s->load[k * s->size + i];
+  }
+}
+
+/* Held components become those of the supports, times a factor. */
+static void hold(const inner *s, double factor, double *x) {
+  bwi_keep_states(s->system->dof_map, FREE, x);
+  for (int64_t i = 0; s->prescribed && i < s->size; i++)
+    x[i] += factor * s->prescribed[i];
+}
+
+/* ---- the first acceleration ------------------------------------------------------------------ */
+
+static bw_status keep_free(bw_context *context, void *data, int64_t count, double *x) {
+  const inner *s = data;
+  (void)context;
+  for (int64_t k = 0; k < count; k++)
+    bwi_keep_states(s->system->dof_map, FREE, x + k * s->size);
+  return BW_OK;
+}
+
+static bw_status multiply_mass(bw_context *context, void *data, int64_t count, const double *x,
+                               double *y) {
+  const inner *s = data;
+  bw_status status =
+      bw_block_multiply(context, s->system->pattern, s->system->mass, 1, 3, count, x, y);
+  return status == BW_OK ? keep_free(context, data, count, y) : status;
+}
+
+static bw_status by_diagonal(bw_context *context, void *data, int64_t count, const double *r,
+                             double *z) {
+  const inner *s = data;
+  const bw_block_pattern *pattern = s->system->pattern;
+  (void)context;
+  for (int64_t k = 0; k < count; k++)
+    for (int64_t i = 0; i < s->size; i++) /* the diagonal is the last block of a row */
+      z[k * s->size + i] = r[k * s->size + i] / s->system->mass[pattern->start[i / 3 + 1] - 1];
+  return BW_OK;
+}
+
+/* M x = r at the unknowns, by conjugate gradients with the diagonal: a mass matrix is well
+ * conditioned whatever the mesh. */
+static bw_status solve_mass(bw_context *context, inner *s, const double *r, double *x) {
+  const bwi_pcg_fields fields = {.size = s->size,
+                                 .multiply = multiply_mass,
+                                 .multiply_data = s,
+                                 .precondition = by_diagonal,
+                                 .precondition_data = s,
+                                 .project = keep_free,
+                                 .project_data = s,
+                                 .symmetric = true};
+  bwi_pcg_task task = {
+      .columns = 1, .energy_tolerance = INFINITY, .residual_tolerance = 1e-13, .limit = 1000};
+  bw_status status = bwi_pcg_fields_run(context, &fields, &task, r, x);
+  if (status == BW_OK && !task.converged && !(task.residual < 1e-9))
+    status = bw_fail(context, BW_CONVERGENCE,
+                     "the acceleration at the start was not found: the residual is %g after %d "
+                     "iterations, which elements almost without volume cause. Mesh again",
+                     task.residual, task.iterations);
+  return status;
+}
+
+/* ---- energy and reactions -------------------------------------------------------------------- */
+
+/* Energies and reactions of a state; leaves K u, M a and C v in ELASTIC, INERTIA and
+ * NEXT_DAMPING_V. */
+static bw_status take_stock(bw_context *context, inner *s, const double *force, state *now) {
+  bw_status status = BW_OK;
+  double *elastic = s->block[ELASTIC], *inertia = s->block[INERTIA];
+  double *damping = s->block[NEXT_DAMPING_V], *momentum = s->block[W_M];
+  BW_TRY(by_stiffness(context, s, now->u, elastic));
+  BW_TRY(by_mass(context, s, now->a, inertia));
+  BW_TRY(by_mass(context, s, now->v, momentum));
+  if (s->stiffness_damping > 0)
+    BW_TRY(by_stiffness(context, s, now->v, damping));
+  for (int64_t i = 0; i < s->size; i++) {
+    damping[i] = (s->stiffness_damping > 0 ? s->stiffness_damping * damping[i] : 0) +
+                 s->mass_damping * momentum[i];
+    now->reaction[i] = inertia[i] + damping[i] + elastic[i] - force[i];
+  }
+  bwi_keep_states(s->system->dof_map, HELD, now->reaction);
+  now->strain = 0.5 * dot(s->size, now->u, elastic);
+  now->kinetic = 0.5 * dot(s->size, now->v, momentum);
+done:
+  return status;
+}
+
+/* The transient takes over the next state, with the forces and the damping forces that go with it.
+ */
+static void advance(bw_linear_transient *t) {
+  inner *s = t->inner;
+  state *next = &s->next;
+  double **pair[6][2] = {{&t->displacement, &next->u},
+                         {&t->velocity, &next->v},
+                         {&t->acceleration, &next->a},
+                         {&t->reaction, &next->reaction},
+                         {&s->block[FORCE], &s->block[NEXT_FORCE]},
+                         {&s->block[DAMPING_V], &s->block[NEXT_DAMPING_V]}};
+  for (int k = 0; k < 6; k++) {
+    double *held = *pair[k][0];
+    *pair[k][0] = *pair[k][1];
+    *pair[k][1] = held;
+  }
+  t->kinetic = next->kinetic;
+  t->strain = next->strain;
+}
+
+/* ---- steps ----------------------------------------------------------------------------------- */
+
+static bw_status begin(bw_context *context, bw_linear_transient *t,
+                       const bw_linear_transient_options *options, const bw_transient_factors *f) {
+  bw_status status = BW_OK;
+  inner *s = t->inner;
+  state *next = &s->next;
+  size_t bytes = (size_t)s->size * sizeof(double);
+  double *r = s->block[RIGHT], *x = s->block[W_K];
+  if (options->displacement)
+    memcpy(next->u, options->displacement, bytes);
+  if (options->velocity)
+    memcpy(next->v, options->velocity, bytes);
+  hold(s, f->support, next->u);
+  hold(s, f->support_velocity, next->v);
+  hold(s, f->support_acceleration, next->a);
+  add_forces(s, f, s->block[NEXT_FORCE]);
+  BW_TRY(take_stock(context, s, s->block[NEXT_FORCE], next));
+  for (int64_t i = 0; i < s->size; i++)
+    r[i] = s->block[NEXT_FORCE][i] - s->block[ELASTIC][i] - s->block[INERTIA][i] -
+           s->block[NEXT_DAMPING_V][i];
+  bwi_keep_states(s->system->dof_map, FREE, r);
+  BW_TRY(solve_mass(context, s, r, x));
+  for (int64_t i = 0; i < s->size; i++)
+    next->a[i] += x[i];
+  BW_TRY(take_stock(context, s, s->block[NEXT_FORCE], next));
+  advance(t);
+  t->initial = t->kinetic + t->strain;
+done:
+  return status;
+}
+
+static const bw_transient_factors all_one = {.support = 1};
+
+bw_status bw_linear_transient_create(bw_context *context, const bw_model *model, bw_system *given,
+                                     const bw_linear_transient_options *options,
+                                     const bw_transient_factors *now,
+                                     bw_linear_transient **transient) {
+  bw_status status = BW_OK;
+  bw_linear_transient *t = NULL;
+  bool all = true;
+  bwi_blas_enter();
+  BW_TRY(check_options(context, model, options));
+  t = BW_NEW0(context, bw_linear_transient, 1);
+  BW_TRY_MEMORY(t);
+  bw_object_init(t, &transient_kind);
+  t->model = bw_retain(model);
+  t->step = options->step;
+  inner *s = t->inner = BW_NEW0(context, inner, 1);
+  BW_TRY_MEMORY(s);
+  s->size = 3 * (int64_t)model->mesh->node_count;
+  s->loads = model->load_count;
+  s->supports = model->support_count;
+  double rho = options->rho, h = options->step;
+  s->alpha_m = (2 * rho - 1) / (rho + 1);
+  s->alpha_f = rho / (rho + 1);
+  s->gamma = 0.5 - s->alpha_m + s->alpha_f;
+  s->beta = 0.25 * (1 - s->alpha_m + s->alpha_f) * (1 - s->alpha_m + s->alpha_f);
+  s->mass_damping = options->damping.mass;
+  s->stiffness_damping = options->damping.stiffness;
+  now = now ? now : &all_one;
+  BW_TRY(check_factors(context, t, now));
+  for (int k = 0; k < BLOCKS; k++)
+    all = (s->block[k] = BW_NEW0(context, double, s->size)) && all;
+  double **field[8] = {&t->displacement, &t->velocity, &t->acceleration, &t->reaction,
+                       &s->next.u,       &s->next.v,   &s->next.a,       &s->next.reaction};
+  for (int k = 0; k < 8; k++)
+    all = (*field[k] = BW_NEW0(context, double, s->size)) && all;
+  BW_TRY_MEMORY(all);
+  BW_TRY(make_system(context, model, given, s));
+  BW_TRY(make_loads(context, model, s));
+  BW_TRY(make_factor(
+      context, model, 1 - s->alpha_m + (1 - s->alpha_f) * s->gamma * h * s->mass_damping,
+      (1 - s->alpha_f) * (s->beta * h * h + s->gamma * h * s->stiffness_damping), s, &t->report));
+  BW_TRY(begin(context, t, options, now));
+  *transient = t;
+  t = NULL;
+done:
+  bwi_blas_leave();
+  bw_release(t);
+  return status;
+}
+
+static double mix(double part, double before, double after) {
+  return part * before + (1 - part) * after;
+}
+
+bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
+                                   const bw_transient_factors *factors) {
+  bw_status status = BW_OK;
+  inner *s = t->inner;
+  state *next = &s->next;
+  double h = t->step, work = 0, damped = 0;
+  double *force = s->block[FORCE], *next_force = s->block[NEXT_FORCE];
+  double *w_m = s->block[W_M], *w_k = s->block[W_K], *r = s->block[RIGHT];
+  double *u = next->u, *v = next->v, *a = next->a;
+  factors = factors ? factors : &all_one;
+  bwi_blas_enter();
+  BW_TRY(check_factors(context, t, factors));
+  add_forces(s, factors, next_force);
+  for (int64_t i = 0; i < s->size; i++) {
+    u[i] = t->displacement[i] + h * (t->velocity[i] + (0.5 - s->beta) * h * t->acceleration[i]);
+    v[i] = t->velocity[i] + (1 - s->gamma) * h * t->acceleration[i];
+    a[i] = 0;
+  }
+  hold(s, factors->support, u);
+  hold(s, factors->support_velocity, v);
+  hold(s, factors->support_acceleration, a);
+  for (int64_t i = 0; i < s->size; i++) {
+    double middle = mix(s->alpha_f, t->velocity[i], v[i]);
+    w_m[i] = mix(s->alpha_m, t->acceleration[i], a[i]) + s->mass_damping * middle;
+    w_k[i] = mix(s->alpha_f, t->displacement[i], u[i]) + s->stiffness_damping * middle;
+  }
+  BW_TRY(by_mass(context, s, w_m, s->block[INERTIA]));
+  BW_TRY(by_stiffness(context, s, w_k, s->block[ELASTIC]));
+  for (int64_t i = 0; i < s->size; i++)
+    r[i] = s->scale *
+           (mix(s->alpha_f, force[i], next_force[i]) - s->block[INERTIA][i] - s->block[ELASTIC][i]);
+  bwi_keep_states(s->system->dof_map, FREE, r);
+  BW_TRY(bwi_solve_fields(context, s->factor, s->system->dof_map, 1, r, r));
+  for (int64_t i = 0; i < s->size; i++) {
+    u[i] += s->beta * h * h * r[i];
+    v[i] += s->gamma * h * r[i];
+    a[i] += r[i];
+  }
+  BW_TRY(take_stock(context, s, next_force, next));
+  for (int64_t i = 0; i < s->size; i++) {
+    double change = u[i] - t->displacement[i];
+    work += 0.5 * (force[i] + t->reaction[i] + next_force[i] + next->reaction[i]) * change;
+    damped += 0.5 * (s->block[DAMPING_V][i] + s->block[NEXT_DAMPING_V][i]) * change;
+  }
+  advance(t);
+  t->work += work;
+  t->damped += damped;
+  t->steps++;
+  t->time = h * (double)t->steps;
+  t->object.revision++;
+done:
+  bwi_blas_leave();
+  return status;
+}
+
+bw_status bw_linear_transient_static(bw_context *context, const bw_linear_transient *t,
+                                     bw_static **result) {
+  bw_status status = BW_OK;
+  const inner *s = t->inner;
+  size_t bytes = (size_t)s->size * sizeof(double);
+  bw_static *made = NULL;
+  BW_TRY(bwi_static_new(context, t->model, &made));
+  made->system = bw_retain(s->system);
+  made->reaction = BW_NEW(context, double, s->size);
+  BW_TRY_MEMORY(made->reaction);
+  memcpy(made->displacement, t->displacement, bytes);
+  memcpy(made->reaction, t->reaction, bytes);
+  BW_TRY(by_stiffness(context, s, t->displacement, made->force));
+  for (int64_t i = 0; i < s->size; i++)
+    made->force[i] -= t->reaction[i];
+  made->energy = t->strain;
+  made->report = t->report;
+  *result = made;
+  made = NULL;
+done:
+  bw_release(made);
+  return status;
+}

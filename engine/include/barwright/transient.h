@@ -1,0 +1,79 @@
+/* transient: a linear body in time, under loads and supports that change
+ * (docs/theory/transient.md).
+ */
+#ifndef BARWRIGHT_TRANSIENT_H
+#define BARWRIGHT_TRANSIENT_H
+
+#include "barwright/dynamics.h"
+#include "barwright/statics.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* How a linear body is followed in time. Pointers are borrowed. */
+typedef struct bw_linear_transient_options {
+  double step;        /* (s) of time, above 0; no default */
+  double rho;         /* (-) spectral radius at infinite frequency: 1 damps no motion, 0 takes the
+                         fastest away in one step; default 0.9, 0 to 1 */
+  bw_damping damping; /* mass and stiffness alone */
+  const double *displacement; /* (m, node_count x 3) at the start; default NULL: 0 */
+  const double *velocity;     /* (m/s, node_count x 3) at the start; default NULL: 0 */
+} bw_linear_transient_options;
+BW_API void bw_linear_transient_options_default(bw_linear_transient_options *options);
+
+/* What multiplies loads and prescribed displacements at a time. */
+typedef struct bw_transient_factors {
+  const double *load;          /* (-, load_count) of each load of the model; NULL: 1. Borrowed */
+  double support;              /* (-) of the prescribed displacements of all supports */
+  double support_velocity;     /* (1/s) its first derivative in time */
+  double support_acceleration; /* (1/s2) its second derivative in time */
+} bw_transient_factors;
+
+struct bwi_linear_transient;
+/* A linear body in time, at the present step. Mutable: the revision moves with each step. */
+typedef struct bw_linear_transient {
+  bw_object object;
+  const bw_model *model; /* retained */
+  double step;           /* (s) */
+  double time;           /* (s) now, 0 at the start */
+  int64_t steps;         /* (count) taken */
+  double *displacement;  /* (m, node_count x 3) */
+  double *velocity;      /* (m/s, node_count x 3) */
+  double *acceleration;  /* (m/s2, node_count x 3) */
+  double *reaction;      /* (N, node_count x 3) of supports at prescribed components, 0 elsewhere */
+  double initial;        /* (J) kinetic and strain energy at the start */
+  double kinetic;        /* (J) kinetic energy */
+  double strain;         /* (J) strain energy */
+  double work;           /* (J) done by loads and supports since the start */
+  double damped;         /* (J) that the damping took since the start */
+  bw_solver_report report;            /* of the factor that all steps share */
+  struct bwi_linear_transient *inner; /* the engine's own */
+} bw_linear_transient;
+/* A body at time 0, by the generalised-alpha method of Chung and Hulbert, J. Appl. Mech. 60 (1993)
+ * 371-375, equations 14 to 25. `given` (may be NULL): equations of the model, whose matrices and
+ * elimination order serve again. `now` (may be NULL: all loads 1, supports at their values and at
+ * rest): factors at the start. The model must not change afterwards. initial + work = kinetic +
+ * strain + damped, but for what the scheme itself takes away. BW_INVALID for numbers outside their
+ * ranges and a material without density, BW_UNSUPPORTED for temperature loads and other damping;
+ * BW_MEMORY, before it is allocated, for a factor larger than what is free, BW_CONVERGENCE where
+ * the first acceleration is not found; those of bw_dof_map_create and bw_system_factor. */
+BW_API bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
+                                            bw_system *given,
+                                            const bw_linear_transient_options *options,
+                                            const bw_transient_factors *now,
+                                            bw_linear_transient **transient);
+/* One step, to the time at which the factors are `next` (NULL as above). BW_INVALID where supports
+ * or loads were added since the start, and for factors that are not finite: it stays as it was. */
+BW_API bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *transient,
+                                          const bw_transient_factors *next);
+/* The present displacement as the static solution of the loads less the forces of inertia and of
+ * damping: for stresses, files and pictures. It does not change with later steps. */
+BW_API bw_status bw_linear_transient_static(bw_context *context,
+                                            const bw_linear_transient *transient,
+                                            bw_static **result);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
