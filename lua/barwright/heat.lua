@@ -3,9 +3,8 @@
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local fine_boundary = require "barwright.fine_boundary"
+local history = require "barwright.history"
 local options = require "barwright.options"
-
-local raise = core.raise
 
 local solution = core.classes.heat_solution.methods
 
@@ -26,52 +25,20 @@ function solution:picture(path, given)
   return core.picture(surface, path, opts)
 end
 
--- The value at a time of {{time, value}, ...}, linear between the rows and constant outside.
-local function interpolate(rows, time)
-  local before = rows[1]
-  for i = 1, #rows do
-    local row = rows[i]
-    if row[1] >= time then
-      if i == 1 then return row[2] end
-      return before[2] + (row[2] - before[2]) * (time - before[1]) / (row[1] - before[1])
-    end
-    before = row
-  end
-  return before[2]
-end
-
-local function are_rows(rows)
-  if #rows == 0 then return false end
-  for i, row in ipairs(rows) do
-    if type(row) ~= "table" or type(row[1]) ~= "number" or type(row[2]) ~= "number" then return false end
-    if i > 1 and row[1] <= rows[i - 1][1] then return false end
-  end
-  return true
-end
-
 -- The values of conditions as functions of time.
 local function read_histories(given)
   local histories = {}
-  for index, history in pairs(given) do
-    if type(history) == "function" then
-      histories[index] = history
-    elseif type(history) == "table" and are_rows(history) then
-      histories[index] = function(time) return interpolate(history, time) end
-    else
-      raise(("run: the history of condition %s: a function of time or rows {time, value} of ascending times "
-        .. "expected, got %s"):format(tostring(index), core.got(history)))
-    end
+  for index, each in pairs(given) do
+    local f, message, details = history.read(("run: the history of condition %s"):format(tostring(index)), each)
+    if not f then return nil, message, details end
+    histories[index] = f
   end
   return histories
 end
 
 local function set_values(heat, histories, time)
-  for index, history in pairs(histories) do
-    local value = history(time)
-    if type(value) ~= "number" then
-      raise(("run: the history of condition %s must return a number, it returned %s"):format(tostring(index),
-        core.got(value)))
-    end
+  for index, f in pairs(histories) do
+    local value = history.value(("run: the history of condition %s"):format(tostring(index)), f, time)
     local ok, message, details = heat:set(index, value)
     if not ok then return nil, message, details end
   end
@@ -89,7 +56,9 @@ function transient:run(given)
     histories = {type = "table", default = {}},
     each = {type = "function"},
   })
-  local histories, heat, first = read_histories(opts.histories), self.heat, self.time
+  local histories, why, about = read_histories(opts.histories)
+  if not histories then return nil, why, about end
+  local heat, first = self.heat, self.time
   local step, limit = opts.step, opts.tolerance
   while self.time < opts.time * (1 - 1e-12) do
     local left = opts.time - self.time
@@ -98,8 +67,8 @@ function transient:run(given)
     local ok, message, details = core.report_progress("time steps", (self.time - first) / (opts.time - first))
     if ok then ok, message, details = set_values(heat, histories, self.time + h) end
     if not ok then return nil, message, details end
-    local taken, why, more = self:step(h, limit)
-    if taken == nil then return nil, why, more end
+    local taken, because, more = self:step(h, limit)
+    if taken == nil then return nil, because, more end
     if taken and opts.each then opts.each(self.now) end
     if limit then -- the error of a step grows with a power of it: aim at a half of what is allowed
       local ratio = self.error > 0 and math.sqrt(0.5 * limit / self.error) or 1

@@ -72,6 +72,7 @@ require "barwright.fields"
 require "barwright.adaptive"
 require "barwright.buckling"
 require "barwright.heat"
+require "barwright.transient"
 require "barwright.singular"
 require "barwright.critical_distance"
 

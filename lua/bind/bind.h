@@ -169,7 +169,8 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class, lbw_lock_class,
     lbw_temporary_class, lbw_solver_class, lbw_lp_solver_class, lbw_eigensolver_class,
     lbw_sparse_matrix_class, lbw_operator_class, lbw_eigenpairs_class, lbw_heat_class,
-    lbw_heat_solution_class, lbw_heat_transient_class, lbw_buckling_class;
+    lbw_heat_solution_class, lbw_heat_transient_class, lbw_buckling_class,
+    lbw_linear_transient_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 
@@ -398,6 +399,7 @@ void lbw_open_plane(lua_State *L);
 void lbw_open_mesh_motion(lua_State *L);
 void lbw_open_flow(lua_State *L);
 void lbw_open_heat(lua_State *L);
+void lbw_open_linear_transient(lua_State *L);
 void lbw_open_plate(lua_State *L);
 void lbw_open_solid_material(lua_State *L);
 void lbw_open_solid(lua_State *L);

@@ -413,6 +413,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_mesh_motion(L);
   lbw_open_flow(L);
   lbw_open_heat(L);
+  lbw_open_linear_transient(L);
   lbw_open_plate(L);
   lbw_open_grid(L);
   lbw_open_job(L);

@@ -230,9 +230,5 @@ function HeatTransient:run(options) end
 ---@field time number (s) of the end, from the start of the transient. Range: above 0.
 ---@field step number (s) length of the steps, of the first ones with a tolerance. Range: above 0.
 ---@field tolerance? number (K) of the error of a step: steps are made longer and shorter by it. The first one or two have no estimate and are taken as they are. Default: none, steps of equal length.
----@field histories? table<integer, bw.HeatHistory> values by the number of the condition
+---@field histories? table<integer, bw.History> values by the number of the condition
 ---@field each? fun(now: bw.HeatSolution) called after each step
-
----The value of a condition as a function of time (s), or rows {time, value} of ascending times, linear between and constant
----outside.
----@alias bw.HeatHistory (fun(time: number): number)|number[][]

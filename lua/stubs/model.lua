@@ -269,6 +269,27 @@ function Model:modes(options) end
 ---@return bw.Details? details
 function Model:buckling(options) end
 
+---The part in motion, at time 0. One factor serves all steps.
+---```lua
+---local mesh = bw.mesh.box {max = {1, 0.1, 0.08}, cells = {8, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 1), force = {0, 0, -1000}}
+---local transient = assert(part:transient {step = 1e-4, loads = {{{0, 0}, {1e-3, 1}}}})
+---print(assert(transient:run {time = 0.01, probes = {tip = {1, 0, 0}}, stress_every = 5}))
+---```
+---Displacements are small, loads keep their directions. The part must not change afterwards.
+---
+---Errors: `memory` for a factor larger than what is free; `unsupported` for temperature loads; `convergence` where the first
+---acceleration is not found; `io` and `format` for a history in a file; `geometry` for an inverted element. Histories that are
+---none and a material without density raise.
+---
+---Source: J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993); docs/theory/transient.md.
+---@param options bw.TransientOptions step, damping, start and histories
+---@return bw.LinearTransient? transient the part at time 0
+---@return string? message
+---@return bw.Details? details
+function Model:transient(options) end
+
 ---The equations of the model, ready for many right-hand sides: with a factor, or with the preconditioner of conjugate
 ---gradients. The model keeps them for what follows.
 ---

@@ -1,0 +1,98 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Histories: values that change in time, as a number, a function, rows {time, value} or a CSV file with such rows.
+local core = require "barwright.core"
+local read_file = require "barwright.read_file"
+
+local raise = core.raise
+
+local history = {}
+
+-- The value at a time of {{time, value}, ...}, linear between the rows and constant outside.
+local function interpolate(rows, time)
+  local low, high = 1, #rows
+  if time <= rows[low][1] then return rows[low][2] end
+  if time >= rows[high][1] then return rows[high][2] end
+  while high - low > 1 do
+    local middle = (low + high) // 2
+    if rows[middle][1] <= time then low = middle else high = middle end
+  end
+  local a, b = rows[low], rows[high]
+  return a[2] + (b[2] - a[2]) * (time - a[1]) / (b[1] - a[1])
+end
+
+local function finite(number)
+  return type(number) == "number" and number == number and math.abs(number) < math.huge
+end
+
+-- Why a row may not follow the one before it, or nil.
+local function fault(row, before)
+  if not finite(row[1]) then return "a time is missing or not a finite number" end
+  if not finite(row[2]) then return "a value is missing or not a finite number" end
+  if before and row[1] <= before[1] then
+    return ("the time %g does not follow the time %g before it: times must ascend"):format(row[1], before[1])
+  end
+end
+
+local function are_rows(rows)
+  if #rows == 0 then return false end
+  for i, row in ipairs(rows) do
+    if type(row) ~= "table" or fault(row, rows[i - 1]) then return false end
+  end
+  return true
+end
+
+-- Rows of a file: two columns behind comments (#) and one line of headings.
+local function read_rows(path)
+  local text, why = read_file(path)
+  if not text then return nil, why, {status = "io", file = path} end
+  local rows, number, headings = {}, 0, false
+  for line in text:gmatch "([^\n]*)\n?" do
+    number = number + 1
+    local plain = line:gsub("\r$", ""):gsub("#.*", "")
+    if plain:find "%S" then
+      local first, second = plain:match "^%s*([^,;%s]*)%s*[,;%s]%s*([^,;%s]*)"
+      local row = {tonumber(first or plain), tonumber(second)}
+      local wrong = fault(row, rows[#rows])
+      if wrong and #rows == 0 and not headings and not tonumber(first) then
+        headings = true
+      elseif wrong then
+        return nil, ("%s: line %d: %s"):format(path, number, wrong),
+          {status = "format", file = path, line = number}
+      else
+        rows[#rows + 1] = row
+      end
+    end
+  end
+  if #rows == 0 then
+    return nil, path .. ": no row with a time and a value", {status = "format", file = path}
+  end
+  return rows
+end
+
+--- A function of time; nil, a message and details for a file that cannot be read. Raises, with `what` in front,
+--- for what is no history.
+function history.read(what, given)
+  if type(given) == "function" then return given end
+  if finite(given) then return function() return given end end
+  local rows = given
+  if type(given) == "string" then
+    local read, message, details = read_rows(given)
+    if not read then return nil, message, details end
+    rows = read
+  elseif type(given) ~= "table" or not are_rows(given) then
+    raise(("%s: a number, a function of time, rows {time, value} of ascending times or the path of a CSV file "
+      .. "expected, got %s"):format(what, core.got(given)))
+  end
+  return function(time) return interpolate(rows, time) end
+end
+
+--- The value of such a function at a time, a finite number.
+function history.value(what, f, time)
+  local value = f(time)
+  if not finite(value) then
+    raise(("%s must return a finite number, it returned %s at %g s"):format(what, core.got(value), time))
+  end
+  return value
+end
+
+return history

@@ -1,0 +1,284 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- part:transient {...}: a linear body in time, its loads and supports by histories; what is recorded on the way.
+-- docs/theory/transient.md
+local arguments = require "barwright.arguments"
+local core = require "barwright.core"
+local history = require "barwright.history"
+local options = require "barwright.options"
+local writable = require "barwright.writable"
+
+local raise = core.raise
+
+local model, transient = core.classes.model.methods, core.classes.linear_transient.methods
+
+-- By transient: {loads = {functions}, supports = function}
+local histories_of = setmetatable({}, {__mode = "k"})
+
+local function read_histories(opts, count)
+  local loads = {}
+  for index, given in pairs(opts.loads) do
+    if math.type(index) ~= "integer" or index < 1 or index > count then
+      raise(("transient: option 'loads': there is no load %s: the part has %d"):format(tostring(index), count))
+    end
+    local f, message, details = history.read(("transient: the history of load %d"):format(index), given)
+    if not f then return nil, message, details end
+    loads[index] = f
+  end
+  local supports, message, details = history.read("transient: the history of the supports", opts.supports)
+  if not supports then return nil, message, details end
+  return {loads = loads, supports = supports}
+end
+
+-- Factors of loads at a time, and that of the supports with its two derivatives: by differences over a step, of
+-- second order as the method is, so that rows have the acceleration that a step sees.
+local function factors(histories, count, time, h)
+  local loads = {}
+  for i = 1, count do
+    local f = histories.loads[i]
+    loads[i] = f and history.value(("transient: the history of load %d"):format(i), f, time) or 1
+  end
+  local function s(at) return history.value("transient: the history of the supports", histories.supports, at) end
+  local now, after = s(time), s(time + h)
+  if time < 0.5 * h then
+    local later = s(time + 2 * h)
+    return loads, now, (4 * after - 3 * now - later) / (2 * h), (now - 2 * after + later) / h ^ 2
+  end
+  local before = s(time - h)
+  return loads, now, (after - before) / (2 * h), (after - 2 * now + before) / h ^ 2
+end
+
+--- The body at time 0; see lua/stubs/transient.lua.
+function model:transient(given)
+  local opts = options.read("transient", given, {
+    step = {type = "number", needed = true, above = 0},
+    rho = {type = "number", default = 0.9, min = 0, max = 1},
+    damping = {type = "table", default = {}},
+    initial = {type = "table", default = {}},
+    loads = {type = "table", default = {}},
+    supports = {type = "any"},
+  })
+  local damping = options.read("transient: option 'damping'", opts.damping, {
+    mass = {type = "number", default = 0, min = 0},
+    stiffness = {type = "number", default = 0, min = 0},
+  })
+  local initial = options.read("transient: option 'initial'", opts.initial,
+    {displacement = {type = "any"}, velocity = {type = "any"}})
+  if opts.supports == nil then opts.supports = 1 end
+  local count = #self.loads
+  local histories, why, about = read_histories(opts, count)
+  if not histories then return nil, why, about end
+  local made, message, details = core.linear_transient(self, {step = opts.step, rho = opts.rho,
+    mass = damping.mass, stiffness = damping.stiffness}, initial.displacement, initial.velocity,
+    factors(histories, count, 0, opts.step))
+  if not made then return nil, message, details end
+  histories_of[made] = histories
+  return made
+end
+
+--- One step.
+function transient:step()
+  local ok, message, details = core.linear_transient_step(self,
+    factors(histories_of[self], self.load_count, self.time + self.step_length, self.step_length))
+  if not ok then return nil, message, details end
+  return self
+end
+
+-- ---- what is recorded ---------------------------------------------------------------------------
+
+local recording = {}
+recording.__index = recording
+
+local energies = {"kinetic_energy", "strain_energy", "work", "damping_energy", "lost_energy"}
+local fields = {"displacement", "velocity", "acceleration"}
+
+-- The nodes of probes: the boundary node nearest to each point.
+local function find_probes(mesh, given)
+  local probes = {}
+  for name, point in pairs(given) do
+    local kind = options.kind(point)
+    if kind ~= "table" and kind ~= "array" then
+      raise(("run: option 'probes': probe %s: a point {x, y, z} expected, got %s"):format(tostring(name),
+        core.got(point)))
+    end
+    local node = mesh.boundary:nearest(point).nodes[1]
+    local probe = {node = node, place = {table.unpack(mesh.nodes[node], 1, 3)}}
+    for _, field in ipairs(fields) do probe[field] = {} end
+    probes[name] = probe
+  end
+  return probes
+end
+
+local function record(rows, body)
+  rows.time[#rows.time + 1] = body.time
+  for _, name in ipairs(energies) do rows[name][#rows.time] = body[name] end
+  if next(rows.probes) then
+    for _, field in ipairs(fields) do
+      local all = body[field]
+      for _, probe in pairs(rows.probes) do
+        probe[field][#rows.time] = {table.unpack(all[probe.node], 1, 3)}
+      end
+    end
+  end
+end
+
+-- The largest von Mises stress at a node, and the state where it is largest of all.
+local function record_stress(stress, body)
+  local static, message, details = body:static()
+  if not static then return nil, message, details end
+  local von_mises = static.von_mises
+  local node = von_mises:argmax()
+  local i = #stress.time + 1
+  stress.time[i], stress.von_mises[i] = body.time, von_mises[node]
+  if not stress.peak or von_mises[node] > stress.peak.von_mises then
+    stress.peak = {von_mises = von_mises[node], time = body.time, node = node, static = static,
+      place = {table.unpack(static.mesh.nodes[node], 1, 3)}}
+  end
+  local before = stress.envelope
+  stress.envelope = before and core.array.map("max(a, b)", {a = before, b = von_mises}) or von_mises
+  return true
+end
+
+-- A file of the series, and the .pvd that lists those that are there.
+local function write_state(series, body)
+  local static, message, details = body:static()
+  if not static then return nil, message, details end
+  local file = ("%s_%04d.vtu"):format(series.stem, #series.lines)
+  local ok, why, about = static:write(file, {fields = {velocity = {body.velocity, on = "nodes"},
+    acceleration = {body.acceleration, on = "nodes"}}})
+  if not ok then return nil, why, about end
+  series.lines[#series.lines + 1] = ('    <DataSet timestep="%.17g" file="%s"/>\n'):format(body.time,
+    file:match "[^/]*$")
+  return core.write_file(series.path, '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  '
+    .. "<Collection>\n" .. table.concat(series.lines) .. "  </Collection>\n</VTKFile>\n")
+end
+
+local function check_series(path)
+  if not path:find "%.pvd$" then
+    raise(("run: option 'write': the path of a .pvd file expected, got %s"):format(core.got(path)))
+  end
+  local fits, message, details = writable(path)
+  if not fits then return nil, message, details end
+  return {path = path, stem = path:gsub("%.pvd$", ""), lines = {}}
+end
+
+--- Steps to a time; see lua/stubs/transient.lua.
+function transient:run(given)
+  local opts = options.read("run", given, {
+    time = {type = "number", needed = true, above = 0},
+    probes = {type = "any", default = {}},
+    stress_every = {type = "integer", min = 1},
+    write = {type = "string"},
+    write_every = {type = "integer", min = 1, default = 1},
+    each = {type = "function"},
+  })
+  if type(opts.probes) ~= "table" then
+    raise(("run: option 'probes': a table of points {x, y, z} expected, got %s"):format(core.got(opts.probes)))
+  end
+  local rows, stress, series = {time = {}, probes = find_probes(self.mesh, opts.probes)},
+    {time = {}, von_mises = {}}, nil
+  for _, name in ipairs(energies) do rows[name] = {} end
+  if opts.write then
+    local why, about
+    series, why, about = check_series(opts.write)
+    if not series then return nil, why, about end
+  end
+  local first, h = self.time, self.step_length
+  local last = self.steps + math.max(0, math.tointeger(math.ceil((opts.time - first) / h - 1e-9)) or math.huge)
+  if last - self.steps > 1e8 then
+    raise(("run: %.3g steps of %g s to %g s: at most 1e8 expected"):format(last - self.steps, h, opts.time))
+  end
+  local from, begun = self.steps, false
+  while not begun or self.steps < last do
+    local ok, message, details = true, nil, nil
+    if begun then
+      ok, message, details = core.report_progress("time steps", (self.steps - from) / math.max(1, last - from))
+      if ok then ok, message, details = self:step() end
+      if not ok then return nil, message, details end
+    end
+    begun = true
+    record(rows, self)
+    local done = self.steps - from
+    if opts.stress_every and done % opts.stress_every == 0 then
+      ok, message, details = record_stress(stress, self)
+    end
+    if ok and series and done % opts.write_every == 0 then ok, message, details = write_state(series, self) end
+    if not ok then return nil, message, details end
+    if opts.each then opts.each(self) end
+  end
+  local out = setmetatable({energy = {}, probes = rows.probes, time = core.array.new(rows.time)}, recording)
+  for _, name in ipairs(energies) do out.energy[name] = core.array.new(rows[name]) end
+  out.energy.initial_energy = self.initial_energy
+  for _, probe in pairs(out.probes) do
+    for _, field in ipairs(fields) do probe[field] = core.array.new(probe[field]) end
+  end
+  if opts.stress_every then
+    stress.time, stress.von_mises = core.array.new(stress.time), core.array.new(stress.von_mises)
+    out.stress = stress
+  end
+  return out
+end
+
+local function sorted_names(probes)
+  local names = {}
+  for name in pairs(probes) do names[#names + 1] = name end
+  table.sort(names, function(a, b) return tostring(a) < tostring(b) end)
+  return names
+end
+
+--- Times, energies and probes as the columns of a CSV file.
+function recording:write(path)
+  local columns, heads = {self.time}, {"time_s"}
+  for _, name in ipairs(energies) do
+    columns[#columns + 1], heads[#heads + 1] = self.energy[name], name .. "_J"
+  end
+  local units = {displacement = "m", velocity = "m/s", acceleration = "m/s2"}
+  for _, name in ipairs(sorted_names(self.probes)) do
+    for _, field in ipairs(fields) do
+      for c = 1, 3 do
+        columns[#columns + 1] = self.probes[name][field]:column(c)
+        heads[#heads + 1] = ("%s_%s_%s_%s"):format(name, field, ("xyz"):sub(c, c), units[field])
+      end
+    end
+  end
+  local lines = {table.concat(heads, ",")}
+  for i = 1, #self.time do
+    local row = {}
+    for k, column in ipairs(columns) do row[k] = ("%.9g"):format(column[i]) end
+    lines[#lines + 1] = table.concat(row, ",")
+  end
+  return core.write_file(path, table.concat(lines, "\n") .. "\n")
+end
+
+function recording:__tostring()
+  local n, e = #self.time, self.energy
+  local scale = 0
+  for i = 1, n do scale = math.max(scale, e.kinetic_energy[i] + e.strain_energy[i]) end
+  local lines = {("motion from %.6g to %.6g s, %d steps; energy at the end:"):format(self.time[1], self.time[n],
+    n - 1)}
+  local said = {kinetic_energy = "kinetic", strain_energy = "strain", work = "work of loads and supports",
+    damping_energy = "taken by damping", lost_energy = "taken by the scheme"}
+  lines[#lines + 1] = ("  %-28s %.6g J"):format("at the start", e.initial_energy)
+  for _, name in ipairs(energies) do lines[#lines + 1] = ("  %-28s %.6g J"):format(said[name], e[name][n]) end
+  lines[#lines + 1] = ("  the scheme took %.2g %% of the largest energy; a large part asks for shorter steps")
+    :format(scale > 0 and 100 * e.lost_energy[n] / scale or 0)
+  for _, name in ipairs(sorted_names(self.probes)) do
+    local probe, most, at = self.probes[name], 0, 1
+    for i = 1, n do
+      local u = probe.displacement[i]
+      local length = math.sqrt(u[1] ^ 2 + u[2] ^ 2 + u[3] ^ 2)
+      if length > most then most, at = length, i end
+    end
+    lines[#lines + 1] = ("  %s: largest displacement %.6g m at %.6g s"):format(name, most, self.time[at])
+  end
+  local peak = self.stress and self.stress.peak
+  if peak then
+    lines[#lines + 1] = ("  largest von Mises stress %.6g MPa at %.6g s, (%.4g, %.4g, %.4g) m, of %d times; error "
+      .. "unknown: one mesh"):format(peak.von_mises / 1e6, peak.time, peak.place[1], peak.place[2], peak.place[3],
+      #self.stress.time)
+  end
+  return table.concat(lines, "\n")
+end
+
+arguments.methods("model", model, nil, {transient = "options: options"})
+arguments.methods("linear_transient", transient, nil, {step = "", run = "options: options"})
+arguments.methods("recording", recording, recording, {write = "path: string"})

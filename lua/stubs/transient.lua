@@ -1,0 +1,151 @@
+---@meta _
+-- SPDX-License-Identifier: MIT
+-- Copyright (c) 2026 the barwright authors
+--
+-- Motion in time
+--
+-- Linear bodies under loads and supports that change in time: velocities, stresses and where the energy goes.
+
+---How a part moves.
+---@class bw.TransientOptions
+---@field step number (s) length of each step. Range: above 0. A twentieth of the shortest period of interest gives 1 % of its length.
+---@field rho? number (-) spectral radius at infinite frequency: 1 damps no motion, 0 takes the fastest away in one step. Range: 0 to 1. Default: 0.9.
+---@field damping? bw.RayleighDamping of mass and stiffness. Default: none.
+---@field initial? bw.InitialMotion where it begins. Default: at rest, undeformed.
+---@field loads? table<integer, bw.History> factors of the loads by their number in the part. Default: 1 each, from time 0 on.
+---@field supports? bw.History factor of all prescribed displacements; velocity and acceleration follow by differences over a step. Default: 1.
+
+---Damping by C = mass M + stiffness K.
+---@class bw.RayleighDamping
+---@field mass? number (1/s) factor of the mass. Default: 0.
+---@field stiffness? number (s) factor of the stiffness. Default: 0.
+
+---The start of a motion, where no support prescribes it.
+---@class bw.InitialMotion
+---@field displacement? bw.Array (m, node_count × 3) Default: 0.
+---@field velocity? bw.Array (m/s, node_count × 3) Default: 0.
+
+---A value that changes in time: a number, a function of time (s), rows {time, value} of ascending times, or the path of a CSV
+---file with such rows behind comments (`#`) and a line of headings. Rows are linear between and constant outside.
+---@alias bw.History number|(fun(time: number): number)|number[][]|string
+
+---A part in motion; `print` shows its energies.
+---```lua
+---local mesh = bw.mesh.box {max = {1, 0.1, 0.1}, cells = {4, 1, 1}}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:gravity {0, 0, -9.81}
+---local transient = assert(part:transient {step = 1e-3})
+---print(transient:step():step())
+---```
+---@class bw.LinearTransient
+---@field mesh bw.Mesh the body
+---@field time number (s) now
+---@field steps integer (count) that were taken
+---@field step_length number (s) of each step
+---@field load_count integer (count) of loads
+---@field displacement bw.Array (m, n × 3, per node) now, a copy like the others
+---@field velocity bw.Array (m/s, n × 3, per node) now
+---@field acceleration bw.Array (m/s2, n × 3, per node) now
+---@field reaction bw.Array (N, n × 3, per node) of the supports at prescribed components, 0 elsewhere
+---@field initial_energy number (J) kinetic and strain energy at time 0
+---@field kinetic_energy number (J) now
+---@field strain_energy number (J) now
+---@field work number (J) of loads and supports since time 0
+---@field damping_energy number (J) that the damping took since time 0
+---@field lost_energy number (J) that the scheme took: what is missing in the balance of the others
+---@field report bw.SolverReport of the factor
+local LinearTransient = {}
+
+---Releases it at once.
+function LinearTransient:close() end
+
+---Takes one step.
+---
+---Errors: `memory` where there is none left. Loads or supports added since the start raise.
+---@return bw.LinearTransient? transient itself
+---@return string? message
+---@return bw.Details? details
+function LinearTransient:step() end
+
+---The present displacement as the static solution of the loads less the forces of inertia and damping: for stresses, files,
+---pictures and the error estimate. Later steps do not change it.
+---
+---Errors: `memory` where there is none left.
+---@return bw.Static? static the state
+---@return string? message
+---@return bw.Details? details
+function LinearTransient:static() end
+
+---Steps to a time and records energies at each step, and what is asked for.
+---
+---Errors: those of `step`; `cancelled` where it was interrupted; `io` where a file cannot be written.
+---@param options bw.TransientRunOptions how far, and what is recorded
+---@return bw.Recording? recording what was recorded
+---@return string? message
+---@return bw.Details? details
+function LinearTransient:run(options) end
+
+---How far a motion is followed, and what is recorded.
+---@class bw.TransientRunOptions
+---@field time number (s) of the end, from the start of the transient; the last step ends there or behind. Range: above 0.
+---@field probes? table<string, bw.Vector> (m) points by name: the boundary node nearest to each is recorded
+---@field stress_every? integer (count) steps from one evaluation of the von Mises stress to the next. Default: none.
+---@field write? string path of a `.pvd` file: states are written beside it as `.vtu`
+---@field write_every? integer (count) steps from one file to the next. Default: 1.
+---@field each? fun(now: bw.LinearTransient) called at the start and after each step
+
+---What was recorded of a motion; `print` shows the balance of energy, the largest displacements of probes and the largest stress.
+---```lua
+---local mesh = bw.mesh.box {max = {1, 0.1, 0.1}, cells = {4, 1, 1}}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:fix(mesh.boundary:below("x", 0)):gravity {0, 0, -9.81}
+---local recording = assert(assert(part:transient {step = 1e-4}):run {time = 0.01, probes = {tip = {1, 0, 0}}})
+---print(recording.probes.tip.displacement:column(3):min())
+---```
+---@class bw.Recording
+---@field time bw.Array (s, n) of the start and of each step
+---@field energy bw.RecordedEnergy energies at these times
+---@field probes table<string, bw.Probe> by name
+---@field stress? bw.RecordedStress where `stress_every` was given
+local Recording = {}
+
+---Writes times, energies and probes as columns of a CSV file.
+---
+---Errors: `io` where the file cannot be written.
+---@param path string of the file
+---@return boolean? done true
+---@return string? message
+---@return bw.Details? details
+function Recording:write(path) end
+
+---Energies in time.
+---@class bw.RecordedEnergy
+---@field initial_energy number (J) at the start
+---@field kinetic_energy bw.Array (J, n) at each time
+---@field strain_energy bw.Array (J, n) at each time
+---@field work bw.Array (J, n) of loads and supports until then
+---@field damping_energy bw.Array (J, n) taken by damping until then
+---@field lost_energy bw.Array (J, n) taken by the scheme until then
+
+---A node in time.
+---@class bw.Probe
+---@field node integer (index from 1) the boundary node nearest to the point
+---@field place number[] (m, 3) where it is
+---@field displacement bw.Array (m, n × 3) at each time
+---@field velocity bw.Array (m/s, n × 3) at each time
+---@field acceleration bw.Array (m/s2, n × 3) at each time
+
+---Stresses in time. Between the times evaluated a stress may be larger.
+---@class bw.RecordedStress
+---@field time bw.Array (s, n) when stresses were evaluated
+---@field von_mises bw.Array (Pa, n) the largest at a node
+---@field envelope bw.Array (Pa, node_count) the largest of these times at each node
+---@field peak bw.StressPeak the largest of all
+
+---The largest stress of a motion.
+---@class bw.StressPeak
+---@field von_mises number (Pa) the stress
+---@field time number (s) when
+---@field node integer (index from 1) where
+---@field place number[] (m, 3) where it is
+---@field static bw.Static the state then

@@ -1,0 +1,138 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Motion in time from scripts: NAFEMS 5T, histories and their files, supports, what is recorded, misuse.
+local bw = require "barwright"
+local check = require "check"
+
+local folder = check.folder() .. "/"
+
+local function bar(order)
+  local mesh = bw.mesh.box {max = {1, 0.1, 0.08}, cells = {8, 1, 1}, order = order or 1}
+  local part = bw.model {mesh = mesh, material = bw.material.steel}
+  part:fix(mesh.boundary:below("x", 0))
+  part:load {on = mesh.boundary:above("x", 1), force = {0, 0, -1000}}
+  return part, mesh
+end
+
+describe("motion in time", function()
+  -- NAFEMS, Selected Benchmarks for Forced Vibration, test 5T: a deep simply supported beam under 1 MN/m applied
+  -- at once, 2 % damping of the first mode. Closed form of a beam with shear: 1.043 mm at 0.0117 s, 18.76 MPa.
+  it("NAFEMS 5T", function()
+    local mesh = bw.mesh.box {max = {10, 2, 2}, cells = {20, 1, 4}, order = 2}
+    local material = bw.material.isotropic {young = 200e9, poisson = 0.3, density = 8000}
+    local part = bw.model {mesh = mesh, material = material}
+    local ends = mesh.boundary:below("x", 0) | mesh.boundary:above("x", 10)
+    part:prescribe(ends, {false, 0, 0}):prescribe(mesh.boundary:nearest {0, 1, 1}, {0, false, false})
+    part:gravity {0, 0, -1e6 / (8000 * 4)}
+    local transient = assert(part:transient {step = 2e-4, rho = 1, damping = {mass = 5.36, stiffness = 7.46e-5}})
+    local recording = assert(transient:run {time = 0.014, probes = {middle = {5, 1, 0}}, stress_every = 1})
+    local z = recording.probes.middle.displacement:column(3)
+    check.near(-1.043e-3, z:min(), 0.02)
+    check.near(0.0117, recording.time[z:argmin()], 0.02)
+    local static = recording.stress.peak.static
+    local stress = static.stress[mesh.boundary:nearest({5, 1, 0}).nodes[1]]
+    check.near(18.76e6, stress[1], 0.01)
+    assert.is_true(math.abs(recording.energy.lost_energy[#z]) < 0.01 * recording.energy.work:max())
+    assert.truthy(tostring(recording):find("taken by damping", 1, true))
+  end)
+
+  it("histories as numbers, functions, rows and files are the same", function()
+    local part = bar()
+    local path = folder .. "load.csv"
+    check.write(path, "# measured\ntime,force\n0,0\n0.001,1\n0.003, -0.5 # turned\n\n0.01;2\n")
+    local rows = {{0, 0}, {0.001, 1}, {0.003, -0.5}, {0.01, 2}}
+    local function by_hand(t)
+      return t < 0.001 and t / 0.001 or t < 0.003 and 1 - 1.5 * (t - 0.001) / 0.002
+        or -0.5 + 2.5 * (t - 0.003) / 0.007
+    end
+    local tips = {}
+    for i, history in ipairs {path, rows, by_hand} do
+      local transient = assert(part:transient {step = 2e-4, loads = {history}})
+      local recording = assert(transient:run {time = 0.006, probes = {tip = {1, 0, 0}}})
+      tips[i] = recording.probes.tip.displacement
+      assert.equal(31, #recording.time)
+    end
+    local scale = tips[1]:column(3):min()
+    assert.is_true(scale < -1e-5)
+    for i = 2, 3 do
+      local off = (tips[i] - tips[1]):column(3)
+      assert.is_true(math.max(off:max(), -off:min()) < 1e-9 * -scale)
+    end
+    local none = assert(part:transient {step = 1e-4, loads = {0}})
+    assert.equal(0, assert(none:run {time = 1e-3}).energy.work[11])
+  end)
+
+  it("says the line of a history that is none", function()
+    local part = bar()
+    local path = folder .. "bad.csv"
+    for text, what in pairs {
+      ["t,f\n0,1\n0.1,\n"] = "line 3: a value is missing",
+      ["0,1\n0.1,nan\n"] = "line 2: a value is missing or not a finite number",
+      ["0,1\n0.2,3\n0.1,2\n"] = "line 3: the time 0.1 does not follow the time 0.2",
+      ["0,1\n\n0,2\n"] = "line 3: the time 0 does not follow the time 0",
+      ["0 1\nx 2\n"] = "line 2: a time is missing",
+      ["time,force\nmore,words\n0,1\n"] = "line 2: a time is missing",
+      ["time,force\n"] = "no row with a time and a value",
+      ["1,2\n7\n"] = "line 2: a value is missing"} do
+      check.write(path, text)
+      check.fails("format", what, part:transient {step = 1e-4, loads = {path}})
+    end
+    check.fails("io", "none.csv", part:transient {step = 1e-4, loads = {folder .. "none.csv"}})
+    check.raises("the history of load 1: a number, a function of time, rows", part.transient, part,
+      {step = 1e-4, loads = {{{0, 1}, {0, 2}}}})
+    check.raises("there is no load 2: the part has 1", part.transient, part, {step = 1e-4, loads = {[2] = 1}})
+    check.raises("must return a finite number", part.transient, part,
+      {step = 1e-4, loads = {function() return 0 / 0 end}})
+    check.raises("option 'step'", part.transient, part, {})
+    check.raises("option 'damping': unknown option 'ratio'", part.transient, part,
+      {step = 1e-4, damping = {ratio = 1}})
+    check.raises("velocity", part.transient, part, {step = 1e-4, initial = {velocity = {{1, 2, 3}}}})
+    local transient = assert(part:transient {step = 1e-4})
+    check.raises("a point {x, y, z} expected", transient.run, transient, {time = 1, probes = {a = 3}})
+    check.raises("at most 1e8 expected", transient.run, transient, {time = 1e9})
+    check.raises("the path of a .pvd file", transient.run, transient, {time = 1, write = "a.vtu"})
+    part:gravity {0, 0, -1}
+    check.raises("begin a new transient", transient.step, transient)
+  end)
+
+  it("a support that moves takes a stiff part along", function()
+    local mesh = bw.mesh.box {max = {0.1, 0.1, 0.1}, cells = {2, 2, 2}}
+    local part = bw.model {mesh = mesh, material = bw.material.steel}
+    part:prescribe(mesh.boundary:below("z", 0), {0, 0, 1e-3})
+    local w = 2 * math.pi * 20
+    local transient = assert(part:transient {step = 2.5e-4, supports = function(t) return 1 - math.cos(w * t) end})
+    local recording = assert(transient:run {time = 0.05, probes = {top = {0, 0, 0.1}}})
+    local top = recording.probes.top
+    check.near(2e-3, top.displacement:column(3):max(), 0.005)
+    check.near(1e-3 * w, top.velocity:column(3):max(), 0.01)
+    local weight = 7850 * 1e-3
+    local force = transient.reaction:column_sums()[3]
+    check.near(weight * 1e-3 * w ^ 2, force, 0.03)
+  end)
+
+  it("writes series and columns, and goes on where it was", function()
+    local part, mesh = bar()
+    local transient = assert(part:transient {step = 1e-4, rho = 1})
+    local seen = 0
+    local first = assert(transient:run {time = 1e-3, probes = {tip = {1, 0, 0}}, write = folder .. "run.pvd",
+      write_every = 5, each = function() seen = seen + 1 end})
+    assert.equal(11, seen)
+    local series = check.read(folder .. "run.pvd")
+    assert.truthy(series:find('file="run_0001.vtu"', 1, true))
+    local _, count = series:gsub("<DataSet", "")
+    assert.equal(3, count)
+    local _, file = assert(bw.mesh.read(folder .. "run_0002.vtu"))
+    assert.equal(first.probes.tip.velocity[11][3], file.fields.velocity[first.probes.tip.node][3])
+    assert.truthy(file.fields.von_mises)
+    assert(first:write(folder .. "run.csv"))
+    local columns = check.read(folder .. "run.csv")
+    assert.truthy(columns:find("^time_s,kinetic_energy_J"))
+    assert.equal(12, select(2, columns:gsub("\n", "")))
+    local second = assert(transient:run {time = 2e-3, probes = {tip = {1, 0, 0}}})
+    local again = assert(part:transient {step = 1e-4, rho = 1})
+    local whole = assert(again:run {time = 2e-3, probes = {tip = {1, 0, 0}}})
+    assert.equal(whole.probes.tip.displacement[21][3], second.probes.tip.displacement[11][3])
+    assert.equal(second.time[1], first.time[11])
+    assert.equal(mesh, transient.mesh)
+    check.fails("io", "nowhere", transient:run {time = 3e-3, write = folder .. "nowhere/a.pvd"})
+  end)
+end)
