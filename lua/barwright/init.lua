@@ -71,6 +71,7 @@ local bw = {
 require "barwright.fields"
 require "barwright.adaptive"
 require "barwright.buckling"
+require "barwright.harmonic"
 require "barwright.heat"
 require "barwright.transient"
 require "barwright.singular"

@@ -290,6 +290,38 @@ function Model:buckling(options) end
 ---@return bw.Details? details
 function Model:transient(options) end
 
+---The response to the loads as amplitudes of one phase, or to a harmonic acceleration of the supports, or to both. The basis are
+---modes, and residual vectors until the error is below the tolerance.
+---
+---Errors: unconstrained (the part can move freely), unsupported (temperatures, prescribed displacements), convergence (the modes
+---did not converge), memory (the factor does not fit), limit (too many modes). A part that nothing excites, or without density,
+---raises.
+---
+---Source: docs/theory/dynamics.md.
+---@param options bw.HarmonicOptions frequencies and damping
+---@return bw.Harmonic? response the response
+---@return string? message
+---@return bw.Details? details
+function Model:harmonic(options) end
+
+---A harmonic response. Either `frequencies` or `range` is given.
+---@class bw.HarmonicOptions
+---@field frequencies? number[]|bw.Array (Hz, n × 1) 0 or more each. Default: those of `range`
+---@field range? number[] (Hz, 2) from and to: 200 even steps, and more where the response is sharp. Default: `frequencies`
+---@field damping? bw.Damping how energy is lost. Default: none
+---@field base? bw.Vector (m/s2) amplitude of the acceleration of the supports; displacements are relative to them. Default: {0, 0, 0}
+---@field modes? integer (count) of modes. Default: all below 1.5 times the highest frequency
+---@field residual_vectors? integer (count) at most. Range: 0 to 400. Default: 40
+---@field tolerance? number (-) as far as residual vectors reduce the error. Range: 0 to below 1. Default: 1e-8
+---@field solver? bw.Eigensolver|"auto" the eigensolver of the modes, not SLEPc. Default: "auto"
+
+---Damping; the parts add up.
+---@class bw.Damping
+---@field ratio? number (-) of the critical damping, in each mode; residual vectors have none. Range: 0 to below 1. Default: 0
+---@field mass? number (1/s) a of Rayleigh's damping C = a M + b K. Range: 0 or more. Default: 0
+---@field stiffness? number (s) b of it. Range: 0 or more. Default: 0
+---@field loss? number (-) loss factor h of the stiffness (1 + i h) K. Range: 0 or more. Default: 0
+
 ---The equations of the model, ready for many right-hand sides: with a factor, or with the preconditioner of conjugate
 ---gradients. The model keeps them for what follows.
 ---

@@ -32,7 +32,7 @@ return {
     {"docs/theory/breaking_force.md", "Breaking force"}, {"docs/theory/strengthen.md", "Strengthening"},
     {"docs/theory/error_control.md", "Error control"}, {"docs/theory/stability.md", "Linear buckling"},
     {"docs/theory/heat.md", "Heat conduction"},
-    {"docs/theory/transient.md", "Motion in time"},
+    {"docs/theory/dynamics.md", "Dynamics"}, {"docs/theory/transient.md", "Motion in time"},
     {"docs/theory/edit.md", "Edit sessions"}, {"docs/theory/responsive.md", "The plane"},
     {"docs/theory/data_driven.md", "Soft bodies, coarsened"},
     {"docs/theory/studies.md", "Studies, scenarios, experiments"},

@@ -15,8 +15,8 @@ end
 
 local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   selection = "bw.Selection", material = "bw.Material", model = "bw.Model", static = "bw.Static",
-  modes = "bw.Modes", buckling = "bw.Buckling", eigensolver = "bw.Eigensolver", heat = "bw.Heat",
-  heat_solution = "bw.HeatSolution", heat_transient = "bw.HeatTransient",
+  modes = "bw.Modes", buckling = "bw.Buckling", harmonic = "bw.Harmonic", eigensolver = "bw.Eigensolver",
+  heat = "bw.Heat", heat_solution = "bw.HeatSolution", heat_transient = "bw.HeatTransient",
   linear_transient = "bw.LinearTransient", system = "bw.System",
   weak_regions = "bw.WeakRegions",
   pressure_basis = "bw.PressureBasis", linear_program_solver = "bw.LpSolver", sparse_matrix = "bw.SparseMatrix",

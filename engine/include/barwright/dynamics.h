@@ -10,11 +10,82 @@ extern "C" {
 
 /* How a body loses energy as it vibrates. The parts add up. */
 typedef struct bw_damping {
-  double ratio;     /* (-) of the critical damping, the same in each mode; default 0, 0 to below 1 */
-  double mass;      /* (1/s) a of C = a M + b K (Rayleigh); default 0, 0 or more */
+  double ratio; /* (-) of the critical damping, the same in each mode; default 0, 0 to below 1 */
+  double mass;  /* (1/s) a of C = a M + b K (Rayleigh); default 0, 0 or more */
   double stiffness; /* (s) b of C = a M + b K; default 0, 0 or more */
   double loss;      /* (-) loss factor h of the stiffness (1 + i h) K; default 0, 0 or more */
 } bw_damping;
+
+/* ---- harmonic response ----------------------------------------------------------------------- */
+
+/* What a harmonic response is asked for. Pointers are borrowed. */
+typedef struct bw_harmonic_options {
+  int frequency_count;     /* (count) default 0: `from`, `to` and where the response is sharp */
+  const double *frequency; /* (Hz, frequency_count) in any order, 0 or more; default NULL */
+  double from, to;         /* (Hz) in their place: default 0, 0 or more; `to` above `from` */
+  int modes;   /* (count) of the basis; default 0: all below 1.5 times the highest frequency */
+  int vectors; /* (count) of residual vectors at most; default 40, 0: none, up to 400 */
+  double
+      tolerance; /* (-) as far as residual vectors reduce the error; default 1e-8, 0 to below 1 */
+  bw_damping damping;           /* default: none */
+  double base[3];               /* (m/s2) amplitude of the supports' acceleration; default 0 */
+  const bw_eigensolver *solver; /* of the modes; default NULL: automatic. SLEPc does not serve */
+} bw_harmonic_options;
+BW_API void bw_harmonic_options_default(bw_harmonic_options *options);
+
+/* The response to loads F cos(omega t) as a sum of vectors: modes, then residual vectors. They are
+ * orthogonal by stiffness and mass, so that each answers like a body of one unknown. */
+typedef struct bw_harmonic {
+  bw_object object;
+  const bw_model *model; /* retained */
+  bw_modes *modes;       /* retained; the first vectors are its shapes */
+  bw_damping damping;
+  double base[3];      /* (m/s2) */
+  int frequency_count; /* (count) */
+  double *frequency;   /* (Hz, frequency_count) ascending */
+  double *error; /* (-, frequency_count) of the displacement, in energy, over the displacement: a
+                    bound where the modes are counted, but for the rounding and the modes' own */
+  int count;     /* (count) of vectors, modes->count of them modes */
+  double *eigenvalue; /* ((rad/s)^2, count) of each vector */
+  double *load;       /* (any, count) vector . F, of vectors of unit modal mass */
+  double *tail;       /* (any, count) by which the error is found */
+  double *residual;   /* (any, count - modes->count x node_count x 3) residual vectors */
+  double remainder;   /* (any) without residual vectors: what the modes leave of the load, in the
+                         norm of the inverse of K; else 0 */
+  double bound;       /* (any) no eigenvalue that is missing has a larger inverse */
+  int solves;         /* (count) right-hand sides that residual vectors took */
+} bw_harmonic;
+/* The harmonic response of a model: its loads are the amplitudes, in one phase, and less M times
+ * the base's acceleration. Displacements are relative to the supports. The basis are modes and
+ * residual vectors by Lanczos's method on what the modes leave of the load
+ * (docs/theory/dynamics.md). `given` and *system as in bw_modes_of_model. BW_UNCONSTRAINED for a
+ * body that supports leave free to move, BW_UNSUPPORTED for temperatures, prescribed displacements
+ * and SLEPc, BW_INVALID for a body without density, a load of zero and options outside their
+ * ranges; BW_SINGULAR as bw_harmonic_coordinates; those of bw_modes_of_model and bw_system_factor.
+ */
+BW_API bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_system *given,
+                                      const bw_harmonic_options *options, bw_system **system,
+                                      bw_harmonic **harmonic);
+/* The vectors' factors at a frequency (Hz): coordinate (any, count x 2), real and imaginary; *error
+ * (-) may be NULL. BW_SINGULAR at the frequency of a mode that nothing damps, BW_INVALID for a
+ * negative or infinite one. */
+BW_API bw_status bw_harmonic_coordinates(bw_context *context, const bw_harmonic *harmonic,
+                                         double frequency, double *coordinate, double *error);
+/* The displacement Re(u e^(i omega t)) at a frequency (Hz): real and imaginary (m, node_count x 3).
+ * Those of bw_harmonic_coordinates. */
+BW_API bw_status bw_harmonic_displacement(bw_context *context, const bw_harmonic *harmonic,
+                                          double frequency, double *real, double *imaginary);
+/* The displacement of a node over frequencies, frequency (Hz, count): response (m, count x 6), real
+ * then imaginary part. BW_INVALID for a node that the mesh does not have; those of
+ * bw_harmonic_coordinates. */
+BW_API bw_status bw_harmonic_curve(bw_context *context, const bw_harmonic *harmonic, int32_t node,
+                                   int count, const double *frequency, double *response);
+/* The stress at nodes at a frequency (Hz): real and imaginary (Pa, node_count x 6), and von_mises
+ * (Pa, node_count), the largest over a period; where materials meet, that of the material with the
+ * largest one. Each may be NULL. Those of bw_harmonic_coordinates. */
+BW_API bw_status bw_harmonic_stress(bw_context *context, const bw_harmonic *harmonic,
+                                    double frequency, double *real, double *imaginary,
+                                    double *von_mises);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,183 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Harmonic responses: curves over the frequency as CSV and plots, files, pictures and animations of a frequency.
+-- docs/theory/dynamics.md
+local arguments = require "barwright.arguments"
+local core = require "barwright.core"
+local fine_boundary = require "barwright.fine_boundary"
+local members = require "barwright.members"
+local options = require "barwright.options"
+local plot = require "barwright.plot"
+local shown = require "barwright.shown"
+
+local raise = core.raise
+local map = core.array.map
+
+local harmonic = core.classes.harmonic.methods
+
+-- ---- curves --------------------------------------------------------------------------------------
+
+local curve = {}
+curve.__index = members("curve", curve, {})
+curve.__name = "barwright.harmonic_curve"
+
+local axes = {"x", "y", "z"}
+
+local function nearest_node(mesh, at)
+  return map("(a.x - x)^2 + (a.y - y)^2 + (a.z - z)^2", {a = mesh.nodes, x = at[1], y = at[2], z = at[3]}):argmin()
+end
+
+--- The response of the node nearest to a point over frequencies: {at = {x, y, z}, frequencies =}.
+function harmonic:curve(given)
+  local opts = options.read("curve", given, {
+    at = {type = "any", needed = true},
+    frequencies = {type = "any"},
+  })
+  if type(opts.at) ~= "table" or #opts.at ~= 3 then
+    raise(("curve: option 'at': a point {x, y, z} expected, got %s"):format(core.got(opts.at)))
+  end
+  for i = 1, 3 do
+    if type(opts.at[i]) ~= "number" then
+      raise(("curve: option 'at': a point {x, y, z} expected, got %s at %d"):format(core.got(opts.at[i]), i))
+    end
+  end
+  local node = nearest_node(self.mesh, opts.at)
+  local response, message, details = self:at_node(node, opts.frequencies)
+  if not response then return nil, message, details end
+  local real, imaginary = response:columns(1, 3), response:columns(4, 6)
+  return setmetatable({node = node, at = self.mesh.nodes:rows(node, node):totable()[1], real = real,
+    imaginary = imaginary, frequencies = opts.frequencies and core.array.new(opts.frequencies) or self.frequencies,
+    amplitude = map("sqrt(a*a + b*b)", {a = real, b = imaginary}),
+    phase = map("atan2(b, a) * 57.29577951308232", {a = real, b = imaginary})}, curve)
+end
+
+--- The largest amplitude along an axis: its frequency (Hz) and amplitude (m).
+function curve:peak(axis)
+  for i, name in ipairs(axes) do
+    if name == axis then
+      local column = self.amplitude:column(i)
+      local at = column:argmax()
+      return self.frequencies[at], column[at]
+    end
+  end
+  raise(("peak: \"x\", \"y\" or \"z\" expected, got %s"):format(core.got(axis)))
+end
+
+--- The curve as CSV: frequency, then amplitude and phase along x, y and z.
+function curve:write(path)
+  local lines = {"frequency_hz,amplitude_x_m,amplitude_y_m,amplitude_z_m,phase_x_deg,phase_y_deg,phase_z_deg"}
+  local amplitude, phase = self.amplitude:totable(), self.phase:totable()
+  for i, f in ipairs(self.frequencies:totable()) do
+    local a, p = amplitude[i], phase[i]
+    lines[i + 1] = ("%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g"):format(f, a[1], a[2], a[3], p[1], p[2], p[3])
+  end
+  return core.write_file(path, table.concat(lines, "\n") .. "\n")
+end
+
+--- A plot of the amplitudes, logarithmic upwards.
+function curve:figure()
+  local series = {}
+  for i, name in ipairs(axes) do
+    local values = self.amplitude:column(i)
+    if values:max() > 0 then series[#series + 1] = {name = name, x = self.frequencies, y = values} end
+  end
+  return plot.lines {series = series, x = {label = "frequency", unit = "Hz", prefix = false},
+    y = {label = "amplitude", unit = "m", scale = "log"}, title = ("displacement at (%g, %g, %g) m"):format(
+    self.at[1], self.at[2], self.at[3])}
+end
+
+function curve:__tostring()
+  local parts = {}
+  for i, name in ipairs(axes) do
+    local f, a = self:peak(name)
+    parts[i] = ("%s %s at %s Hz"):format(name, core.quantity(a, "m"), shown.number(f))
+  end
+  return ("displacement of node %d over %d frequencies, largest: %s"):format(self.node, #self.frequencies,
+    table.concat(parts, ", "))
+end
+
+arguments.methods("harmonic_curve", curve, curve, {peak = "axis: string", write = "path: string", figure = ""})
+
+-- ---- one frequency -------------------------------------------------------------------------------
+
+--- Both parts of the displacement and the stress, and the amplitude of von Mises stress, as .vtu.
+function harmonic:write(path, frequency, given)
+  local opts = options.copied(given)
+  local fields = options.copied(opts.fields)
+  local real, imaginary, details = self:displacement(frequency)
+  if not real then return nil, imaginary, details end
+  fields.displacement_real, fields.displacement_imaginary = {real, on = "nodes"}, {imaginary, on = "nodes"}
+  real, imaginary = self:stress(frequency)
+  fields.stress_real, fields.stress_imaginary = {real, on = "nodes"}, {imaginary, on = "nodes"}
+  fields.von_mises = {self:von_mises(frequency), on = "nodes"}
+  opts.fields = fields
+  return self.mesh:write(path, opts)
+end
+
+-- Largest displacement over a period: its real part is largest at this phase, over all nodes together.
+local function largest_phase(real, imaginary)
+  local aa, bb, ab = real:dot(real), imaginary:dot(imaginary), real:dot(imaginary)
+  return 0.5 * math.atan(-2 * ab, aa - bb)
+end
+
+local function at_phase(real, imaginary, phase)
+  return real * math.cos(phase) - imaginary * math.sin(phase)
+end
+
+-- Pictures of phases, all with the same colours and deformation.
+local function draw(self, frequency, paths, phases, given)
+  local opts = options.copied(given)
+  local real, imaginary, details = self:displacement(frequency)
+  if not real then return nil, imaginary, details end
+  local surface, nodes, why = fine_boundary(self.mesh)
+  if not surface then return nil, nodes, why end
+  real, imaginary = real:gather(nodes), imaginary:gather(nodes)
+  if not opts.values then
+    opts.values = self:von_mises(frequency):gather(nodes)
+    opts.unit, opts.scale = opts.unit or "amplitude of von Mises stress, MPa", opts.scale or 1e-6
+  end
+  opts.title = opts.title or ("operating deflection shape at %s Hz"):format(shown.number(frequency))
+  local first = largest_phase(real, imaginary)
+  if not opts.deformation then
+    local moved = map("norm(a)", {a = at_phase(real, imaginary, first)}):max()
+    local size = self.mesh.box.size
+    opts.deformation = moved > 0 and 0.1 * math.max(size[1], size[2], size[3]) / moved or 1
+  end
+  for i, path in ipairs(paths) do
+    opts.displacement = at_phase(real, imaginary, first + phases[i])
+    local ok, message, more = core.picture(surface, path, opts)
+    if not ok then return nil, message, more end
+  end
+  return true
+end
+
+--- The operating deflection shape where it is largest, coloured by the amplitude of von Mises stress.
+function harmonic:picture(frequency, path, given)
+  return draw(self, frequency, {path}, {0}, given)
+end
+
+--- A period of the operating deflection shape as an animated PNG: {pictures =, seconds =}, options of bw.picture.
+function harmonic:animate(frequency, path, given)
+  local opts = options.copied(given)
+  local own = options.read("animate", {pictures = opts.pictures, seconds = opts.seconds}, {
+    pictures = {type = "integer", default = 24, min = 4, max = 1000},
+    seconds = {type = "number", default = 1.2, above = 0},
+  })
+  opts.pictures, opts.seconds = nil, nil
+  local folder, message, details = core.temporary_folder()
+  if not folder then return nil, message, details end
+  local paths, phases = {}, {}
+  for i = 1, own.pictures do
+    paths[i] = ("%s/%04d.png"):format(folder.path, i)
+    phases[i] = 2 * math.pi * (i - 1) / own.pictures
+  end
+  local ok
+  ok, message, details = draw(self, frequency, paths, phases, opts)
+  if ok then ok, message, details = core.animation(path, paths, {seconds = own.seconds / own.pictures}) end
+  folder:close()
+  return ok, message, details
+end
+
+arguments.methods("harmonic", harmonic, nil, {curve = "options: options",
+  write = "path: string, frequency: number, options?: options",
+  picture = "frequency: number, path: string, options?: options",
+  animate = "frequency: number, path: string, options?: options"})

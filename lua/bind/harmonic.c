@@ -1,0 +1,192 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Harmonic responses of models. */
+#include "bind.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const bw_harmonic *self(lua_State *L) {
+  return (const bw_harmonic *)lbw_check(L, 1, &lbw_harmonic_class);
+}
+
+static void read_damping(lua_State *L, const char *function, bw_damping *damping) {
+  static const lbw_option list[] = {{"ratio", LBW_REAL, offsetof(bw_damping, ratio)},
+                                    {"mass", LBW_REAL, offsetof(bw_damping, mass)},
+                                    {"stiffness", LBW_REAL, offsetof(bw_damping, stiffness)},
+                                    {"loss", LBW_REAL, offsetof(bw_damping, loss)},
+                                    {NULL, LBW_OTHER, 0}};
+  int type = lbw_option_get(L, 2, "damping");
+  if (type == LUA_TTABLE)
+    lbw_options(L, lua_gettop(L), function, list, damping);
+  else if (type != LUA_TNIL)
+    lbw_option_refused(L, function, "damping",
+                       "a table with ratio, mass, stiffness or loss, such as {ratio = 0.02}");
+  lua_settop(L, 2);
+}
+
+/* model:harmonic{frequencies or range, modes, residual_vectors, tolerance, damping, base, solver}
+ */
+static int model_harmonic(lua_State *L) {
+  static const lbw_option list[] = {
+      {"frequencies", LBW_OTHER, 0},
+      {"range", LBW_OTHER, 0},
+      {"modes", LBW_INT, offsetof(bw_harmonic_options, modes)},
+      {"residual_vectors", LBW_INT, offsetof(bw_harmonic_options, vectors)},
+      {"tolerance", LBW_REAL, offsetof(bw_harmonic_options, tolerance)},
+      {"damping", LBW_OTHER, 0},
+      {"base", LBW_VECTOR, offsetof(bw_harmonic_options, base)},
+      {"solver", LBW_OTHER, 0},
+      {NULL, LBW_OTHER, 0}};
+  lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
+  bw_harmonic_options options;
+  int64_t count;
+  lua_settop(L, 2);
+  bw_harmonic_options_default(&options);
+  lbw_options(L, 2, "harmonic", list, &options);
+  read_damping(L, "harmonic: damping", &options.damping);
+  options.solver = lbw_eigensolver_option(L, 2, "harmonic");
+  lua_settop(L, 2);
+  bool has_list = lbw_option_get(L, 2, "frequencies") != LUA_TNIL;
+  bool has_range = lbw_option_get(L, 2, "range") != LUA_TNIL;
+  if (has_list == has_range)
+    return lbw_error(L,
+                     "harmonic: either 'frequencies', a list in Hz, or 'range', {from, to} in Hz, "
+                     "expected");
+  const double *number = lbw_to_doubles(
+      L, has_list ? 3 : 4, has_list ? "harmonic: option 'frequencies'" : "harmonic: option 'range'",
+      1, &count);
+  if (has_range && count != 2)
+    return lbw_error(L, "harmonic: option 'range': two frequencies {from, to} in Hz expected");
+  if (has_range) {
+    options.from = number[0];
+    options.to = number[1];
+  } else {
+    if (count < 1 || count > 1000000)
+      return lbw_error(L, "harmonic: option 'frequencies': 1 to 1000000 numbers expected");
+    options.frequency = number; /* its userdata is on the stack */
+    options.frequency_count = (int)count;
+  }
+  lbw_box *box = lbw_box_new(L, &lbw_harmonic_class);
+  bw_system *system = NULL;
+  bw_harmonic *harmonic = NULL;
+  bw_status status = bw_harmonic_of_model(lbw_enter(L), (const bw_model *)model->object,
+                                          (bw_system *)model->extra, &options, &system, &harmonic);
+  if (system) {
+    bw_release(model->extra);
+    model->extra = system;
+  }
+  lbw_box_fill(L, box, harmonic);
+  lbw_box_account(L, model);
+  return lbw_leave(L, status, 1);
+}
+
+/* harmonic:displacement(frequency): real and imaginary part */
+static int harmonic_displacement(lua_State *L) {
+  const bw_harmonic *h = self(L);
+  double frequency = lbw_check_real(L, 2, "frequency");
+  int64_t nodes = h->model->mesh->node_count;
+  double *real = (double *)lbw_push_array(L, BW_F64, nodes, 3)->data;
+  double *imaginary = (double *)lbw_push_array(L, BW_F64, nodes, 3)->data;
+  return lbw_leave(L, bw_harmonic_displacement(lbw_enter(L), h, frequency, real, imaginary), 2);
+}
+
+/* harmonic:stress(frequency): real and imaginary part */
+static int harmonic_stress(lua_State *L) {
+  const bw_harmonic *h = self(L);
+  double frequency = lbw_check_real(L, 2, "frequency");
+  int64_t nodes = h->model->mesh->node_count;
+  double *real = (double *)lbw_push_array(L, BW_F64, nodes, 6)->data;
+  double *imaginary = (double *)lbw_push_array(L, BW_F64, nodes, 6)->data;
+  return lbw_leave(L, bw_harmonic_stress(lbw_enter(L), h, frequency, real, imaginary, NULL), 2);
+}
+
+/* harmonic:von_mises(frequency): the largest over a period */
+static int harmonic_von_mises(lua_State *L) {
+  const bw_harmonic *h = self(L);
+  double frequency = lbw_check_real(L, 2, "frequency");
+  double *out = (double *)lbw_push_array(L, BW_F64, h->model->mesh->node_count, 1)->data;
+  return lbw_leave(L, bw_harmonic_stress(lbw_enter(L), h, frequency, NULL, NULL, out), 1);
+}
+
+/* harmonic:at_node(node, frequencies): a row for each frequency, real then imaginary part */
+static int harmonic_at_node(lua_State *L) {
+  const bw_harmonic *h = self(L);
+  int64_t node = lbw_check_index(L, 2, "node", h->model->mesh->node_count), count;
+  lua_settop(L, 3);
+  const double *frequency = h->frequency;
+  if (lua_isnil(L, 3))
+    count = h->frequency_count;
+  else
+    frequency = lbw_to_doubles(L, 3, "at_node: frequencies", 1, &count);
+  if (count > 1000000)
+    return lbw_error(L, "at_node: at most 1000000 frequencies expected");
+  double *out = (double *)lbw_push_array(L, BW_F64, count, 6)->data;
+  return lbw_leave(L, bw_harmonic_curve(lbw_enter(L), h, (int32_t)node, (int)count, frequency, out),
+                   1);
+}
+
+static int harmonic_frequencies(lua_State *L) {
+  return lbw_push_borrowed(L, BW_F64, self(L)->frequency_count, 1, self(L)->frequency, self(L));
+}
+
+static int harmonic_errors(lua_State *L) {
+  return lbw_push_borrowed(L, BW_F64, self(L)->frequency_count, 1, self(L)->error, self(L));
+}
+
+static int harmonic_modes(lua_State *L) {
+  lbw_push(L, &lbw_modes_class, self(L)->modes);
+  return 1;
+}
+
+static int harmonic_mesh(lua_State *L) {
+  lbw_push(L, &lbw_mesh_class, self(L)->model->mesh);
+  return 1;
+}
+
+static int harmonic_residual_vectors(lua_State *L) {
+  lua_pushinteger(L, self(L)->count - self(L)->modes->count);
+  return 1;
+}
+
+static int harmonic_solves(lua_State *L) {
+  lua_pushinteger(L, self(L)->solves);
+  return 1;
+}
+
+static int harmonic_tostring(lua_State *L) {
+  const bw_harmonic *h = (const bw_harmonic *)lbw_check(L, 1, &lbw_harmonic_class);
+  int modes = h->modes->count;
+  double largest = 0;
+  char text[300];
+  for (int k = 0; k < h->frequency_count; k++)
+    largest = fmax(largest, h->error[k]);
+  snprintf(text, sizeof text,
+           "harmonic response at %d frequencies, %.4g to %.4g Hz, by %d modes (%s) and %d residual "
+           "vectors; error on this mesh at most %.1e of the displacement, in energy",
+           h->frequency_count, h->frequency[0], h->frequency[h->frequency_count - 1], modes,
+           h->modes->counted ? "counted: none is missing" : "not counted", h->count - modes,
+           largest);
+  lua_pushstring(L, text);
+  return 1;
+}
+
+static const luaL_Reg methods[] = {{"displacement", harmonic_displacement},
+                                   {"stress", harmonic_stress},
+                                   {"von_mises", harmonic_von_mises},
+                                   {"at_node", harmonic_at_node},
+                                   {NULL, NULL}};
+static const luaL_Reg properties[] = {{"frequencies", harmonic_frequencies},
+                                      {"errors", harmonic_errors},
+                                      {"modes", harmonic_modes},
+                                      {"mesh", harmonic_mesh},
+                                      {"residual_vectors", harmonic_residual_vectors},
+                                      {"solves", harmonic_solves},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", harmonic_tostring}, {NULL, NULL}};
+const lbw_class lbw_harmonic_class = {"harmonic", methods, properties, meta, NULL};
+
+void lbw_open_harmonic(lua_State *L) {
+  static const luaL_Reg of_model[] = {{"harmonic", model_harmonic}, {NULL, NULL}};
+  lbw_class_register(L, &lbw_harmonic_class);
+  lbw_add_methods(L, &lbw_model_class, of_model);
+}

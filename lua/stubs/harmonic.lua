@@ -1,0 +1,164 @@
+---@meta _
+-- SPDX-License-Identifier: MIT
+-- Copyright (c) 2026 the barwright authors
+--
+-- Harmonic response
+--
+-- How a part answers loads, or an acceleration of its supports, that vary harmonically in time.
+
+---The answer to loads F cos(2 pi f t): displacements Re(u e^(2 pi i f t)) with a real and an imaginary part, relative to the
+---supports. Known at every frequency up to the highest that was asked for.
+---Linear theory: small displacements, one phase of all loads.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 0.2), force = {0, 0, 10}}
+---local response = assert(part:harmonic {range = {0, 500}, damping = {ratio = 0.01}})
+---print(response, response:curve {at = {0.2, 0.01, 0.005}})
+---```
+---@class bw.Harmonic
+---@field frequencies bw.Array (Hz, n × 1) those asked for, ascending; of a range even steps, and more where the response is sharp
+---@field errors bw.Array (-, n × 1) of the displacement at each frequency, over the displacement, both in energy: a bound on this mesh where the modes are counted
+---@field modes bw.Modes the modes of its basis
+---@field residual_vectors integer (count) of its basis
+---@field solves integer (count) right-hand sides that residual vectors took
+---@field mesh bw.Mesh of the model
+local Harmonic = {}
+
+---The displacement at a frequency.
+---
+---Errors: singular (the frequency of a mode that nothing damps). A negative frequency raises.
+---@param frequency number (Hz) 0 or more
+---@return bw.Array? real (m, node_count × 3, per node) real part
+---@return bw.Array|string imaginary (m, node_count × 3, per node) imaginary part, or the message
+---@return bw.Details? details
+function Harmonic:displacement(frequency) end
+
+---The stress at a frequency: xx, yy, zz, yz, zx, xy. Where materials meet, that of the one with the largest von Mises stress.
+---
+---Errors: those of `displacement`.
+---@param frequency number (Hz) 0 or more
+---@return bw.Array? real (Pa, node_count × 6, per node) real part
+---@return bw.Array|string imaginary (Pa, node_count × 6, per node) imaginary part, or the message
+---@return bw.Details? details
+function Harmonic:stress(frequency) end
+
+---The largest von Mises stress over a period, at a frequency.
+---
+---Errors: those of `displacement`.
+---@param frequency number (Hz) 0 or more
+---@return bw.Array? von_mises (Pa, node_count × 1, per node) its amplitude
+---@return string? message
+---@return bw.Details? details
+function Harmonic:von_mises(frequency) end
+
+---The displacement of a node over frequencies: real parts along x, y and z, then imaginary parts.
+---
+---Errors: those of `displacement`.
+---@param node integer (index from 1) the node
+---@param frequencies? number[]|bw.Array (Hz, n × 1) 0 or more each. Default: those of the response
+---@return bw.Array? response (m, n × 6) a row for each frequency
+---@return string? message
+---@return bw.Details? details
+function Harmonic:at_node(node, frequencies) end
+
+---The frequency response of a place: that of the nearest node.
+---
+---Errors: those of `displacement`.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local shaken = assert(part:harmonic {range = {0, 500}, base = {0, 0, 9.81}, damping = {loss = 0.02}})
+---local curve = assert(shaken:curve {at = {0.2, 0.01, 0.005}})
+---print(curve:peak "z")
+---assert(curve:write "curve.csv" and curve:figure():write "curve.svg")
+---```
+---@param options bw.HarmonicCurveOptions the place
+---@return bw.HarmonicCurve? curve the response
+---@return string? message
+---@return bw.Details? details
+function Harmonic:curve(options) end
+
+---A place and frequencies.
+---@class bw.HarmonicCurveOptions
+---@field at bw.Vector (m) the place
+---@field frequencies? number[]|bw.Array (Hz, n × 1) 0 or more each. Default: those of the response
+
+---Writes a frequency's fields to a .vtu file: displacement and stress in two parts, and the amplitude of von Mises stress. Other
+---endings of `mesh:write` work, too.
+---
+---Errors: io (the file cannot be written), and those of `displacement`.
+---@param path string the file
+---@param frequency number (Hz) 0 or more
+---@param options? bw.MeshWriteOptions further fields, unit and version
+---@return true? written true
+---@return string? message
+---@return bw.Details? details
+function Harmonic:write(path, frequency, options) end
+
+---Draws the operating deflection shape at the phase where it is largest, coloured by the amplitude of von Mises stress.
+---
+---Errors: those of `bw.picture` and of `displacement`.
+---@param frequency number (Hz) 0 or more
+---@param path string the PNG file
+---@param options? bw.PictureOptions how it is drawn; the largest displacement is a tenth of the box unless `deformation` is given
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
+function Harmonic:picture(frequency, path, options) end
+
+---Draws a period of the operating deflection shape as an animated PNG, as `bw.animation` makes them.
+---
+---Errors: those of `bw.animation`, of `bw.picture` and of `displacement`.
+---@param frequency number (Hz) 0 or more
+---@param path string the PNG file
+---@param options? bw.HarmonicAnimateOptions how it is drawn and played
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
+function Harmonic:animate(frequency, path, options) end
+
+---How a period is drawn.
+---@class bw.HarmonicAnimateOptions: bw.PictureOptions
+---@field pictures? integer (count) of a period. Range: 4 to 1000. Default: 24
+---@field seconds? number (s) that a period takes on the screen. Range: above 0. Default: 1.2
+
+---Releases the response at once.
+function Harmonic:close() end
+
+---The displacement of a node over frequencies.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local shaken = assert(part:harmonic {range = {0, 300}, base = {0, 0, 1}, damping = {ratio = 0.01}})
+---local curve = assert(shaken:curve {at = {0.2, 0.01, 0.005}})
+---print(curve.node, curve.amplitude:column(3):max(), curve.phase(1, 3))
+---```
+---@class bw.HarmonicCurve
+---@field node integer (index from 1) the node
+---@field at number[] (m, 3) where it is
+---@field frequencies bw.Array (Hz, n × 1) the frequencies
+---@field real bw.Array (m, n × 3) real part along x, y and z
+---@field imaginary bw.Array (m, n × 3) imaginary part
+---@field amplitude bw.Array (m, n × 3) the largest over a period
+---@field phase bw.Array (degrees, n × 3) by which it is before the load; negative: behind
+local HarmonicCurve = {}
+
+---The largest amplitude along an axis. The frequencies of a range meet the peaks of modes; those of a list may miss them.
+---@param axis "x"|"y"|"z" the direction
+---@return number frequency (Hz) where it is largest
+---@return number amplitude (m) the largest
+function HarmonicCurve:peak(axis) end
+
+---Writes the curve as a CSV file, with frequency, amplitudes and phases in its columns.
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@return true? written true
+---@return string? message
+---@return bw.Details? details
+function HarmonicCurve:write(path) end
+
+---A plot of the amplitudes over the frequency.
+---@return bw.Figure figure the plot
+function HarmonicCurve:figure() end

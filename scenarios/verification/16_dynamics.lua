@@ -1,0 +1,34 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Responses to loads that change in time with published answers, for solids of tet10.
+local bw = require "barwright"
+
+local scenario, expect = bw.scenario, bw.scenario.expect
+
+scenario.about {title = "Dynamics",
+  text = [[Responses to loads that change in time beside published answers ([theory](theory/dynamics.md)). The targets of
+NAFEMS are those of a thick beam in closed form; here the beam is a solid.]]}
+
+-- NAFEMS Selected Benchmarks for Forced Vibration (1993), test 5: a deep beam of 10 x 2 x 2 m, simply supported. Its half,
+-- and a width that has no influence.
+local function deep_beam(cells)
+  local mesh = bw.mesh.box {max = {5, 2, 2}, cells = cells, order = 2}
+  local part = bw.model {mesh = mesh, material = bw.material.isotropic {young = 200e9, poisson = 0.3, density = 8000}}
+  part:slide(mesh.boundary:below("x", 0), {0, 0, 1}):slide(mesh.boundary:above("x", 5), {1, 0, 0})
+  part:slide(mesh.boundary:below("y", 0), {0, 1, 0})
+  return part
+end
+
+scenario("NAFEMS 5H: harmonic response of a deep beam", function(t)
+  local part = deep_beam {15, 5, 5}
+  part:gravity {0, 0, 1e6 / (4 * 8000)} -- 1e6 N/m
+  local response = t:require(part:harmonic {range = {0, 60}, damping = {mass = 5.36, stiffness = 7.46e-5}})
+  local frequency, amplitude = response:curve({at = {5, 1, 1}}):peak "z"
+  local edge = response:curve({at = {5, 1, 2}}).node
+  local real, imaginary = response:stress(frequency)
+  local source = "NAFEMS, Selected Benchmarks for Forced Vibration, test 5H"
+  expect(frequency, "frequency of the peak", "Hz"):near(42.65, {relative = 0.01, source = source})
+  expect(amplitude, "displacement", "m"):near(13.45e-3, {relative = 0.02, source = source})
+  expect(math.sqrt(real(edge, 1) ^ 2 + imaginary(edge, 1) ^ 2), "stress at the edge", "Pa")
+    :near(241.9e6, {relative = 0.02, source = source})
+  expect(response.errors:max(), "bound of the error"):below(1e-8)
+end)

@@ -1,0 +1,113 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Harmonic responses in Lua: options, results, curves, files, pictures, animations.
+local bw = require "barwright"
+local check = require "check"
+
+local folder = check.folder() .. "/"
+local L, a, b = 0.2, 0.01, 0.02
+local steel = bw.material.isotropic {young = 200e9, poisson = 0.3, density = 7800}
+
+local function beam(force)
+  local mesh = bw.mesh.box {max = {L, b, a}, cells = {10, 1, 1}, order = 2}
+  local part = bw.model {mesh = mesh, material = steel}
+  part:fix(mesh.boundary:below("x", 0))
+  if force then part:load {on = mesh.boundary:above("x", L), force = force} end
+  return part
+end
+
+-- Lowest bending about the thin side.
+local bending = 1.8751 ^ 2 / (2 * math.pi) * math.sqrt(200e9 * a ^ 2 / 12 / 7800) / L ^ 2
+
+describe("harmonic", function()
+  it("has the peak of a cantilever at its frequency, 1/(2 ratio) times the static displacement", function()
+    local part = beam {0, 0, 10}
+    local response = assert(part:harmonic {range = {0, 2 * bending}, damping = {ratio = 0.01}})
+    local curve = assert(response:curve {at = {L, b / 2, a / 2}})
+    local frequency, amplitude = curve:peak "z"
+    check.near(bending, frequency, 0.02)
+    local static = assert(part:solve())
+    local still = static.displacement(curve.node, 3)
+    check.near(still, curve.amplitude(1, 3), 1e-6)
+    check.near(0.97 * 50 * still, amplitude, 0.01) -- the first mode has 97 % of the static answer
+    assert.is_true(math.abs(curve.phase(1, 3)) < 1e-6)
+    check.near(-90, curve.phase((curve.amplitude:column(3):argmax()), 3), 0.03)
+    assert.is_true(response.errors:max() < 1e-8)
+    assert.is_true(response.residual_vectors > 0 and response.solves > response.residual_vectors)
+    assert.is_true(response.modes.counted)
+    assert.truthy(tostring(response):find("counted: none is missing", 1, true))
+    assert.truthy(tostring(curve):find("displacement of node", 1, true))
+  end)
+
+  it("is the same by many modes and by few with residual vectors", function()
+    local part = beam {5, 3, 10}
+    local options = {frequencies = {0.7 * bending}, damping = {mass = 20, stiffness = 1e-5}}
+    options.modes, options.residual_vectors = 1, 40
+    local few = assert(part:harmonic(options))
+    options.modes, options.residual_vectors = 40, 0
+    local many = assert(part:harmonic(options))
+    local x, y = few:displacement(0.7 * bending)
+    local u, v = many:displacement(0.7 * bending)
+    local size = bw.array.map("norm(a)", {a = x}):max()
+    assert.is_true(bw.array.map("norm(a)", {a = x - u}):max() < 1e-3 * size)
+    assert.is_true(bw.array.map("norm(a)", {a = y - v}):max() < 1e-3 * size)
+    assert.is_true(few.errors[1] < 1e-8 and many.errors[1] > 1e-6)
+  end)
+
+  it("moves under an accelerated base as under gravity", function()
+    local shaken = assert(beam():harmonic {frequencies = {100}, base = {0, 0, 9.81}, damping = {loss = 0.1}})
+    local part = beam()
+    part:gravity {0, 0, -9.81}
+    local heavy = assert(part:harmonic {frequencies = {100}, damping = {loss = 0.1}})
+    local x, u = shaken:displacement(100), heavy:displacement(100)
+    assert.is_true(bw.array.map("norm(a)", {a = x - u}):max() < 1e-9 * u:norm())
+  end)
+
+  it("writes curves, fields, pictures and animations", function()
+    local response = assert(beam({0, 0, 10}):harmonic {range = {0, 500}, damping = {ratio = 0.02}})
+    local curve = assert(response:curve {at = {L, 0, 0}, frequencies = {0, 100}})
+    assert.equal(2, #curve.frequencies)
+    assert(curve:write(folder .. "curve.csv"))
+    local lines = 0
+    for _ in io.lines(folder .. "curve.csv") do lines = lines + 1 end
+    assert.equal(3, lines)
+    assert(response:curve({at = {L, 0, 0}}):figure():write(folder .. "curve.svg"))
+    local real, imaginary = response:stress(100)
+    local von_mises = response:von_mises(100)
+    assert.equal(6, real.column_count)
+    assert.is_true(imaginary:norm() > 0 and von_mises:min() >= 0)
+    assert(response:write(folder .. "response.vtu", 100))
+    local _, fields = assert(bw.mesh.read(folder .. "response.vtu"))
+    assert.truthy(fields)
+    assert(response:picture(100, folder .. "shape.png"))
+    assert(response:animate(100, folder .. "moving.png", {pictures = 4, width = 200, height = 150}))
+  end)
+
+  it("refuses misuse in a sentence", function()
+    local part = beam {0, 0, 1}
+    local response = assert(part:harmonic {frequencies = {10}})
+    for text, call in pairs {
+      ["either 'frequencies'"] = function() part:harmonic {} end,
+      ["two frequencies {from, to}"] = function() part:harmonic {range = {1, 2, 3}} end,
+      ["from 5 to 1 Hz"] = function() part:harmonic {range = {5, 1}} end,
+      ["option 'damping'"] = function() part:harmonic {range = {0, 1}, damping = 0.02} end,
+      ["unknown option 'ratios'"] = function() part:harmonic {range = {0, 1}, damping = {ratios = 1}} end,
+      ["ratio is -1"] = function() part:harmonic {range = {0, 1}, damping = {ratio = -1}} end,
+      ["401 residual vectors"] = function() part:harmonic {range = {0, 1}, residual_vectors = 401} end,
+      ["nothing excites"] = function() beam():harmonic {range = {0, 1}} end,
+      ["-1 Hz"] = function() response:displacement(-1) end,
+      ["option 'at'"] = function() response:curve {at = {1, 2}} end,
+      ['"x", "y" or "z" expected'] = function() response:curve({at = {0, 0, 0}}):peak "w" end,
+    } do
+      local ok, message = pcall(call)
+      assert.is_false(ok, text)
+      assert.truthy(message:find(text, 1, true), message)
+      assert.truthy(message:find("harmonic_spec.lua:", 1, true), message)
+    end
+    local free = bw.model {mesh = part.mesh, material = steel}
+    free:load {on = part.mesh.boundary:above("x", L), force = {0, 0, 1}}
+    local none, message, details = free:harmonic {range = {0, 1}}
+    assert.is_nil(none)
+    assert.equal("unconstrained", details.status)
+    assert.truthy(message:find("Add supports", 1, true))
+  end)
+end)
