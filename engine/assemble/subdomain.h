@@ -77,6 +77,19 @@ typedef struct bwi_subdomain_coefficients {
   double *reported_frame; /* 9 frame_start[subdomain_count] */
 } bwi_subdomain_coefficients;
 
+/* subdomain_material.c. BW_INVALID where a subdomain is of several materials. */
+bw_status bwi_subdomain_one_material(bw_context *context, const bw_material *material,
+                                     int32_t subdomain_count, const bwi_subdomain_coefficients *c);
+/* `elasticity` of a subdomain from its material. */
+void bwi_subdomain_take_elasticity(const bw_material *material, int32_t d,
+                                   const bwi_subdomain_coefficients *c);
+/* Whether the stiffness of a subdomain is another with this material. */
+bool bwi_subdomain_other_material(const bw_subdomain_stiffness *stiffness,
+                                  const bw_material *material, int32_t d);
+/* Whether the stiffness can be brought to this material; see bw_subdomain_stiffness_update. */
+bw_status bwi_subdomain_check_material(bw_context *context, const bw_subdomain_stiffness *stiffness,
+                                       const bw_material *material);
+
 /* subdomain_lists.c: everything that depends on topology alone. */
 bw_status bwi_subdomain_lists(bw_context *context, const bw_block_pattern *pattern,
                               int32_t subdomain_count, const int32_t *element_subdomain,

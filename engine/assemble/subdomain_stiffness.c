@@ -94,37 +94,12 @@ static bw_status check_arguments(bw_context *context, const bw_mesh *mesh, int32
   return BW_OK;
 }
 
-/* The material of each subdomain, alike in all of it. */
-static bw_status take_materials(bw_context *context, const bw_mesh *mesh,
-                                const bw_material *material, int32_t subdomain_count,
-                                const int32_t *element_subdomain, bwi_subdomain_coefficients *c) {
-  static const int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-  bw_status status = BW_OK;
-  const bw_material **of = BW_NEW0(context, const bw_material *, subdomain_count);
-  c->elasticity = BW_NEW0(context, double, 81 * (int64_t)subdomain_count);
-  BW_TRY_MEMORY(of && c->elasticity);
-  for (int32_t e = 0; e < mesh->element_count; e++) {
-    const bw_material *own = bw_material_of(material, e), **known = &of[element_subdomain[e]];
-    if (*known && *known != own) {
-      bool turned = (*known)->isotropic == own->isotropic && strcmp((*known)->name, own->name) == 0;
-      status = bw_fail(context, BW_INVALID,
-                       "element %d of subdomain %d has another material%s than the elements before "
-                       "it: each subdomain needs one",
-                       e + 1, element_subdomain[e] + 1, turned ? " orientation" : "");
-      bw_detail_number(context, "element", e + 1);
-      goto done;
-    }
-    *known = own;
-    c->orientation_matters |= !own->isotropic;
-  }
-  for (int32_t d = 0; d < subdomain_count; d++)
-    for (int n = 0; of[d] && n < 81; n++) {
-      int i = n / 27, k = n / 9 % 3, j = n / 3 % 3, l = n % 3;
-      c->elasticity[81 * (int64_t)d + n] = of[d]->elasticity[6 * voigt[i][j] + voigt[k][l]];
-    }
-done:
-  bw_free(of);
-  return status;
+/* Whether any element's stiffness depends on how it lies to the axes of its material. */
+static bool any_orientation(const bw_material *material) {
+  for (int32_t i = 0; i < bw_material_part_count(material); i++)
+    if (!bw_material_part(material, i)->isotropic)
+      return true;
+  return false;
 }
 
 bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_pattern *pattern,
@@ -161,24 +136,27 @@ bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_patt
   s->revision = s->object.revision;
   bwi_subdomain_coefficients *c = s->coefficients = BW_NEW0(context, bwi_subdomain_coefficients, 1);
   BW_TRY_MEMORY(c);
-  BW_TRY(take_materials(context, mesh, material, subdomain_count, element_subdomain, c));
+  c->orientation_matters = any_orientation(material);
   BW_TRY(bwi_contributions_create(context, pattern, mesh->element_count, mesh->nodes_per_element,
                                   mesh->element, &c->contributions));
   BW_TRY(bwi_subdomain_lists(context, pattern, subdomain_count, element_subdomain, node_subdomain,
                              c->orientation_matters, rotate_material, c));
+  BW_TRY(bwi_subdomain_one_material(context, material, subdomain_count, c));
   int64_t nodes = c->node_start[subdomain_count];
   int32_t frames = c->frame_start[subdomain_count];
   s->values = BW_NEW(context, double, 9 * pattern->block_count);
   s->changed = BW_NEW0(context, uint8_t, subdomain_count);
+  c->elasticity = BW_NEW0(context, double, 81 * (int64_t)subdomain_count);
   c->map = BW_NEW(context, double, BWI_SUBDOMAIN_MAP *(int64_t)subdomain_count);
   c->written = BW_NEW(context, bwi_subdomain_shape, subdomain_count);
   c->reported = BW_NEW(context, bwi_subdomain_shape, subdomain_count);
   c->written_position = BW_NEW(context, double, 3 * nodes);
   c->reported_position = BW_NEW(context, double, 3 * nodes);
   c->reported_frame = BW_NEW(context, double, 9 * (int64_t)frames);
-  BW_TRY_MEMORY(s->values && s->changed && c->map && c->written && c->reported &&
+  BW_TRY_MEMORY(s->values && s->changed && c->elasticity && c->map && c->written && c->reported &&
                 c->written_position && c->reported_position && c->reported_frame);
   for (int32_t d = 0; d < subdomain_count; d++) {
+    bwi_subdomain_take_elasticity(material, d, c);
     c->written[d].reshaped = false;
     memcpy(c->written[d].linear, identity, sizeof identity);
     memcpy(c->written[d].frame, identity, sizeof identity);

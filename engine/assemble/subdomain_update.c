@@ -7,7 +7,8 @@
  * their frames; hence entries are unchanged when F A is, for every frame F that occurs on the
  * subdomain's nodes. A material that is not isotropic is one more frame: its own where it rotates
  * with the subdomain, the global one where it stays. For a reshaped subdomain F (x - x_0) of its
- * nodes takes the place of F A. */
+ * nodes takes the place of F A. Where a subdomain is made of another material all its entries
+ * change. */
 #include "assemble/subdomain.h"
 
 #include <math.h>
@@ -164,20 +165,25 @@ static void remember(const bw_mesh *mesh, const bwi_subdomain_coefficients *c, i
 }
 
 bw_status bw_subdomain_stiffness_update(bw_context *context, bw_subdomain_stiffness *stiffness,
-                                        const bw_mesh *mesh, const bw_subdomain_motion *motion,
+                                        const bw_mesh *mesh, const bw_material *material,
+                                        const bw_subdomain_motion *motion,
                                         bw_subdomain_change *change) {
   bw_status status = BW_OK;
   bwi_subdomain_coefficients *c = stiffness->coefficients;
   int32_t subdomains = stiffness->subdomain_count;
   bwi_subdomain_work work = {0};
   bw_subdomain_change count = {0};
+  bool *other = BW_NEW(context, bool, subdomains); /* made of another material */
+  BW_TRY_MEMORY(other);
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bwi_block_pattern_fits(context, stiffness->pattern, mesh));
+  BW_TRY(bwi_subdomain_check_material(context, stiffness, material));
   for (int32_t d = 0; d < subdomains; d++)
     BW_TRY(check_motion(context, d, &motion[d]));
   BW_TRY(bwi_subdomain_work_create(context, stiffness, &work));
   for (int32_t d = 0; d < subdomains; d++) {
-    bool write = must_write(stiffness, mesh, d, &motion[d]);
+    other[d] = bwi_subdomain_other_material(stiffness, material, d);
+    bool write = other[d] || must_write(stiffness, mesh, d, &motion[d]);
     work.action[d] = !write               ? BWI_SUBDOMAIN_KEEP
                      : motion[d].reshaped ? BWI_SUBDOMAIN_GATHER
                                           : BWI_SUBDOMAIN_EVALUATE;
@@ -188,10 +194,15 @@ bw_status bw_subdomain_stiffness_update(bw_context *context, bw_subdomain_stiffn
   BW_TRY(bwi_subdomain_work_prepare(context, mesh, &work));
 
   /* from here on nothing fails */
+  bw_retain(material);
+  bw_release(stiffness->material);
+  stiffness->material = material;
   for (int32_t d = 0; d < subdomains; d++) {
     double elasticity[81];
     if (work.action[d] == BWI_SUBDOMAIN_KEEP)
       continue;
+    if (other[d])
+      bwi_subdomain_take_elasticity(material, d, c);
     remember(mesh, c, d, &motion[d], &c->written[d], c->written_position);
     bwi_subdomain_elasticity(stiffness, d, motion[d].frame, elasticity);
     bwi_subdomain_map(elasticity, motion[d].reshaped ? identity : motion[d].linear,
@@ -203,7 +214,7 @@ bw_status bw_subdomain_stiffness_update(bw_context *context, bw_subdomain_stiffn
     stiffness->revision = ++stiffness->object.revision;
   }
   for (int32_t d = 0; d < subdomains; d++) {
-    stiffness->changed[d] = has_changed(stiffness, mesh, d, motion);
+    stiffness->changed[d] = other[d] || has_changed(stiffness, mesh, d, motion);
     if (!stiffness->changed[d])
       continue;
     remember(mesh, c, d, &motion[d], &c->reported[d], c->reported_position);
@@ -214,6 +225,7 @@ bw_status bw_subdomain_stiffness_update(bw_context *context, bw_subdomain_stiffn
   if (change)
     *change = count;
 done:
+  bw_free(other);
   bwi_subdomain_work_clear(&work);
   return status;
 }

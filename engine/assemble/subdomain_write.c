@@ -171,7 +171,8 @@ static bw_status gather_rest(void *data, int64_t begin, int64_t end, int worker)
 static void gather_inside(const bwi_subdomain_work *work, const bwi_subdomain_segment *segment,
                           int32_t subdomain) {
   const bwi_subdomain_coefficients *c = work->stiffness->coefficients;
-  const bw_material *material = work->stiffness->material;
+  const bw_material *material =
+      bw_material_of(work->stiffness->material, c->element[c->element_start[subdomain]]);
   const uint32_t *code = c->block_code + segment->first;
   bwi_element_range range = range_of(work, subdomain);
   bwi_vector map[9][3] = {{{0}}};

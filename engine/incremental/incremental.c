@@ -46,6 +46,7 @@ static void inner_free(bwi_incremental *inner) {
   bw_free(inner->iterated_on);
   bw_free(inner->factored_frame);
   bw_release(inner->factored);
+  bw_release(inner->factored_material);
   bw_release(inner->reach);
   bw_release(inner->factor);
   bw_release(inner->two_level);

@@ -35,7 +35,8 @@ typedef struct bwi_incremental {
   bwi_elimination_reach *reach; /* of the factor's symbolic; or NULL */
   uint8_t *touched;             /* subdomain_count */
   const bw_mesh *factored;      /* retained: the shape the factor was last updated with */
-  double *factored_frame;       /* subdomain_count x 9: and the frames then */
+  const bw_material *factored_material; /* retained: and the material then */
+  double *factored_frame;               /* subdomain_count x 9: and the frames then */
   /* iterations with the factor as it is */
   double iteration_ratio; /* iterations needed over predicted, when last iterated */
   uint8_t *iterated_on;   /* subdomain_count: what was touched then */
@@ -77,6 +78,11 @@ void bwi_incremental_note(bwi_incremental_way way, bw_reuse *reuse);
 bw_status bwi_incremental_supports(bw_context *context, const bw_incremental_system *incremental,
                                    const bw_dof_map *dof_map, const double *frame,
                                    double **reported);
+
+/* Whether an element's elasticity is another than when the factor was last updated, but for turns
+ * of a material that turns with its subdomain. Both where there is a factored shape. */
+bool bwi_incremental_other_material(const bwi_incremental *inner, int64_t element,
+                                    const bw_material **before, const bw_material **now);
 
 /* ---- incremental_factor.c -------------------------------------------------------------------- */
 

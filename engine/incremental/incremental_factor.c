@@ -103,6 +103,9 @@ static void is_current(bw_incremental_system *incremental) {
   bw_retain(view->mesh);
   bw_release(inner->factored);
   inner->factored = view->mesh;
+  bw_retain(view->material);
+  bw_release(inner->factored_material);
+  inner->factored_material = view->material;
   memcpy(inner->factored_frame, inner->frame,
          9 * (size_t)inner->subdomain_count * sizeof *inner->frame);
   inner->spent = 0;

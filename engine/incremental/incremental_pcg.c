@@ -18,7 +18,7 @@ static bw_status update_two_level(bw_context *context, const bw_incremental_syst
   const bw_system *system = incremental->system;
   if (!inner->two_level) {
     bool even;
-    BW_TRY(bwi_element_product_serves(context, inner->rest->mesh, inner->rest->material, &even));
+    BW_TRY(bwi_element_product_serves(context, inner->rest->mesh, inner->model->material, &even));
     BW_TRY(bwi_two_level_create(context, inner->rest->mesh, system->pattern,
                                 even && !inner->rotate_material, NULL, &inner->two_level));
   }

@@ -99,18 +99,26 @@ static double orientation_error(const bw_material *rest, const bw_material *now,
   return off;
 }
 
-/* The model's material is the system's; where that rotates with the subdomains, it has to be
- * rotated by element as they lie now, since stresses are taken from it. */
+bool bwi_incremental_other_material(const bwi_incremental *inner, int64_t element,
+                                    const bw_material **before, const bw_material **now) {
+  const bw_material *then = inner->factored_material, *model = inner->model->material;
+  if (then == model)
+    return false;
+  *before =
+      inner->rotate_material ? bw_material_unrotated(then, element) : bw_material_of(then, element);
+  *now = inner->rotate_material ? bw_material_unrotated(model, element)
+                                : bw_material_of(model, element);
+  return *before != *now &&
+         memcmp((*before)->elasticity, (*now)->elasticity, sizeof(*now)->elasticity) != 0;
+}
+
+/* Where the material rotates with the subdomains, that of the model has to be rotated by element as
+ * they lie now, since stresses are taken from it. */
 static bw_status check_material(bw_context *context, const bw_incremental_system *incremental,
                                 const bw_model *model, const bw_subdomain_motion *motion) {
   const bwi_incremental *inner = incremental->inner;
   const bw_material *rest = inner->rest->material, *now = model->material;
-  bool rotates = inner->rotate_material && !rest->isotropic, other = !rotates && now != rest;
-  for (int32_t e = 0; rotates && !other && e < model->mesh->element_count; e++)
-    other = bw_material_unrotated(now, e) != bw_material_unrotated(rest, e);
-  if (other)
-    return bw_fail(context, BW_INVALID,
-                   "the edited model has another material than the incremental system");
+  bool rotates = inner->rotate_material && !rest->isotropic;
   int32_t subdomain = -1, group = -1; /* of the element before */
   for (int32_t e = 0; rotates && e < model->mesh->element_count; e++) {
     int32_t of = now->parts ? now->parts->of_element[e] : 0, d = inner->element_subdomain[e];
@@ -132,8 +140,8 @@ static bw_status check_material(bw_context *context, const bw_incremental_system
   return BW_OK;
 }
 
-/* Subdomains whose nodes and frames are bit for bit those that were factored need nothing done
- * again: an edit that was taken back while the factor was left as it was. Where supports have
+/* Subdomains whose nodes, frames and material are bit for bit those that were factored need nothing
+ * done again: an edit that was taken back while the factor was left as it was. Where supports have
  * frames of their own, which hang on the facets around a node, only if the whole shape is back.
  * `moved` is room for subdomain_count. */
 static void forget_undone(bwi_incremental *inner, const bw_mesh *now, const bw_dof_map *dof_map,
@@ -147,8 +155,10 @@ static void forget_undone(bwi_incremental *inner, const bw_mesh *now, const bw_d
   }
   for (int64_t e = 0; e < now->element_count; e++) {
     int32_t d = inner->element_subdomain[e];
+    const bw_material *was, *is;
     if (moved[d] || (!all && !inner->touched[d]))
       continue;
+    moved[d] = bwi_incremental_other_material(inner, e, &was, &is);
     const int32_t *node = now->element + e * now->nodes_per_element;
     for (int a = 0; a < now->nodes_per_element && !moved[d]; a++) {
       size_t at = 3 * (size_t)node[a];
@@ -188,8 +198,8 @@ bw_status bw_incremental_system_update(bw_context *context, bw_incremental_syste
   BW_TRY(bwi_incremental_supports(context, incremental, dof_map, frame, &supports));
   double unknowns = bw_seconds() - start;
   uint64_t revision = incremental->stiffness->revision;
-  BW_TRY(
-      bw_subdomain_stiffness_update(context, incremental->stiffness, model->mesh, motion, &change));
+  BW_TRY(bw_subdomain_stiffness_update(context, incremental->stiffness, model->mesh,
+                                       model->material, motion, &change));
   double stiffness = bw_seconds() - start - unknowns;
 
   /* From here on nothing fails. */
@@ -213,6 +223,14 @@ bw_status bw_incremental_system_update(bw_context *context, bw_incremental_syste
     inner->latest[d] = (inner->latest[d] && !inner->answered) || touched[d];
   }
   inner->answered = false;
+  if (!model->material->parts != !inner->model->material->parts) { /* their blocks differ */
+    bw_release(inner->two_level);
+    inner->two_level = NULL;
+    inner->two_level_known = false;
+  }
+  bw_retain(model);
+  bw_release(inner->model);
+  inner->model = model;
   memcpy(inner->motion, motion, subdomains * sizeof *motion);
   memcpy(inner->frame, frame, 9 * subdomains * sizeof *frame);
   if (inner->factor && inner->factored)
@@ -220,9 +238,6 @@ bw_status bw_incremental_system_update(bw_context *context, bw_incremental_syste
   inner->spent = 0;
   inner->two_level_known &= same && count == 0 && incremental->stiffness->revision == revision;
   inner->change = -1;
-  bw_retain(model);
-  bw_release(inner->model);
-  inner->model = model;
   bw_retain(model->mesh);
   bw_release(system->mesh);
   system->mesh = model->mesh;

@@ -137,6 +137,11 @@ bw_status bwi_load_force(bw_context *context, const bw_model *model, const bw_lo
 
 /* ---- material_by_region.c -------------------------------------------------------------------- */
 
+/* The material with that of the elements of a region (-1: all) replaced, in the same formulation.
+ */
+bw_status bwi_material_region_changed(bw_context *context, const bw_mesh *mesh,
+                                      const bw_material *material, int32_t region,
+                                      const bw_material *other, bw_material **changed);
 /* A material on a mesh with other elements, each of which is as those of its region were. Within a
  * region it has to be the same (BW_UNSUPPORTED), and regions are known by their names. */
 bw_status bwi_material_carry_by_region(bw_context *context, const bw_material *material,

@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The material of a mesh with regions: every element is of the material of its region. */
+/* The material of a mesh with regions: every element is of the material of its region. That of a
+ * region may become another. */
 #include "model/internal.h"
 
 bw_status bw_material_by_region(bw_context *context, const bw_mesh *mesh,
@@ -14,6 +15,41 @@ bw_status bw_material_by_region(bw_context *context, const bw_mesh *mesh,
                      mesh->regions[i].name.text);
   return bw_material_by_element(context, mesh->element_count, mesh->region_count, mesh->region,
                                 part, material);
+}
+
+bw_status bwi_material_region_changed(bw_context *context, const bw_mesh *mesh,
+                                      const bw_material *material, int32_t region,
+                                      const bw_material *other, bw_material **changed) {
+  bw_status status = BW_OK;
+  const bw_material **part = NULL;
+  int32_t *number = NULL, *of_element = NULL, count = 0, parts = bw_material_part_count(material);
+  bw_material *formulated = NULL;
+  if (other->formulation != material->formulation) {
+    BW_TRY(bw_material_formulated(context, other, material->formulation, &formulated));
+    other = formulated;
+  }
+  part = BW_NEW(context, const bw_material *, (int64_t)parts + 1);
+  number = BW_NEW(context, int32_t, (int64_t)parts + 1); /* of each part among those that stay */
+  of_element = BW_NEW(context, int32_t, mesh->element_count);
+  BW_TRY_MEMORY(part && number && of_element);
+  for (int32_t i = 0; i <= parts; i++)
+    number[i] = -1;
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    bool changes = region < 0 || mesh->region[e] == region;
+    int32_t own = changes ? parts : material->parts ? material->parts->of_element[e] : 0;
+    if (number[own] < 0) {
+      part[count] = changes ? other : bw_material_part(material, own);
+      number[own] = count++;
+    }
+    of_element[e] = number[own];
+  }
+  status = bw_material_by_element(context, mesh->element_count, count, of_element, part, changed);
+done:
+  bw_release(formulated);
+  bw_free(part);
+  bw_free(number);
+  bw_free(of_element);
+  return status;
 }
 
 /* An element of each region, all of whose elements are of one material. */

@@ -68,6 +68,22 @@ bw_status bw_model_rotate_material(bw_context *context, bw_model *model, int32_t
   return BW_OK;
 }
 
+bw_status bw_model_set_material(bw_context *context, bw_model *model, int32_t region,
+                                const bw_material *material) {
+  bw_material *changed = NULL;
+  if (region < -1 || region >= model->mesh->region_count)
+    return bw_fail(context, BW_INVALID, "region %d: the mesh has %d regions", region + 1,
+                   model->mesh->region_count);
+  bw_status status = bwi_material_region_changed(context, model->mesh, model->material, region,
+                                                 material, &changed);
+  if (status != BW_OK)
+    return status;
+  bw_release(model->material);
+  model->material = changed;
+  model->object.revision++;
+  return BW_OK;
+}
+
 bw_status bw_model_formulate(bw_context *context, bw_model *model, bw_formulation formulation) {
   bw_material *formulated = NULL;
   if (formulation == BW_B_BAR && model->mesh->order == 1)

@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Subdomains of type F cut into stiffness subdomains, called parts here: elements joined through
- * faces whose corners follow the same set of bones.
+/* Subdomains cut into stiffness subdomains, called parts here: elements of one region of the mesh
+ * joined through faces, those of type F where their corners follow the same set of bones.
  *
- * Invariants: a part lies in one subdomain and is connected through faces, but for what its
- * subdomain has that is joined by edges or corners only (each is then a part of its own); its bones
- * are those that its corners follow; a subdomain of type R is the part of the same number. Parts
+ * Invariants: a part lies in one subdomain and in one region, so that it is of one material, and is
+ * connected through faces (what is joined by edges or corners only is in parts of its own); its
+ * bones are those that its corners follow; parts are numbered by subdomain. Parts of type F
  * too small to be worth their own bookkeeping are joined to a neighbour, so that then a part's
  * bones are those of any of its corners and not of all. */
 #include "shape/subdomains_internal.h"
@@ -81,10 +81,17 @@ static void join(partition *p, int32_t a, int32_t b) {
   p->last[to] = p->last[from];
 }
 
-/* The face neighbour of e in the same subdomain, or -1. */
+/* The face neighbour of e in the same subdomain and region, or -1. */
 static int32_t beside(const bw_subdomains *d, int32_t e, int k) {
-  int32_t other = d->mesh->neighbour[4 * (size_t)e + (size_t)k];
-  return other >= 0 && d->element_subdomain[other] == d->element_subdomain[e] ? other : -1;
+  const bw_mesh *mesh = d->mesh;
+  int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
+  if (other < 0 || d->element_subdomain[other] != d->element_subdomain[e])
+    return -1;
+  return !mesh->region || mesh->region[other] == mesh->region[e] ? other : -1;
+}
+
+static bool is_rigid_part(const bw_subdomains *d, int32_t part) {
+  return d->stiffness.parent[part] < d->rigid_count;
 }
 
 /* Join what touches through faces and follows the same bones. */
@@ -219,7 +226,7 @@ static bw_status place_nodes(bw_context *context, const partition *p) {
     int32_t count = d->stiffness.bone_start[part + 1] - first;
     for (int k = 0; k < mesh->nodes_per_element; k++) {
       int32_t i = bwi_nodes_of(mesh, e)[k], own = count;
-      if (part < d->rigid_count)
+      if (is_rigid_part(d, part))
         own = 0;
       else if (!has_bone(common + (size_t)i * p->words, d->stiffness.bone[first]))
         own += bones;
@@ -307,15 +314,15 @@ static bw_status check_parts(bw_context *context, const bw_subdomains *d, int32_
       return fail_part(context, e, part, "which does not exist");
     if (d->stiffness.parent[part] != d->element_subdomain[e])
       return fail_part(context, e, part, "which is of another subdomain");
-    if (d->element_subdomain[e] < d->rigid_count && part != d->element_subdomain[e])
-      return fail_part(context, e, part, "which is not that of its subdomain");
     group[e] = e;
   }
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < 4; k++) {
-      int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
-      if (other > e && d->stiffness.of_element[other] == d->stiffness.of_element[e])
+      int32_t other = beside(d, e, k), part = d->stiffness.of_element[e];
+      if (other > e && d->stiffness.of_element[other] == part)
         bwi_set_join(group, e, other);
+      else if (other > e && is_rigid_part(d, part))
+        return fail_part(context, e, part, "which is not all of its subdomain and region");
     }
   for (int32_t i = 0; i < d->stiffness.count; i++)
     first[i] = -1;
@@ -344,7 +351,8 @@ static bw_status check_bones(bw_context *context, const bw_subdomains *d, uint8_
           list++;
         met[list] = 1;
       }
-      if (frame < 0 || frame >= d->stiffness.count || (part < d->rigid_count && frame != part))
+      if (frame < 0 || frame >= d->stiffness.count ||
+          (is_rigid_part(d, part) && d->stiffness.parent[frame] != d->stiffness.parent[part]))
         return fail_part(context, e, part, "a node of which goes with another");
     }
   }

@@ -2,9 +2,10 @@
 -- Edit sessions: a part is posed and thickened by its skeleton, and solved again after each edit by
 -- touching only what the edit changed. docs/theory/edit.md explains how.
 --
--- A session is a list of states and the place of the current one. A state is a topology, a pose and
--- the limits of the joints; it never changes. Everything else (mesh, model, equations) follows from
--- it, so that a refused edit leaves nothing to put right, and undo is a step back in the list.
+-- A session is a list of states and the place of the current one. A state is a topology, a pose, the
+-- limits of the joints and the materials of regions that became others; it never changes. Everything else
+-- (mesh, model, equations) follows from it, so that a refused edit leaves nothing to put right, and undo
+-- is a step back in the list.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local members = require "barwright.members"
@@ -13,6 +14,7 @@ local edit_assign = require "barwright.edit_assign"
 local edit_check = require "barwright.edit_check"
 local edit_bone = require "barwright.edit_bone"
 local edit_follow = require "barwright.edit_follow"
+local edit_material = require "barwright.edit_material"
 local edit_pose = require "barwright.edit_pose"
 local edit_report = require "barwright.edit_report"
 local edit_script = require "barwright.edit_script"
@@ -114,7 +116,7 @@ local function begin(part, given)
   if not shape then return nil, message, details end
   local self = setmetatable({source = part, opts = opts, position = 1, following = false,
     last = false, record = false, root = false,
-    history = {{topology = topology, pose = pose, limits = {}, shape = shape}}}, class)
+    history = {{topology = topology, pose = pose, limits = {}, materials = {}, shape = shape}}}, class)
   if opts.journal then
     local record
     record, message, details = edit_script.open_journal(opts.journal, opts.script)
@@ -151,12 +153,13 @@ local function ensure_shape(self, state)
   return state.shape
 end
 
--- Makes an edit: {script =, pose =, limits =, topology =}; what is left out stays. All that may fail
+-- Makes an edit: {script =, pose =, limits =, topology =, materials =}; what is left out stays. All that may fail
 -- comes before the list of states is touched.
 local function commit(self, edit)
   local before = current(self)
   local state = {topology = edit.topology or before.topology, pose = edit.pose or before.pose,
-    limits = edit.limits or before.limits, script = edit.script, note = "posed"}
+    limits = edit.limits or before.limits, materials = edit.materials or before.materials,
+    script = edit.script, note = "posed"}
   if edit.pose or edit.topology then
     local shape, message, details = edit_shape.repaired(state.topology, state.pose, self.opts)
     if not shape then return nil, message, details end
@@ -170,6 +173,10 @@ local function commit(self, edit)
     end
   else
     state.shape = before.shape
+  end
+  if edit.materials then
+    local model, message, details = edit_follow.model(state, self.source)
+    if not model then return nil, message, details end
   end
   if self.record then
     local ok, message, details = self.record:add(state.script)
@@ -193,6 +200,9 @@ local function check_change(self, change)
   if change.topology ~= nil and not edit_shape.is_topology(change.topology) then
     expected("topology: one that barwright.edit_shape made", change.topology)
   end
+  if change.materials ~= nil and not edit_material.is_list(change.materials) then
+    expected("materials: a list of {material =, region =}", change.materials)
+  end
   local pose = change.pose
   if pose == nil then return end
   if type(pose) ~= "table" or rawlen(pose) ~= count then
@@ -212,7 +222,7 @@ local function check_change(self, change)
   end
 end
 
---- Makes an edit, for Lua files that add edits: {script =, pose =, limits =, topology =}.
+--- Makes an edit, for Lua files that add edits: {script =, pose =, limits =, topology =, materials =}.
 function class:commit(change)
   check_change(self, change)
   return commit(self, change)
@@ -291,7 +301,22 @@ function class:assign(elements, bone)
   return self
 end
 
---- Back to rest, as an edit that can be undone.
+--- Another material for a region, or for the whole part; the others stay.
+function class:set_material(material, region)
+  local state = current(self)
+  if material.parts or material.rotated_by_element then
+    raise("set_material: a material that is the same in all elements expected")
+  end
+  if region then state.shape.mesh:region(region) end
+  local ok, message, details = commit(self, {
+    script = ("session:set_material(%s%s)"):format(edit_material.script(material),
+      region and ", " .. edit_script.value(region) or ""),
+    materials = edit_material.changed(state.materials, region, material)})
+  if not ok then return nil, message, details end
+  return self
+end
+
+--- The bones back to rest, as an edit that can be undone.
 function class:reset()
   local state = current(self)
   local ok, message, details = commit(self, {script = "session:reset()",
@@ -507,7 +532,8 @@ arguments.methods("session", class, class, {
   commit = "change: table",
   bone = "name: string|integer", pose = "changes: table", limit = "name: string|integer, limit?: options",
   reach = "target: string|integer|table, at?: any, options?: options",
-  assign = "elements: table|array, bone?: string|integer", optimise = "options: options",
+  assign = "elements: table|array, bone?: string|integer",
+  set_material = "material: material, region?: string", optimise = "options: options",
     fork = "options?: options",
   solve = "options?: options", moved = "part: model", write = "path: string, options?: options",
   picture = "path: string, options?: options", report = "path: string, options?: options", save = "path: any",

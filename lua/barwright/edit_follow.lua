@@ -1,14 +1,17 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The equations of a session. One incremental system follows the edits within a topology; another topology
--- (a refilled mesh, other subdomains) needs another system, made at the shape it is needed for. What a
+-- (a refilled mesh, other subdomains) needs another system, made at the shape it is needed for, and so does
+-- another law that is not isotropic. What a
 -- solve reused is reported in words.
 local core = require "barwright.core"
+local edit_material = require "barwright.edit_material"
 local edit_motion = require "barwright.edit_motion"
 local shown = require "barwright.shown"
 
 local edit_follow = {}
 
---- A part given on the original mesh, with its supports and loads on the shape of a state. Where the
+--- A part given on the original mesh, with its supports and loads on the shape of a state, of the
+--- materials that regions have there. Where the
 --- material turns with the bones, every subdomain has its own directions there.
 function edit_follow.model(state, part)
   local shape, topology = state.shape, state.topology
@@ -18,6 +21,8 @@ function edit_follow.model(state, part)
   else
     model, message, details = part:moved(shape.mesh)
   end
+  if not model then return nil, message, details end
+  model, message, details = edit_material.apply(model, state.materials)
   if not model then return nil, message, details end
   if shape.rotate_material and not shape.at_rest then
     local motion
@@ -52,6 +57,11 @@ local function follow(record, state, model)
   return record
 end
 
+-- Whether the equations there are can be brought to a model of a state.
+local function can_follow(record, state, model)
+  return record and record.topology == state.topology and record.system:follows(model)
+end
+
 --- Brings the session's equations to a state: {system, model, reuse = nil when they are new}. A fork
 --- has those of the session it was forked from. `part`: another one's supports and loads.
 function edit_follow.bring(session, state, part)
@@ -59,7 +69,7 @@ function edit_follow.bring(session, state, part)
   local model, message, details = edit_follow.model(state, part or session.source)
   if not model then return nil, message, details end
   local record = owner.following
-  if record and record.topology == state.topology then return follow(record, state, model) end
+  if can_follow(record, state, model) then return follow(record, state, model) end
   record, message, details = make(owner, state, model)
   if not record then return nil, message, details end
   return record

@@ -122,7 +122,8 @@ function stage:at(scales, further)
     return nil, "elements become so distorted that inner nodes have to be moved", {status = "geometry"}
   end
   self.counts.shapes = self.counts.shapes + 1
-  local point = {state = {topology = self.topology, pose = pose, shape = shape, limits = {}},
+  local point = {state = {topology = self.topology, pose = pose, shape = shape, limits = {},
+    materials = self.state.materials},
     cases = {}}
   for i, part in ipairs(self.parts) do
     local case = not next(scales) and present(self, part, i) or nil
@@ -204,7 +205,8 @@ function stage:view(scales)
   local source = self.session.source
   local record
   record, message, details = edit_follow.bring(self.session, {topology = self.topology, pose = pose,
-    shape = shape, limits = {}}, core.model {mesh = source.mesh, material = source.material})
+    shape = shape, limits = {}, materials = self.state.materials},
+    core.model {mesh = source.mesh, material = source.material})
   if not record then return nil, message, details end
   self.last = nil
   local view

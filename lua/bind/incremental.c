@@ -117,6 +117,17 @@ static int core_rotate_material(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+/* set_material(model, material, region or nil): model; the elements of a region, or all, of another
+ * material */
+static int core_set_material(lua_State *L) {
+  bw_model *model = (bw_model *)lbw_check(L, 1, &lbw_model_class);
+  const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
+  int32_t region = lua_isnoneornil(L, 3) ? -1 : lbw_check_region(L, 3, model->mesh);
+  bw_status status = bw_model_set_material(lbw_enter(L), model, region, material);
+  lua_pushvalue(L, 1);
+  return lbw_leave(L, status, 1);
+}
+
 /* incremental_system(model, subdomains, rotate_material): the model at the shape that later motions
  * count from */
 static int core_incremental_system(lua_State *L) {
@@ -151,6 +162,16 @@ static int incremental_update(lua_State *L) {
   begin_reuse(L, 0, &reuse);
   bw_status status = bw_incremental_system_update(lbw_enter(L), incremental, model, motion, &reuse);
   return leave_with_reuse(L, status, &reuse, box, 1);
+}
+
+/* incremental:follows(model): whether the model's material can be followed by an update */
+static int incremental_follows(lua_State *L) {
+  const bw_incremental_system *incremental = self(L);
+  const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
+  lbw_argument_check(L, model->mesh->element_count == incremental->system->mesh->element_count, 2,
+                     "a model of the same topology expected");
+  lua_pushboolean(L, bw_subdomain_stiffness_follows(incremental->stiffness, model->material));
+  return 1;
 }
 
 void lbw_read_guess(lua_State *L, int index, const char *function, int64_t nodes,
@@ -308,13 +329,11 @@ static int incremental_tostring(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {{"update", incremental_update},
-                                   {"solve", incremental_solve},
-                                   {"statics", incremental_statics},
-                                   {"refactor", incremental_refactor},
-                                   {"view", incremental_view},
-                                   {"memory", incremental_memory},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"update", incremental_update},   {"solve", incremental_solve},
+    {"statics", incremental_statics}, {"refactor", incremental_refactor},
+    {"follows", incremental_follows}, {"view", incremental_view},
+    {"memory", incremental_memory},   {NULL, NULL}};
 static const luaL_Reg properties[] = {{"unknown_count", incremental_unknown_count},
                                       {"subdomain_count", incremental_subdomain_count},
                                       {NULL, NULL}};
@@ -330,6 +349,8 @@ void lbw_open_incremental(lua_State *L) {
   lua_pop(L, 1);
   lua_pushcfunction(L, core_rotate_material);
   lua_setfield(L, -2, "rotate_material");
+  lua_pushcfunction(L, core_set_material);
+  lua_setfield(L, -2, "set_material");
   lua_pushcfunction(L, core_incremental_system);
   lua_setfield(L, -2, "incremental_system");
 }

@@ -178,7 +178,20 @@ function Session:limit(name, limit) end
 ---@return bw.Details? details
 function Session:assign(elements, bone) end
 
----Sets everything back to rest, as an edit.
+---Gives a region of the mesh, or the whole part, another material, as an edit; the other regions keep theirs. The next solution
+---updates the elements of the region and what of the factor they reach. The equations are made again for a law that is not isotropic
+---where its axes turn with the bones, or where the part had none such before. Other load cases of the session get the material too.
+---Saved scripts have the name of a material of the library, or its constants without those of heat. An unknown region raises.
+---
+---Errors: io (the journal cannot be written).
+---@param material bw.Material the same in all elements
+---@param region? string its name. Default: none, the whole part
+---@return bw.Session? self the session
+---@return string? message
+---@return bw.Details? details
+function Session:set_material(material, region) end
+
+---Sets the bones back to rest, as an edit.
 ---
 ---Errors: io (the journal cannot be written).
 ---@return bw.Session? self the session
@@ -236,6 +249,12 @@ function Session:commit(change) end
 ---@field pose? number[][] (any, bone_count × 15, per bone) as of `skeleton:rest_pose`
 ---@field limits? table<integer, bw.ReachLimit> by the bones' numbers
 ---@field topology? table<string, any> as barwright.edit_shape makes it
+---@field materials? bw.SessionMaterial[] each over those before it
+
+---A material of a change.
+---@class bw.SessionMaterial
+---@field material bw.Material the same in all elements
+---@field region? string its name. Default: none, the whole part
 
 ---Solves the part as it is now. `reused` of the solution lists what was reused.
 ---

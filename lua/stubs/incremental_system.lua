@@ -20,15 +20,21 @@
 ---@field subdomain_count integer (count) of stiffness subdomains
 local IncrementalSystem = {}
 
----Updates the equations to an edited shape.
+---Updates the equations to an edited shape, of which regions may be of another material.
 ---
----Errors: singular (the matrix is not positive definite), memory.
+---Errors: singular (the matrix is not positive definite), unsupported (a material that is not followed), memory.
 ---@param model bw.Model of the edited shape
 ---@param motion bw.Array|number[][] (-, subdomain_count × 19, per stiffness subdomain) how each of them lies against the shape that the system was made at, as of `subdomains:motion`
 ---@return bw.Reuse? reused what was reused
 ---@return string? message
 ---@return bw.Details? details
 function IncrementalSystem:update(model, motion) end
+
+---Whether an update can bring the equations to a model's material. Isotropic materials follow isotropic ones. Any follows any where
+---the equations were made of one that is not isotropic and keeps its axes.
+---@param model bw.Model of the edited shape
+---@return boolean follows whether it can
+function IncrementalSystem:follows(model) end
 
 ---How equations that follow edits are solved.
 ---@class bw.IncrementalSolveOptions

@@ -52,7 +52,7 @@ function bw.subdomains(mesh, skeleton, weights, options) end
 ---@field element_subdomain bw.Array (index from 1, element_count × 1, per element) its subdomain
 ---@field node_subdomain bw.Array (index from 1, node_count × 1, per node) the subdomain that it goes with
 ---@field interface bw.Array (-, node_count × 1, per node) 1 where elements of several subdomains meet, else 0
----@field stiffness_subdomain_count integer (count) of stiffness subdomains: subdomains cut further for the equations, into elements joined through faces that follow the same bones
+---@field stiffness_subdomain_count integer (count) of stiffness subdomains: subdomains cut further for the equations, into elements of one region joined through faces that follow the same bones
 ---@field stiffness_subdomain_bones integer[][] (index from 1, stiffness_subdomain_count, per stiffness subdomain) numbers of the bones that it follows
 ---@field element_stiffness_subdomain bw.Array (index from 1, element_count × 1, per element) its stiffness subdomain
 ---@field node_stiffness_subdomain bw.Array (index from 1, node_count × 1, per node) the stiffness subdomain whose frame it goes with

@@ -78,12 +78,12 @@ int main(int count, char **argument) {
           motion[d].linear[0] = 1 + 0.01 * (r + 1);
         }
         begin(&all);
-        OK(bw_subdomain_stiffness_update(context, s, mesh, motion, NULL));
+        OK(bw_subdomain_stiffness_update(context, s, mesh, s->material, motion, NULL));
         end(&all);
 
         motion[subdomains / 2].linear[0] = 2 + 0.01 * r;
         begin(&one);
-        OK(bw_subdomain_stiffness_update(context, s, mesh, motion, NULL));
+        OK(bw_subdomain_stiffness_update(context, s, mesh, s->material, motion, NULL));
         end(&one);
 
         motion[subdomains / 2].reshaped = true;
@@ -92,7 +92,7 @@ int main(int count, char **argument) {
             node[3 * i + k] = (k ? 1 : 1 + 0.01 * r) * mesh->node[3 * i + k];
         OK(bw_mesh_moved(context, mesh, node, &moved));
         begin(&gathered);
-        OK(bw_subdomain_stiffness_update(context, s, moved, motion, NULL));
+        OK(bw_subdomain_stiffness_update(context, s, moved, s->material, motion, NULL));
         end(&gathered);
         bw_release(moved);
       }

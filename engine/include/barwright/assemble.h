@@ -114,7 +114,8 @@ typedef struct bw_subdomain_change {
 typedef struct bw_subdomain_stiffness {
   bw_object object;
   const bw_block_pattern *pattern; /* retained */
-  const bw_material *material;     /* retained; its axes stay global, unless rotate_material */
+  /* Retained: that of the last update. Its axes stay global, unless rotate_material */
+  const bw_material *material;
   bool rotate_material; /* an orthotropic material's axes turn with each subdomain's frame, from
                           what they are in `material` (rotated by element: one way in each
                           subdomain) */
@@ -135,8 +136,10 @@ BW_API bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_blo
                                                const int32_t *element_subdomain,
                                                const int32_t *node_subdomain,
                                                bw_subdomain_stiffness **stiffness);
-/* Brings it to another shape: motion[subdomain_count] says how every subdomain lies now; `mesh` has
- * the nodes as they are now, and is read for reshaped subdomains only. Only entries of subdomains
+/* Brings it to another shape and material: motion[subdomain_count] says how every subdomain lies
+ * now; `mesh` has the nodes as they are now, and is read for reshaped subdomains only. `material`
+ * is that of the body now, which may differ from that before in any subdomain
+ * (bw_subdomain_stiffness_follows). Only entries of subdomains
  * whose global entries changed are written (contributions of the others at shared blocks are kept).
  * Changes since the last writing below 2e-14 (of the map; for reshaped subdomains of the largest
  * coordinate) count as rounding and are not written. So the values stay within 1e-12 of those from
@@ -147,13 +150,18 @@ BW_API bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_blo
  * only turned as a whole together with the frames of all its nodes (and, if anisotropic, its
  * material), though its global entries were written. It is true for one that stayed while the frame
  * of a neighbour's node turned, though nothing was written. On failure everything is as it was:
- * BW_INVALID for a motion that is none (not finite, determinant not positive, frame no rotation) or
- * a curved element, BW_GEOMETRY for an inverted one. `change` may be NULL. */
+ * BW_INVALID for a motion that is none (not finite, determinant not positive, frame no rotation), a
+ * curved element, or a subdomain of several materials, BW_GEOMETRY for an inverted element,
+ * BW_UNSUPPORTED for a material that is not followed. `change` may be NULL. */
 BW_API bw_status bw_subdomain_stiffness_update(bw_context *context,
                                                bw_subdomain_stiffness *stiffness,
-                                               const bw_mesh *mesh,
+                                               const bw_mesh *mesh, const bw_material *material,
                                                const bw_subdomain_motion *motion,
                                                bw_subdomain_change *change);
+/* Whether it can be brought to another material: isotropic ones may become isotropic ones; any may
+ * become any where the body was made with one that is not, whose axes stay global. */
+BW_API bool bw_subdomain_stiffness_follows(const bw_subdomain_stiffness *stiffness,
+                                           const bw_material *material);
 /* y += (d K / d p) x where a `subdomain`'s map changes by d linear / d p = direction, the
  * material's directions staying: the polynomials' derivative. x and y (any, node_count x 3) in
  * global directions. BW_INVALID for a subdomain that is reshaped now: it has no map. */

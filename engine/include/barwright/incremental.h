@@ -93,7 +93,8 @@ BW_API bw_status bw_incremental_system_create(bw_context *context, const bw_mode
                                               const int32_t *element_subdomain,
                                               const int32_t *node_subdomain, const bw_edits *edits,
                                               bw_incremental_system **incremental);
-/* Follow an edit: `model` is the edited one (bw_model_moved). Where the supports are no longer the
+/* Follow an edit: `model` is the edited one (bw_model_moved), the material of which may be another
+ * in any subdomain (bw_subdomain_stiffness_follows). Where the supports are no longer the
  * same, the next solve factors from scratch. On failure the shape is as it was; those of
  * bw_subdomain_stiffness_update. */
 BW_API bw_status bw_incremental_system_update(bw_context *context,

@@ -143,6 +143,10 @@ BW_API bw_status bw_material_by_region(bw_context *context, const bw_mesh *mesh,
  * another mesh. */
 BW_API bw_status bw_model_create(bw_context *context, const bw_mesh *mesh,
                                  const bw_material *material, bw_model **model);
+/* Gives the elements of a region (index; -1: all elements) another material, without parts. Their
+ * formulation stays. BW_INVALID for a region that is not there and a material with parts. */
+BW_API bw_status bw_model_set_material(bw_context *context, bw_model *model, int32_t region,
+                                       const bw_material *material);
 /* Turns the model's material by element (bw_material_rotated_by_element): those of group of_element
  * (index, element_count) by the rotation (-, group_count x 9) of their group. */
 BW_API bw_status bw_model_rotate_material(bw_context *context, bw_model *model, int32_t group_count,

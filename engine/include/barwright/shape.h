@@ -113,11 +113,11 @@ BW_API bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh,
 
 /* ---- subdomains (agile, section 4) ----------------------------------------------------------- */
 
-/* Subdomains cut further, for the equations: elements joined through faces whose corners follow the
- * same set of bones. Few of a blended subdomain's bones matter at any place, so that an edit
- * changes some of its stiffness subdomains and leaves the others. A subdomain of type R is one
- * stiffness subdomain, of its own number; the others come after, by subdomain. bw_subdomains owns
- * the lists. */
+/* Subdomains cut further, for the equations: elements of one region joined through faces, those of
+ * type F where their corners follow the same set of bones. Few of a blended subdomain's bones
+ * matter at any place, so that an edit changes some of its stiffness subdomains and leaves the
+ * others; and each is of one material. A subdomain of type R is one stiffness subdomain in each
+ * connected piece of a region. They are numbered by subdomain. bw_subdomains owns the lists. */
 typedef struct bw_stiffness_subdomains {
   int32_t count;
   int32_t *of_element; /* (index, element_count) */

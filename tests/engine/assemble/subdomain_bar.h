@@ -263,8 +263,8 @@ static inline void session_clear(session *now) {
 static inline void session_update(bw_context *context, session *now) {
   bw_mesh *moved = posed(context, &now->b, &now->p, now->motion);
   assert_non_null(moved);
-  check_ok(context,
-           bw_subdomain_stiffness_update(context, now->s, moved, now->motion, &now->change));
+  check_ok(context, bw_subdomain_stiffness_update(context, now->s, moved, now->s->material,
+                                                  now->motion, &now->change));
   bw_release(moved);
 }
 

@@ -92,7 +92,8 @@ static void frames_of_nodes_count(void **state) {
   bw_subdomain_motion other[SUBDOMAINS];
   memcpy(other, now.motion, sizeof other);
   times(q, other[2].frame, other[2].frame);
-  check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, other, &now.change));
+  check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, now.s->material,
+                                                  other, &now.change));
   check_state_is(&now, "5K 0E 0G 01110");
   session_clear(&now);
 }

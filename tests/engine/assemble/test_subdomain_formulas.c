@@ -85,7 +85,8 @@ static void paper_formulas_against_quadrature(void **state) {
       bw_subdomain_motion_rest(&motion);
       for (int c = 0; c < 3; c++)
         motion.linear[4 * c] = s[c];
-      check_ok(context, bw_subdomain_stiffness_update(context, kept, moved, &motion, NULL));
+      check_ok(context,
+               bw_subdomain_stiffness_update(context, kept, moved, kept->material, &motion, NULL));
       check_ok(context,
                bw_element_stiffness(context, 2, (const double(*)[3])scaled, material[kind], k));
       double size = 0;
@@ -153,7 +154,8 @@ static void derivative(void **state) {
         memcpy(at, motion, sizeof at);
         for (int r = 0; r < 9; r++)
           at[d].linear[r] += side * h * direction[r];
-        check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, at, NULL));
+        check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, now.s->material,
+                                                        at, NULL));
         if (side == 0)
           check_ok(context, bw_subdomain_stiffness_derivative(context, now.s, d, direction, x, y));
         else if (side == 1)
@@ -168,7 +170,8 @@ static void derivative(void **state) {
       for (size_t i = 0; i < n; i++)
         check_near(y[i], z[i], 1e-6 * size);
     }
-    check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, motion, NULL));
+    check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, now.s->material,
+                                                    motion, NULL));
     memset(y, 0, sizeof(double) * n);
     for (int d = 0; d < SUBDOMAINS; d++)
       check_ok(context,
@@ -180,7 +183,8 @@ static void derivative(void **state) {
     for (size_t i = 0; i < n; i++)
       check_near(y[i], z[i], 1e-13 * size);
     motion[1].reshaped = true;
-    check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, motion, NULL));
+    check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, now.s->material,
+                                                    motion, NULL));
     check_fails(context, BW_INVALID, "subdomain 2 is reshaped",
                 bw_subdomain_stiffness_derivative(context, now.s, 1, q, x, y));
     check_fails(context, BW_INVALID, "subdomain 10",

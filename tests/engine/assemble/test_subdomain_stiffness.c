@@ -79,7 +79,8 @@ static void any_edits_equal_scratch(void **state) {
           p = next;
           bw_subdomain_change change;
           uint64_t revision = s->revision;
-          check_ok(context, bw_subdomain_stiffness_update(context, s, moved, motion, &change));
+          check_ok(context,
+                   bw_subdomain_stiffness_update(context, s, moved, s->material, motion, &change));
           assert_int_equal(change.kept + change.evaluated + change.gathered, SUBDOMAINS);
           assert_int_equal(s->revision - revision, change.kept < SUBDOMAINS);
           kept += change.kept, evaluated += change.evaluated, gathered += change.gathered;
@@ -124,7 +125,8 @@ static void same_bits_by_any_way(void **state) {
       edit(&random, &now.p);
       bw_mesh *moved = posed(context, &now.b, &now.p, now.motion);
       if (moved)
-        check_ok(context, bw_subdomain_stiffness_update(context, now.s, moved, now.motion, NULL));
+        check_ok(context, bw_subdomain_stiffness_update(context, now.s, moved, now.s->material,
+                                                        now.motion, NULL));
       else
         now.p = before;
       bw_release(moved);
@@ -186,7 +188,8 @@ static void many_subdomains_and_one(void **state) {
         memcpy(motion[d].linear, q, sizeof q);
         motion[d].reshaped = d % 3 == 1;
       }
-      check_ok(context, bw_subdomain_stiffness_update(context, s, moved, motion, NULL));
+      check_ok(context,
+               bw_subdomain_stiffness_update(context, s, moved, s->material, motion, NULL));
       assert_true(difference(s->values, values, 9 * g->block_count) < 1e-13);
       assert_true(s->changed[0] && !s->changed[n] == !motion[n].reshaped);
       assert_true(bw_subdomain_stiffness_bytes(s) > 144 * (size_t)g->block_count);
@@ -219,8 +222,9 @@ static void refusals(void **state) {
   do {                                                                                             \
     bw_subdomain_motion good = motion[3];                                                          \
     what;                                                                                          \
-    check_fails(context, status, text,                                                             \
-                bw_subdomain_stiffness_update(context, now.s, mesh, motion, NULL));                \
+    check_fails(                                                                                   \
+        context, status, text,                                                                     \
+        bw_subdomain_stiffness_update(context, now.s, mesh, now.s->material, motion, NULL));       \
     assert_memory_equal(now.s->values, before, size);                                              \
     motion[3] = good;                                                                              \
   } while (0)
@@ -292,7 +296,8 @@ static void out_of_memory(void **state) {
   status = BW_MEMORY;
   for (int n = 1; status != BW_OK; n++) {
     bw_fail_allocation(n, true);
-    status = bw_subdomain_stiffness_update(context, now.s, moved, now.motion, NULL);
+    status =
+        bw_subdomain_stiffness_update(context, now.s, moved, now.s->material, now.motion, NULL);
     bw_fail_allocation(0, false);
     if (status != BW_OK) {
       assert_int_equal(status, BW_MEMORY);

@@ -217,7 +217,8 @@ static void test_random_edits(void **state) {
     bw_mesh *moved;
     bw_subdomain_change change;
     check_ok(context, bw_mesh_moved(context, c.mesh, node, &moved));
-    check_ok(context, bw_subdomain_stiffness_update(context, stiffness, moved, motion, &change));
+    check_ok(context, bw_subdomain_stiffness_update(context, stiffness, moved, stiffness->material,
+                                                    motion, &change));
     check_ok(context, bw_stiffness(context, pattern, moved, material, scratch));
     double largest = 0, off = 0;
     for (size_t k = 0; k < entries; k++) {

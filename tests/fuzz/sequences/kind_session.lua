@@ -113,6 +113,10 @@ kind.operations = {
     for e = first, math.min(first + math.random(10), session.mesh.element_count) do elements[#elements + 1] = e end
     return session:assign(elements, ({"upper", "lower"})[math.random(3)])
   end},
+  set_material = {1, function(subject)
+    local library = {"steel", "pla", "zp150"}
+    return one_of(subject):set_material(bw.material[library[math.random(#library)]])
+  end},
   reset = {0.5, function(subject) return one_of(subject):reset() end},
   undo = {2, function(subject) return one_of(subject):undo() end},
   redo = {2, function(subject) return one_of(subject):redo() end},
