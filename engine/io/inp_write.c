@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Input decks for CalculiX (and, but for the solution step, Abaqus): nodes and elements numbered
- * from 1 in mesh order, sets NALL and EALL, one ELSET per region.
+ * from 1 in mesh order, sets NALL and EALL, one ELSET per region, called as it is or REGION_TAG.
  *
  * CalculiX reads 20 characters of a number and silently drops the rest, exponent and all: numbers
  * are written with as many digits as fit. */
@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "io/locale.h"
 
@@ -39,6 +40,28 @@ static void write_set(bw_writer *writer, const bw_mesh *mesh, const char *name, 
     bw_writer_bytes(writer, "\n", 1);
 }
 
+static bool has_prefix(const char *text, const char *prefix) {
+  return strncasecmp(text, prefix, strlen(prefix)) == 0;
+}
+
+/* Whether a set can have the name of region i: a word of letters, digits, '-' and '_', which no
+ * other set has, whatever the case. */
+static bool is_set_name(const bw_mesh *mesh, int32_t i) {
+  static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                "0123456789-_";
+  const char *name = mesh->regions[i].name.text;
+  if (!name[0] || name[strspn(name, allowed)] || strchr("0123456789-_", name[0]))
+    return false;
+  if (strcasecmp(name, "EALL") == 0 || strcasecmp(name, "NALL") == 0)
+    return false;
+  if (has_prefix(name, "MATERIAL") || has_prefix(name, "REGION_"))
+    return false;
+  for (int32_t k = 0; k < mesh->region_count; k++)
+    if (k != i && strcasecmp(name, mesh->regions[k].name.text) == 0)
+      return false;
+  return true;
+}
+
 /* At most MAX_SETS regions, in ascending order, are written as sets. */
 static void write_regions(bw_writer *writer, const bw_mesh *mesh) {
   enum { MAX_SETS = 1000 };
@@ -46,7 +69,8 @@ static void write_regions(bw_writer *writer, const bw_mesh *mesh) {
     long long tag = mesh->regions[i].tag;
     char name[40];
     snprintf(name, sizeof name, "REGION_%s%lld", tag < 0 ? "M" : "", tag < 0 ? -tag : tag);
-    write_set(writer, mesh, name, mesh->region, i);
+    bool named = is_set_name(mesh, i);
+    write_set(writer, mesh, named ? mesh->regions[i].name.text : name, mesh->region, i);
   }
 }
 

@@ -63,6 +63,40 @@ static void round_trips(void **state) {
       }
 }
 
+/* Names of regions are names of element sets where they are words that no other set has. */
+static void inp_names(void **state) {
+  bw_context *context = check_context(state);
+  sample s = make_sample(context, 1, true);
+  bw_mesh_regions regions = bw_mesh_regions_of(s.mesh);
+  bw_mesh_region region[2][3] = {{{1, 0, {"Insert-2"}}, {2, 0, {"steel insert"}}, {3, 0, {"eall"}}},
+                                 {{1, 0, {"a"}}, {2, 0, {"A"}}, {3, 0, {"3a"}}}};
+  static const char *const expected[2][3] = {{"Insert-2", "REGION_2", "REGION_3"},
+                                             {"REGION_1", "REGION_2", "REGION_3"}};
+  char path[300];
+  temporary(path, "names.inp");
+  for (int i = 0; i < 2; i++) {
+    bw_mesh *named;
+    bw_mesh_file file;
+    regions.region = region[i];
+    check_ok(context, bw_mesh_with_regions(context, s.mesh, &regions, &named));
+    check_ok(context, bw_mesh_write(context, named, path, 0, NULL));
+    check_ok(context, bw_mesh_read(context, path, &file));
+    assert_int_equal(file.set_count, 5);
+    for (int k = 0; k < 3; k++) {
+      int32_t found = 0;
+      assert_string_equal(file.set[2 + k].name, expected[i][k]);
+      for (int32_t e = 0; e < named->element_count; e++)
+        if (named->region[e] == k)
+          assert_int_equal(file.set[2 + k].member[found++], e);
+      assert_int_equal(file.set[2 + k].count, found);
+    }
+    bw_mesh_file_clear(&file);
+    bw_release(named);
+  }
+  unlink(path);
+  free_sample(&s);
+}
+
 /* Names of regions are physical names of volumes; the second of two that have one name gets its tag
  * too, and groups of surfaces alone make no regions. */
 static void msh_names(void **state) {
@@ -386,10 +420,10 @@ static void out_of_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(round_trips),  check_test(msh_names),    check_test(msh_negative_regions),
-      check_test(msh22_text),   check_test(msh_refusals), check_test(mixed_meshes),
-      check_test(medit_text),   check_test(tetgen_text),  check_test(tetgen_ten_nodes),
-      check_test(inp_text),     check_test(inp_refusals), check_test(flat_element),
-      check_test(out_of_memory)};
+      check_test(round_trips),          check_test(inp_names),    check_test(msh_names),
+      check_test(msh_negative_regions), check_test(msh22_text),   check_test(msh_refusals),
+      check_test(mixed_meshes),         check_test(medit_text),   check_test(tetgen_text),
+      check_test(tetgen_ten_nodes),     check_test(inp_text),     check_test(inp_refusals),
+      check_test(flat_element),         check_test(out_of_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -216,6 +216,16 @@ static void several_materials(bw_context *context, int order) {
       x += mesh->node[3 * mesh->element[(int64_t)e * mesh->nodes_per_element + a]] / 4;
     of[e] = (int32_t)(x / 0.1) % 3;
   }
+  const bw_mesh_region named[3] = {{0, 0, {"wood"}}, {1, 0, {"steel-bar"}}, {2, 0, {"Soft_2"}}};
+  bw_mesh_regions regions;
+  bw_mesh *plain = mesh;
+  check_ok(context, bw_mesh_regions_by_tag(context, mesh->element_count, of, 3, named, &regions));
+  check_ok(context, bw_mesh_with_regions(context, plain, &regions, &mesh));
+  bw_mesh_regions_clear(&regions);
+  for (int k = 0; k < 2; k++)
+    bw_release(end[k]);
+  end[0] = face_of(context, mesh, 0, 0);
+  end[1] = face_of(context, mesh, 0, 0.4);
   check_ok(context, bw_material_by_element(context, mesh->element_count, 3, of,
                                            (const bw_material *const *)part, &all));
   check_ok(context, bw_model_create(context, mesh, all, &model));
@@ -236,6 +246,7 @@ static void several_materials(bw_context *context, int order) {
   bw_release(model);
   bw_release(all);
   bw_release(mesh);
+  bw_release(plain);
 }
 
 static void several_materials_agree(void **state) {
