@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "barwright/dynamics.h"
+#include "dynamics/internal.h"
 #include "linear/blas.h"
 #include "linear/internal.h"
 #include "linear/multivector.h"
@@ -135,13 +136,13 @@ static bw_status multiply_stiffness(bw_context *context, bw_system *system, cons
 
 /* Lanczos's basis: K-orthonormal vectors and their products with K. */
 typedef struct basis {
-  int count, room;
-  double *vector, *product;   /* room x size */
+  int count, capacity;
+  double *vector, *product;   /* capacity x size */
   double *alpha, *beta;       /* of the tridiagonal matrix, beta[k] behind alpha[k] */
   double first;               /* K-norm of the first vector before it was scaled */
   double *theta, *w, *work;   /* its eigenvalues, vectors (MOST x MOST) and work space */
   const double *shape;        /* the modes' */
-  double *mass_shape, *along; /* M times these; room for inner products */
+  double *mass_shape, *along; /* M times these; capacity for inner products */
 } basis;
 
 static void basis_clear(basis *b) {
@@ -177,10 +178,10 @@ done:
 
 static bw_status basis_grow(bw_context *context, int64_t size, basis *b) {
   bw_status status = BW_OK;
-  int room = b->room ? 2 * b->room : 8;
-  double *vector = BW_NEW(context, double, room *size), *product = NULL;
+  int capacity = b->capacity ? 2 * b->capacity : 8;
+  double *vector = BW_NEW(context, double, capacity *size), *product = NULL;
   BW_TRY_MEMORY(vector);
-  product = BW_NEW(context, double, room *size);
+  product = BW_NEW(context, double, capacity *size);
   BW_TRY_MEMORY(product);
   if (b->count > 0) {
     memcpy(vector, b->vector, (size_t)(b->count * size) * sizeof *vector);
@@ -190,7 +191,7 @@ static bw_status basis_grow(bw_context *context, int64_t size, basis *b) {
   bw_free(b->product);
   b->vector = vector;
   b->product = product;
-  b->room = room;
+  b->capacity = capacity;
   vector = product = NULL;
 done:
   bw_free(vector);
@@ -223,7 +224,7 @@ static bw_status take_vector(bw_context *context, bw_system *system, int modes, 
   bw_status status = BW_OK;
   int64_t size = size_of(system);
   double square, before;
-  if (b->count == b->room)
+  if (b->count == b->capacity)
     BW_TRY(basis_grow(context, size, b));
   double *x = b->vector + b->count * size, *y = b->product + b->count * size;
   BW_TRY(bw_system_solve(context, system, 1, f, x));
@@ -340,13 +341,12 @@ done:
 
 /* ---- frequencies ----------------------------------------------------------------------------- */
 
-static int compare(const void *a, const void *b) {
+int bwi_compare_numbers(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
   return (x > y) - (x < y);
 }
 
-/* Half of the width of a mode's peak over its frequency. */
-static double half_width(const bw_damping *d, double omega) {
+double bwi_half_width(const bw_damping *d, double omega) {
   return d->ratio + (d->mass / omega + d->stiffness * omega + d->loss) / 2;
 }
 
@@ -362,14 +362,14 @@ static bw_status choose_frequencies(bw_context *context, const bw_harmonic_optio
   for (int k = 0; k <= EVENLY; k++)
     h->frequency[n++] = options->from + (options->to - options->from) * k / EVENLY;
   for (int i = 0; i < h->modes->count; i++) {
-    double f = h->modes->frequency[i], width = half_width(&h->damping, 2 * pi * f);
+    double f = h->modes->frequency[i], width = bwi_half_width(&h->damping, 2 * pi * f);
     for (int k = 0; k < 2 * STEPS; k++) {
       double at = f * (1 + (k % 2 ? -1 : 1) * step[k / 2] * width);
       if (at >= options->from && at <= options->to && width > 0)
         h->frequency[n++] = at;
     }
   }
-  qsort(h->frequency, (size_t)n, sizeof *h->frequency, compare);
+  qsort(h->frequency, (size_t)n, sizeof *h->frequency, bwi_compare_numbers);
   h->frequency_count = 0;
   for (int k = 0; k < n; k++)
     if (k == 0 || h->frequency[k] > h->frequency[h->frequency_count - 1])
@@ -388,7 +388,7 @@ static bw_status take_frequencies(bw_context *context, const bw_harmonic_options
     BW_TRY_MEMORY(h->frequency);
     h->frequency_count = options->frequency_count;
     memcpy(h->frequency, options->frequency, (size_t)h->frequency_count * sizeof *h->frequency);
-    qsort(h->frequency, (size_t)h->frequency_count, sizeof *h->frequency, compare);
+    qsort(h->frequency, (size_t)h->frequency_count, sizeof *h->frequency, bwi_compare_numbers);
   }
   h->error = BW_NEW0(context, double, h->frequency_count);
   BW_TRY_MEMORY(h->error);

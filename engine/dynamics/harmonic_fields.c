@@ -5,7 +5,7 @@
 
 #include "analysis/strain.h"
 #include "barwright/analysis.h"
-#include "barwright/dynamics.h"
+#include "dynamics/internal.h"
 #include "linear/blas.h"
 #include "linear/multivector.h"
 
@@ -15,25 +15,33 @@ static const double *vector_of(const bw_harmonic *h, int k) {
   return k < modes ? h->modes->shape + k * size : h->residual + (k - modes) * size;
 }
 
-bw_status bw_harmonic_displacement(bw_context *context, const bw_harmonic *h, double frequency,
-                                   double *real, double *imaginary) {
+bw_status bwi_harmonic_combine(bw_context *context, const bw_harmonic *h, const double *weight,
+                               double *field) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)h->model->mesh->node_count;
   int modes = h->modes->count, more = h->count - modes;
+  memset(field, 0, (size_t)size * sizeof *field);
+  if (modes)
+    BW_TRY(bwi_multi_combine(context, size, modes, h->modes->shape, 1, weight, modes, 1, 0, field));
+  if (more)
+    BW_TRY(
+        bwi_multi_combine(context, size, more, h->residual, 1, weight + modes, more, 1, 1, field));
+done:
+  return status;
+}
+
+bw_status bw_harmonic_displacement(bw_context *context, const bw_harmonic *h, double frequency,
+                                   double *real, double *imaginary) {
+  bw_status status = BW_OK;
   double *q = BW_NEW(context, double, 2 * (int64_t)h->count + 1);
   double *part = BW_NEW(context, double, h->count + 1);
   bwi_blas_enter();
   BW_TRY_MEMORY(q && part);
   BW_TRY(bw_harmonic_coordinates(context, h, frequency, q, NULL));
   for (int which = 0; which < 2; which++) {
-    double *out = which ? imaginary : real;
     for (int k = 0; k < h->count; k++)
       part[k] = q[2 * k + which];
-    memset(out, 0, (size_t)size * sizeof *out);
-    if (modes)
-      BW_TRY(bwi_multi_combine(context, size, modes, h->modes->shape, 1, part, modes, 1, 0, out));
-    if (more)
-      BW_TRY(bwi_multi_combine(context, size, more, h->residual, 1, part + modes, more, 1, 1, out));
+    BW_TRY(bwi_harmonic_combine(context, h, part, which ? imaginary : real));
   }
 done:
   bwi_blas_leave();

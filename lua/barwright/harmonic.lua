@@ -97,6 +97,51 @@ end
 
 arguments.methods("harmonic_curve", curve, curve, {peak = "axis: string", write = "path: string", figure = ""})
 
+-- ---- random vibration ----------------------------------------------------------------------------
+
+local random = {}
+random.__index = members("random response", random, {})
+random.__name = "barwright.random_response"
+
+local root_mean_squares = harmonic.random
+
+--- Root mean squares where what acts is multiplied by a random process: {psd = {{Hz, 1/Hz}, ...}}.
+function harmonic:random(given)
+  local opts = options.read("random", given, {psd = {type = "any", needed = true}})
+  local displacement, von_mises, error_or_details = root_mean_squares(self, opts.psd)
+  if not displacement then return nil, von_mises, error_or_details end
+  return setmetatable({displacement = displacement, von_mises = von_mises, error = error_or_details,
+    mesh = self.mesh}, random)
+end
+
+--- Root mean squares of displacement and von Mises stress, as .vtu (or what the ending says).
+function random:write(path, given)
+  local opts = options.copied(given)
+  opts.fields = options.copied(opts.fields)
+  opts.fields.rms_displacement = {self.displacement, on = "nodes"}
+  opts.fields.rms_von_mises = {self.von_mises, on = "nodes"}
+  return self.mesh:write(path, opts)
+end
+
+--- The body coloured by the root mean square of von Mises stress; options of bw.picture.
+function random:picture(path, given)
+  local opts = options.copied(given)
+  local surface, nodes, details = fine_boundary(self.mesh)
+  if not surface then return nil, nodes, details end
+  opts.values = self.von_mises:gather(nodes)
+  opts.unit, opts.scale = opts.unit or "root mean square of von Mises stress, MPa", opts.scale or 1e-6
+  return core.picture(surface, path, opts)
+end
+
+function random:__tostring()
+  return ("random response: largest root mean squares %s and %s of von Mises stress, 3 times that %s; error on "
+    .. "this mesh %.1e of the displacement, in energy"):format(core.quantity(self.displacement:max(), "m"),
+    core.quantity(self.von_mises:max(), "Pa"), core.quantity(3 * self.von_mises:max(), "Pa"), self.error)
+end
+
+arguments.methods("random_response", random, random, {write = "path: string, options?: options",
+  picture = "path: string, options?: options"})
+
 -- ---- one frequency -------------------------------------------------------------------------------
 
 --- Both parts of the displacement and the stress, and the amplitude of von Mises stress, as .vtu.
@@ -177,7 +222,7 @@ function harmonic:animate(frequency, path, given)
   return ok, message, details
 end
 
-arguments.methods("harmonic", harmonic, nil, {curve = "options: options",
+arguments.methods("harmonic", harmonic, nil, {curve = "options: options", random = "options: options",
   write = "path: string, frequency: number, options?: options",
   picture = "frequency: number, path: string, options?: options",
   animate = "frequency: number, path: string, options?: options"})

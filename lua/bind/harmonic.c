@@ -125,6 +125,29 @@ static int harmonic_at_node(lua_State *L) {
                    1);
 }
 
+/* harmonic:random(psd), rows {Hz, density}: root mean squares of displacement and von Mises stress,
+ * and the error */
+static int harmonic_random(lua_State *L) {
+  const bw_harmonic *h = self(L);
+  int64_t nodes = h->model->mesh->node_count, count;
+  lua_settop(L, 2);
+  const double *row = lbw_to_doubles(L, 2, "random: option 'psd'", 2, &count);
+  if (count > 1000000)
+    return lbw_error(L, "random: option 'psd': at most 1000000 points expected");
+  double *frequency = (double *)lua_newuserdatauv(L, (size_t)count * 2 * sizeof(double) + 1, 0);
+  double *density = frequency + count, error = 0;
+  for (int64_t i = 0; i < count; i++) {
+    frequency[i] = row[2 * i];
+    density[i] = row[2 * i + 1];
+  }
+  double *displacement = (double *)lbw_push_array(L, BW_F64, nodes, 3)->data;
+  double *von_mises = (double *)lbw_push_array(L, BW_F64, nodes, 1)->data;
+  bw_status status = bw_harmonic_random(lbw_enter(L), h, (int)count, frequency, density,
+                                        displacement, von_mises, &error);
+  lua_pushnumber(L, error);
+  return lbw_leave(L, status, 3);
+}
+
 static int harmonic_frequencies(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, self(L)->frequency_count, 1, self(L)->frequency, self(L));
 }
@@ -174,6 +197,7 @@ static const luaL_Reg methods[] = {{"displacement", harmonic_displacement},
                                    {"stress", harmonic_stress},
                                    {"von_mises", harmonic_von_mises},
                                    {"at_node", harmonic_at_node},
+                                   {"random", harmonic_random},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {{"frequencies", harmonic_frequencies},
                                       {"errors", harmonic_errors},

@@ -84,6 +84,28 @@ function Harmonic:curve(options) end
 ---@field at bw.Vector (m) the place
 ---@field frequencies? number[]|bw.Array (Hz, n × 1) 0 or more each. Default: those of the response
 
+---Root mean squares where loads and base are multiplied by one random process, stationary and of mean 0.
+---
+---Errors: singular (nothing damps a mode in the range). Points that do not ascend, are negative or reach beyond the highest
+---frequency of the response raise.
+---
+---Source: docs/theory/dynamics.md; Segalman, Fulcher, Reese, Field (1998).
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local shaken = assert(part:harmonic {range = {20, 2000}, base = {0, 0, 9.81}, damping = {ratio = 0.02}})
+---print(assert(shaken:random {psd = {{20, 0.01}, {80, 0.04}, {350, 0.04}, {2000, 0.007}}})) -- g^2/Hz, as the base has 1 g
+---```
+---@param options bw.HarmonicRandomOptions the process
+---@return bw.RandomResponse? random root mean squares
+---@return string? message
+---@return bw.Details? details
+function Harmonic:random(options) end
+
+---A random process.
+---@class bw.HarmonicRandomOptions
+---@field psd number[][]|bw.Array (any, n × 2) rows of frequency (Hz) and one-sided power spectral density (1/Hz), straight on logarithmic axes, linear where a number is 0; nothing outside
+
 ---Writes a frequency's fields to a .vtu file: displacement and stress in two parts, and the amplitude of von Mises stress. Other
 ---endings of `mesh:write` work, too.
 ---
@@ -162,3 +184,38 @@ function HarmonicCurve:write(path) end
 ---A plot of the amplitudes over the frequency.
 ---@return bw.Figure figure the plot
 function HarmonicCurve:figure() end
+
+---Root mean squares of a response to a random process.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local shaken = assert(part:harmonic {range = {20, 500}, base = {0, 0, 9.81}, damping = {ratio = 0.02}})
+---local random = assert(shaken:random {psd = {{20, 0.01}, {500, 0.01}}})
+---print(3 * random.von_mises:max() < 400e6, random.displacement:column(3):max())
+---```
+---@class bw.RandomResponse
+---@field displacement bw.Array (m, node_count × 3, per node) root mean square of each component
+---@field von_mises bw.Array (Pa, node_count × 1, per node) root of the mean square of von Mises stress
+---@field error number (-) of the displacement, in energy, over the displacement: a bound on this mesh where the modes are counted
+---@field mesh bw.Mesh of the model
+local RandomResponse = {}
+
+---Writes the root mean squares to a .vtu file. Other endings of `mesh:write` work, too.
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@param options? bw.MeshWriteOptions further fields, unit and version
+---@return true? written true
+---@return string? message
+---@return bw.Details? details
+function RandomResponse:write(path, options) end
+
+---Draws the body as a PNG file, coloured by the root mean square of von Mises stress.
+---
+---Errors: those of `bw.picture`.
+---@param path string the file
+---@param options? bw.PictureOptions how it is drawn
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
+function RandomResponse:picture(path, options) end

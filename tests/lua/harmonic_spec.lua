@@ -62,6 +62,22 @@ describe("harmonic", function()
     assert.is_true(bw.array.map("norm(a)", {a = x - u}):max() < 1e-9 * u:norm())
   end)
 
+  it("has Miles's root mean square of a wide random base", function()
+    local shaken = assert(beam():harmonic {
+      range = {0, 2 * bending}, base = {0, 0, 9.81}, damping = {ratio = 0.01}})
+    local random = assert(shaken:random {psd = {{0, 0.01}, {2 * bending, 0.01}}})
+    local curve = assert(shaken:curve {at = {L, b / 2, a / 2}})
+    -- sqrt(pi/2 f Q S) times the static displacement under 1 g, but for the part beyond the range
+    local expected = math.sqrt(math.pi / 2 * shaken.modes.frequencies[1] * 50 * 0.01) * curve.amplitude(1, 3)
+    check.near(expected, random.displacement(curve.node, 3), 0.02)
+    check.near(shaken:von_mises(0):max() / curve.amplitude(1, 3),
+      random.von_mises:max() / random.displacement(curve.node, 3), 0.1)
+    assert.is_true(random.error < 1e-8)
+    assert.truthy(tostring(random):find("root mean squares", 1, true))
+    assert(random:write(folder .. "random.vtu"))
+    assert(random:picture(folder .. "random.png"))
+  end)
+
   it("writes curves, fields, pictures and animations", function()
     local response = assert(beam({0, 0, 10}):harmonic {range = {0, 500}, damping = {ratio = 0.02}})
     local curve = assert(response:curve {at = {L, 0, 0}, frequencies = {0, 100}})
@@ -95,6 +111,9 @@ describe("harmonic", function()
       ["401 residual vectors"] = function() part:harmonic {range = {0, 1}, residual_vectors = 401} end,
       ["nothing excites"] = function() beam():harmonic {range = {0, 1}} end,
       ["-1 Hz"] = function() response:displacement(-1) end,
+      ["option 'psd' is missing"] = function() response:random {} end,
+      ["2 points or more"] = function() response:random {psd = {{1, 1}}} end,
+      ["larger range"] = function() response:random {psd = {{1, 1}, {11, 1}}} end,
       ["option 'at'"] = function() response:curve {at = {1, 2}} end,
       ['"x", "y" or "z" expected'] = function() response:curve({at = {0, 0, 0}}):peak "w" end,
     } do

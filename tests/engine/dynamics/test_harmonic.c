@@ -395,6 +395,114 @@ static void refused(void **state) {
   bw_release(mesh);
 }
 
+/* White noise on a load M phi: the mean square of its mode is pi f0 S / (4 z w0^4), of a one-sided
+ * density S over all frequencies; the part beyond 20 f0 is below S / (3 (2 pi)^4 (20 f0)^3). */
+static void random_single_mode(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 4, 1, 1, 2);
+  bw_model *model = bar(context, mesh, 0.3, NULL);
+  bw_system *system = factored(context, model);
+  bw_modes *modes = NULL;
+  bw_array *nodal = NULL;
+  int nodes = mesh->node_count, size = 3 * nodes;
+  check_ok(context, bw_modes_of_model(context, model, system, NULL, NULL, &modes));
+  check_ok(context, bw_array_create(context, BW_F64, nodes, 3, &nodal));
+  check_ok(context, bw_block_multiply(context, system->pattern, system->mass, 1, 3, 1, modes->shape,
+                                      (double *)nodal->data));
+  check_ok(context, bw_model_nodal_forces(context, model, nodal));
+  double w0 = sqrt(modes->eigenvalue[0]), f0 = modes->frequency[0], error, ratio = 0.004;
+  const double at[2] = {0, 20 * f0}, density[2] = {3, 3};
+  bw_harmonic_options options;
+  bw_harmonic_options_default(&options);
+  options.to = 20 * f0;
+  options.damping.ratio = ratio;
+  bw_harmonic *h = answered(context, model, &options);
+  double *u = numbers(size), *mises = numbers(nodes), *stress = numbers(6 * nodes);
+  double rms = sqrt(M_PI * f0 * 3 / (4 * ratio * pow(w0, 4)));
+  check_ok(context, bw_harmonic_random(context, h, 2, at, density, u, mises, &error));
+  check_ok(context, bw_nodal_stress(context, mesh, model->material, modes->shape, stress));
+  double largest = 0, most = 0;
+  for (int i = 0; i < size; i++)
+    largest = fmax(largest, rms * fabs(modes->shape[i]));
+  for (int i = 0; i < size; i++)
+    check_near(u[i], rms * fabs(modes->shape[i]), 2e-5 * largest);
+  for (int i = 0; i < nodes; i++)
+    most = fmax(most, rms * bw_von_mises(stress + 6 * i));
+  for (int i = 0; i < nodes; i++)
+    check_near(mises[i], rms * bw_von_mises(stress + 6 * i), 2e-5 * most);
+  assert_true(error < 1e-6);
+  const double low[2] = {2, 1}, beyond[2] = {0, 21 * f0}, minus[2] = {1, -1};
+  check_fails(context, BW_INVALID, "must ascend",
+              bw_harmonic_random(context, h, 2, low, density, u, NULL, NULL));
+  check_fails(context, BW_INVALID, "larger range",
+              bw_harmonic_random(context, h, 2, beyond, density, u, NULL, NULL));
+  check_fails(context, BW_INVALID, "point 2",
+              bw_harmonic_random(context, h, 2, at, minus, u, NULL, NULL));
+  check_fails(context, BW_INVALID, "2 points or more",
+              bw_harmonic_random(context, h, 1, at, density, u, NULL, NULL));
+  h->damping.ratio = 0;
+  check_fails(context, BW_SINGULAR, "nothing damps mode",
+              bw_harmonic_random(context, h, 2, at, density, u, NULL, NULL));
+  free(u);
+  free(mises);
+  free(stress);
+  bw_release(h);
+  bw_release(nodal);
+  bw_release(modes);
+  bw_release(system);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+/* Root mean squares are those of a fine sum over frequencies of the fields. */
+static void random_by_sums(void **state) {
+  bw_context *context = check_context(state);
+  const double force[3] = {-100, 20, 30};
+  bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 3, 1, 1, 2);
+  bw_model *model = bar(context, mesh, 0.3, force);
+  int nodes = mesh->node_count, size = 3 * nodes, steps = 4000;
+  const double at[3] = {100, 400, 1600}, density[3] = {1, 4, 0.5};
+  bw_harmonic_options options;
+  bw_harmonic_options_default(&options);
+  options.to = 1600;
+  options.damping.loss = 0.06;
+  bw_harmonic *h = answered(context, model, &options);
+  double *u = numbers(size), *mises = numbers(nodes), *sum = numbers(size),
+         *squares = numbers(nodes);
+  double *re = numbers(2 * size), *im = numbers(2 * size), largest = 0, most = 0;
+  check_ok(context, bw_harmonic_random(context, h, 3, at, density, u, mises, NULL));
+  for (int k = 0; k < steps; k++) {
+    double f = 100 + 1500 * (k + 0.5) / steps, df = 1500.0 / steps;
+    double s = f < 400 ? pow(f / 100, log(4) / log(4)) : 4 * pow(f / 400, log(1.0 / 8) / log(4));
+    check_ok(context, bw_harmonic_displacement(context, h, f, re, im));
+    for (int i = 0; i < size; i++)
+      sum[i] += s * df * (re[i] * re[i] + im[i] * im[i]);
+    if (k % 10 == 5) { /* stress every tenth: the peaks are wide */
+      check_ok(context, bw_harmonic_stress(context, h, f, re, im, NULL));
+      for (int i = 0; i < nodes; i++)
+        squares[i] +=
+            10 * s * df * (pow(bw_von_mises(re + 6 * i), 2) + pow(bw_von_mises(im + 6 * i), 2));
+    }
+  }
+  for (int i = 0; i < size; i++)
+    largest = fmax(largest, u[i]);
+  for (int i = 0; i < size; i++)
+    check_near(u[i], sqrt(sum[i]), 1e-5 * largest);
+  for (int i = 0; i < nodes; i++)
+    most = fmax(most, mises[i]);
+  for (int i = 0; i < nodes; i++)
+    check_near(mises[i], sqrt(squares[i]), 1e-3 * most);
+  free(u);
+  free(mises);
+  free(sum);
+  free(squares);
+  free(re);
+  free(im);
+  bw_release(h);
+  bw_release(model);
+  bw_release(mesh);
+}
+
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-1, 0, 0};
@@ -491,6 +599,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {check_test(against_dense),    check_test(single_mode),
                                      check_test(statics_and_base), check_test(peaks_are_met),
                                      check_test(same_bits),        check_test(refused),
-                                     check_test(memory_failures),  check_test(calculix_agrees)};
+                                     check_test(memory_failures),  check_test(random_single_mode),
+                                     check_test(random_by_sums),   check_test(calculix_agrees)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

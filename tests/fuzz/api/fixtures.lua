@@ -123,8 +123,11 @@ makers.Modes = {
   function(p) return assert(p.Model:modes {count = 2}) end,
   function(p) return assert(p:variant("bw.Model", 3):modes {count = 1, laplacian = true}) end,
 }
-makers.Harmonic = {function(p) return assert(p.Model:harmonic {range = {0, 50}, modes = 2, damping = {ratio = 0.1}}) end}
+makers.Harmonic = {function(p)
+  return assert(p.Model:harmonic {range = {0, 50}, modes = 2, damping = {ratio = 0.1}})
+end}
 makers.HarmonicCurve = {function(p) return assert(p.Harmonic:curve {at = {1, 0, 0}, frequencies = {1, 2}}) end}
+makers.RandomResponse = {function(p) return assert(p.Harmonic:random {psd = {{1, 1}, {50, 1}}}) end}
 makers.System = {
   function(p) return assert(p.Model:system()) end,
   function(p) return assert(p:variant("bw.Model", 3):system()) end,

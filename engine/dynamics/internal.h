@@ -1,0 +1,16 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of dynamics/ share. */
+#ifndef BWI_DYNAMICS_INTERNAL_H
+#define BWI_DYNAMICS_INTERNAL_H
+
+#include "barwright/dynamics.h"
+
+/* Half of the width of the peak of a mode (rad/s) over its frequency. */
+double bwi_half_width(const bw_damping *damping, double omega);
+/* For qsort of doubles. */
+int bwi_compare_numbers(const void *a, const void *b);
+/* sum of weight (harmonic->count) times vector: field (node_count x 3). */
+bw_status bwi_harmonic_combine(bw_context *context, const bw_harmonic *harmonic,
+                               const double *weight, double *field);
+
+#endif
