@@ -113,6 +113,7 @@
 #include "barwright/dynamics.h"
 #include "barwright/transient.h"
 #include "barwright/heat.h"
+#include "barwright/joint.h"
 #include "barwright/responsive.h"
 
 #include "barwright/picture.h"

@@ -199,11 +199,45 @@ static void describe_load(bwi_text *out, const bw_load *load, int number, double
   describe_resultant(out, load->resultant, load->moment, force, moment_size);
 }
 
+static void describe_bond(bwi_text *out, const bw_bond *bond, int number, double size) {
+  bwi_text_add(out, "bond ");
+  bwi_text_integer(out, number);
+  bwi_text_add(out, ": ");
+  bwi_text_number(out, bond->area, 5, 0);
+  bwi_text_add(out, " m2, ");
+  bwi_text_integer(out, bond->node_count);
+  bwi_text_add(out, " nodes of side a follow side b, largest gap ");
+  bwi_text_number(out, bond->gap, 3, 1e-12 * size);
+  bwi_text_add(out, " m; a: ");
+  describe_selection(out, bond->a, size);
+  bwi_text_add(out, "; b: ");
+  describe_selection(out, bond->b, size);
+  bwi_text_add(out, "\n");
+}
+
+/* The same of bodies that bonds join. */
+static bw_status describe_bonded(bw_context *context, bwi_text *out, const bw_model *model,
+                                 const bw_dof_map *dof_map) {
+  int count;
+  int32_t body;
+  bw_status status = bwi_bonded_rigid_modes(context, model, dof_map, &count, &body);
+  if (status != BW_OK)
+    return status;
+  if (count == 0)
+    bwi_text_add(out, "no rigid-body mode is unconstrained\n");
+  else {
+    bwi_text_integer(out, count);
+    bwi_text_add(out, count == 1 ? " rigid-body mode" : " rigid-body modes");
+    bwi_text_add(out, " of the bonded bodies unconstrained\n");
+  }
+  return BW_OK;
+}
+
 /* Which rigid-body motions the supports leave free, or why that is unknown. */
 static bw_status describe_free(bw_context *context, bwi_text *out, const bw_model *model) {
   bw_dof_map *dof_map = NULL;
   char *text = NULL;
-  bw_status status = bw_dof_map_create(context, model, &dof_map);
+  bw_status status = bwi_dof_map_apart(context, model, &dof_map);
   if (status == BW_INVALID) {
     bwi_text_add(out, "supports contradict each other: ");
     bwi_text_add(out, bw_message(context));
@@ -213,6 +247,10 @@ static bw_status describe_free(bw_context *context, bwi_text *out, const bw_mode
   }
   if (status != BW_OK)
     goto done;
+  if (model->bond_count > 0) {
+    BW_TRY(describe_bonded(context, out, model, dof_map));
+    goto done;
+  }
   BW_TRY(bw_dof_map_describe_rigid_modes(context, dof_map, &text));
   bwi_text_add(out, "unknowns: ");
   bwi_text_integer(out, dof_map->unknown_count);
@@ -257,6 +295,8 @@ bw_status bw_model_describe(bw_context *context, const bw_model *model, char **t
     bwi_text_add(&out, "all loads: ");
     describe_resultant(&out, total, moment, all_force, all_moment);
   }
+  for (int i = 0; i < model->bond_count; i++)
+    describe_bond(&out, &model->bond[i], i + 1, size);
   bw_status status = describe_free(context, &out, model);
   if (status == BW_OK && out.failed)
     status = BW_MEMORY;

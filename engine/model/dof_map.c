@@ -315,6 +315,11 @@ bw_status bw_dof_map_unconstrained(bw_context *context, const bw_mesh *mesh, bw_
 }
 
 bw_status bw_dof_map_create(bw_context *context, const bw_model *model, bw_dof_map **dof_map) {
+  bw_status status = bwi_refuse_bonds(context, model);
+  return status == BW_OK ? bwi_dof_map_apart(context, model, dof_map) : status;
+}
+
+bw_status bwi_dof_map_apart(bw_context *context, const bw_model *model, bw_dof_map **dof_map) {
   int32_t count = 0;
   bwi_constraint *constraint = NULL;
   bw_status status;

@@ -36,6 +36,21 @@ typedef struct bwi_constraint {
 bw_status bwi_node_constraints(bw_context *context, const bw_model *model, int32_t *count,
                                bwi_constraint **constraint);
 
+/* ---- bond.c, bonded.c ----------------------------------------------------------------------- */
+
+/* What bw_model_bond adds; retains the selections. Clear with bwi_bond_clear. */
+bw_status bwi_bond_make(bw_context *context, const bw_selection *a, const bw_selection *b,
+                        double gap, bw_bond *bond);
+void bwi_bond_clear(bw_bond *bond);
+/* Where a model has bonds: BW_UNSUPPORTED. */
+bw_status bwi_refuse_bonds(bw_context *context, const bw_model *model);
+/* The DOF map of a model as if it had no bonds: its bodies may be free one by one. */
+bw_status bwi_dof_map_apart(bw_context *context, const bw_model *model, bw_dof_map **dof_map);
+/* The rigid-body modes of bodies that bonds join: how many the supports leave, and the body that
+ * moves most in one of them (-1 without). A gap does not count. */
+bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
+                                 const bw_dof_map *dof_map, int *count, int32_t *body);
+
 /* ---- moments.c, rigid.c, rigid_modes.c ----------------------------------------------------- */
 
 /* The volume's moments of every body: fills body_volume, body_centre and weight (which must have

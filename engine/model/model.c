@@ -22,8 +22,11 @@ static void model_destroy(void *object) {
     clear_load(&model->load[i]);
   for (int i = 0; i < model->support_count; i++)
     clear_support(&model->support[i]);
+  for (int i = 0; i < model->bond_count; i++)
+    bwi_bond_clear(&model->bond[i]);
   bw_free(model->load);
   bw_free(model->support);
+  bw_free(model->bond);
   bw_release(model->mesh);
   bw_release(model->material);
   bw_free(model);
@@ -32,7 +35,8 @@ static void model_destroy(void *object) {
 static size_t model_bytes(const void *object) {
   const bw_model *model = (const bw_model *)object;
   return sizeof *model + (size_t)model->load_count * sizeof *model->load +
-         (size_t)model->support_count * sizeof *model->support;
+         (size_t)model->support_count * sizeof *model->support +
+         (size_t)model->bond_count * sizeof *model->bond;
 }
 
 static const bw_kind model_kind = {"model", model_destroy, model_bytes};
@@ -271,6 +275,35 @@ bw_status bw_model_prescribe_field(bw_context *context, bw_model *model, const b
   BW_TRY(bwi_model_add_support(context, model, &support));
 done:
   return status;
+}
+
+/* ---- bonds ----------------------------------------------------------------------------------- */
+
+bw_status bw_model_bond(bw_context *context, bw_model *model, const bw_selection *a,
+                        const bw_selection *b, double gap) {
+  bw_status status;
+  bw_bond bond;
+  BW_TRY(check_selection(context, model, a, false, "side a of a bond"));
+  BW_TRY(check_selection(context, model, b, false, "side b of a bond"));
+  if (!isfinite(gap))
+    return bw_fail(context, BW_INVALID, "the gap of a bond is not a finite number");
+  bw_bond *list = (bw_bond *)bw_resize(context, model->bond, (size_t)model->bond_count + 1,
+                                       sizeof *model->bond);
+  BW_TRY_MEMORY(list);
+  model->bond = list;
+  BW_TRY(bwi_bond_make(context, a, b, gap, &bond));
+  list[model->bond_count++] = bond;
+  model->object.revision++;
+done:
+  return status;
+}
+
+void bw_model_clear_bonds(bw_model *model) {
+  for (int i = 0; i < model->bond_count; i++)
+    bwi_bond_clear(&model->bond[i]);
+  if (model->bond_count > 0)
+    model->object.revision++;
+  model->bond_count = 0;
 }
 
 /* ---- loads ----------------------------------------------------------------------------------- */

@@ -133,6 +133,16 @@ done:
   return status;
 }
 
+static bw_status transfer_bond(transfer *t, const bw_bond *bond) {
+  bw_status status = BW_OK;
+  const bw_selection *a, *b;
+  BW_TRY(transfer_selection(t, bond->a, &a));
+  BW_TRY(transfer_selection(t, bond->b, &b));
+  BW_TRY(bw_model_bond(t->context, t->to, a, b, bond->asked_gap));
+done:
+  return status;
+}
+
 /* Whether a load at nodes can be expressed at the new nodes: forces where no loaded node is gone, a
  * change of temperature that is the same everywhere. */
 static bw_status check_nodal(const transfer *t, int number, const bw_load *load) {
@@ -206,7 +216,7 @@ static bw_status transfer_model(bw_context *context, const bw_model *model, cons
   bw_status status = BW_OK;
   transfer t = {
       .context = context, .from = model, .node_from = node_from, .refinement = refinement};
-  int max = model->support_count + model->load_count + also_count;
+  int max = model->support_count + model->load_count + 2 * model->bond_count + also_count;
   bw_material *material = NULL;
   BW_TRY(carry_material(context, model, mesh, node_from != NULL, refinement, &material));
   BW_TRY(bw_model_create(context, mesh, material, &t.to));
@@ -217,6 +227,8 @@ static bw_status transfer_model(bw_context *context, const bw_model *model, cons
     BW_TRY(invert(&t));
   for (int i = 0; i < model->support_count; i++)
     BW_TRY(transfer_support(&t, &model->support[i]));
+  for (int i = 0; i < model->bond_count; i++)
+    BW_TRY(transfer_bond(&t, &model->bond[i]));
   for (int i = 0; i < model->load_count; i++)
     BW_TRY(transfer_load(&t, i));
   for (int i = 0; i < also_count; i++) {

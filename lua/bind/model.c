@@ -101,6 +101,37 @@ static int model_clear_supports(lua_State *L) {
   return 1;
 }
 
+/* ---- bonds ----------------------------------------------------------------------------------- */
+
+static const bw_selection *side_option(lua_State *L, const char *key) {
+  lbw_option_get(L, 2, key);
+  const bw_selection *on = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
+  if (!on)
+    lbw_option_refused(L, "bond", key, "an open selection");
+  return on; /* the table of options keeps it */
+}
+
+/* model:bond{a = selection, b = selection, gap = } */
+static int model_bond(lua_State *L) {
+  double gap = -1;
+  static const lbw_option list[] = {
+      {"a", LBW_OTHER, 0}, {"b", LBW_OTHER, 0}, {"gap", LBW_REAL, 0}, {NULL, LBW_OTHER, 0}};
+  bw_model *model = self(L);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  lbw_options(L, 2, "bond", list, &gap);
+  if (lbw_option_get(L, 2, "gap") != LUA_TNIL && gap < 0)
+    return lbw_error(L, "bond: option 'gap': 0 or more expected");
+  const bw_selection *a = side_option(L, "a"), *b = side_option(L, "b");
+  return leave_self(L, bw_model_bond(lbw_enter(L), model, a, b, gap));
+}
+
+static int model_clear_bonds(lua_State *L) {
+  bw_model_clear_bonds(self(L));
+  lua_settop(L, 1);
+  return 1;
+}
+
 /* ---- loads ----------------------------------------------------------------------------------- */
 
 /* model:gravity{x, y, z} */
@@ -357,8 +388,10 @@ static int model_solve(lua_State *L) {
     return 3;
   lbw_box *box = lbw_box_new(L, &lbw_static_class);
   bw_static *result = NULL;
-  bw_status status =
-      bw_statics(lbw_enter(L), (const bw_model *)model->object, given, &options, &result);
+  const bw_model *of = (const bw_model *)model->object;
+  bw_context *context = lbw_enter(L);
+  bw_status status = of->bond_count > 0 ? bw_joined_statics(context, of, &options, &result)
+                                        : bw_statics(context, of, given, &options, &result);
   if (status == BW_OK && result->system && result->system != model->extra) {
     bw_release(model->extra);
     model->extra = bw_retain(result->system);
@@ -410,7 +443,9 @@ static int model_modes(lua_State *L) {
     if (status == BW_OK)
       status = bw_modes_laplacian(context, of->mesh, pattern, &opts.options, &modes);
     bw_release(pattern);
-  } else {
+  } else if (of->bond_count > 0)
+    status = bw_joined_modes(context, of, &opts.options, &modes);
+  else {
     status = bw_modes_of_model(context, of, given, &opts.options, &system, &modes);
     if (system) {
       bw_release(model->extra);
@@ -515,6 +550,27 @@ static int model_supports(lua_State *L) {
   return 1;
 }
 
+static int model_bonds(lua_State *L) {
+  const bw_model *model = self(L);
+  lua_createtable(L, model->bond_count, 0);
+  for (int i = 0; i < model->bond_count; i++) {
+    const bw_bond *bond = &model->bond[i];
+    lua_createtable(L, 0, 5);
+    lbw_push(L, &lbw_selection_class, bond->a);
+    lua_setfield(L, -2, "a");
+    lbw_push(L, &lbw_selection_class, bond->b);
+    lua_setfield(L, -2, "b");
+    lua_pushnumber(L, bond->area);
+    lua_setfield(L, -2, "area");
+    lua_pushnumber(L, bond->gap);
+    lua_setfield(L, -2, "gap");
+    lua_pushinteger(L, bond->node_count);
+    lua_setfield(L, -2, "node_count");
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
 static int model_tostring(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   lbw_state *state = lbw_state_of(L);
@@ -552,6 +608,8 @@ static const luaL_Reg methods[] = {{"fix", model_fix},
                                    {"slide", model_slide},
                                    {"prescribe", model_prescribe},
                                    {"clear_supports", model_clear_supports},
+                                   {"bond", model_bond},
+                                   {"clear_bonds", model_clear_bonds},
                                    {"gravity", model_gravity},
                                    {"load", model_load},
                                    {"temperature", model_temperature},
@@ -569,6 +627,7 @@ static const luaL_Reg properties[] = {{"mesh", model_mesh},
                                       {"locking", model_locking},
                                       {"loads", model_loads},
                                       {"supports", model_supports},
+                                      {"bonds", model_bonds},
                                       {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", model_tostring}, {NULL, NULL}};
 const lbw_class lbw_model_class = {"model", methods, properties, meta, NULL};

@@ -161,6 +161,21 @@ static int static_residual(lua_State *L) {
   return 1;
 }
 
+/* What the bonds transmit. */
+static int static_bonds(lua_State *L) {
+  const bw_static *result = self(L);
+  lua_createtable(L, result->bond_count, 0);
+  for (int i = 0; i < result->bond_count; i++) {
+    lua_createtable(L, 0, 2);
+    lbw_push_vector(L, result->bond[i].force);
+    lua_setfield(L, -2, "force");
+    lbw_push_vector(L, result->bond[i].moment);
+    lua_setfield(L, -2, "moment");
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
 static int static_mesh(lua_State *L) {
   lbw_push(L, &lbw_mesh_class, self(L)->model->mesh);
   return 1;
@@ -299,6 +314,7 @@ static const luaL_Reg static_properties[] = {
     {"utilisation", static_utilisation},
     {"energy", static_energy},
     {"residual", static_residual},
+    {"bonds", static_bonds},
     {"locking", static_locking},
     {"mesh", static_mesh},
     {"material", static_material},

@@ -46,6 +46,7 @@ function bw.model(options) end
 ---@field locking string? a warning of volumetric locking, with its cure, where standard elements have a Poisson's ratio above 0.48; nil otherwise. A solution reports it
 ---@field loads bw.Load[] in the order in which they were added
 ---@field supports bw.Support[] in the order in which they were added
+---@field bonds bw.Bond[] in the order in which they were added
 local Model = {}
 
 ---A load of a model.
@@ -62,6 +63,14 @@ local Model = {}
 ---@field slide boolean whether it holds along normals only
 ---@field displacement (number|false)[] (m, 3) prescribed, false where it leaves a direction free
 ---@field direction? bw.Vector (-) the normal of a sliding support that was given one
+
+---A bond of a model.
+---@class bw.Bond
+---@field a bw.Selection the side that follows
+---@field b bw.Selection the side that it follows
+---@field area number (m2) of side a that is bonded
+---@field gap number (m) the largest one between what is bonded
+---@field node_count integer (count) nodes of side a that follow
 
 ---Fixes a selection in all directions. A selection without a facet raises, unless it is a node set. A warning states where it
 ---misses more than a tenth of a face along its border.
@@ -80,6 +89,29 @@ function Model:slide(selection, normal) end
 ---@param displacement (number|false)[]|bw.Array (m, 3; or node_count × 3, per node) {x, y, z} with false where a direction is free, or a row for every node of the mesh
 ---@return bw.Model self
 function Model:prescribe(selection, displacement) end
+
+---Bonds two surfaces of the mesh, whose nodes need not match. Side a follows side b where they touch. Make a the side that the
+---other one covers. Constant stress passes through a plane bond exactly. A model with bonds gives static solutions and modes.
+---What needs its equations otherwise is refused. A side without a facet, and a node on both sides, raise.
+---
+---Errors: geometry (sides that do not touch, with the distance; facets of side a that side b hardly covers).
+---
+---Source: Popp, Wohlmuth, Gee, Wall, SIAM J. Sci. Comput. 34 (2012); docs/theory/joints.md.
+---@param options bw.BondOptions the two sides
+---@return bw.Model? self the model
+---@return string? message
+---@return bw.Details? details
+function Model:bond(options) end
+
+---The sides of a bond.
+---@class bw.BondOptions
+---@field a bw.Selection the side that follows
+---@field b bw.Selection the side that it follows
+---@field gap? number (m) gap that is closed. Default: a twentieth of the mean edge of the finer side
+
+---Removes all bonds.
+---@return bw.Model self
+function Model:clear_bonds() end
 
 ---Removes all supports.
 ---@return bw.Model self

@@ -31,7 +31,7 @@ return {
     {"docs/theory/worst_case.md", "Worst case"},
     {"docs/theory/breaking_force.md", "Breaking force"}, {"docs/theory/strengthen.md", "Strengthening"},
     {"docs/theory/error_control.md", "Error control"}, {"docs/theory/stability.md", "Linear buckling"},
-    {"docs/theory/heat.md", "Heat conduction"},
+    {"docs/theory/heat.md", "Heat conduction"}, {"docs/theory/joints.md", "Joints"},
     {"docs/theory/dynamics.md", "Dynamics"}, {"docs/theory/transient.md", "Motion in time"},
     {"docs/theory/edit.md", "Edit sessions"}, {"docs/theory/responsive.md", "The plane"},
     {"docs/theory/data_driven.md", "Soft bodies, coarsened"},

@@ -4,6 +4,7 @@
 
 #include "barwright/io.h"
 #include "barwright/material.h"
+#include "barwright/matrix.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -123,15 +124,29 @@ typedef struct bw_support {
   const bw_array *field; /* instead: node_count x 3 (m), a copy of the model's own; or NULL */
 } bw_support;
 
-/* A mesh with material, supports and loads. Mutable: its object's revision grows with every support
- * and load added, and when its material is turned. */
+/* A bond of two surfaces whose meshes need not match: each node of side a follows nodes of side b
+ * (docs/theory/joints.md). The model releases what it points to. */
+typedef struct bw_bond {
+  const bw_selection *a, *b; /* retained: the side that follows, and the one that it follows */
+  double asked_gap;          /* (m) what was asked for, or below 0 */
+  double area;               /* (m2) of side a that is bonded */
+  double gap;                /* (m) the largest one between what is bonded */
+  int32_t node_count;        /* of side a that follow */
+  int32_t *node;             /* (index, node_count) these nodes, ascending */
+  bw_sparse_matrix *follows; /* (-, node_count x the mesh's) their displacements from those of
+                                      all nodes; each row sums to 1 */
+} bw_bond;
+
+/* A mesh with material, supports, loads and bonds. Mutable: its object's revision grows with every
+ * one added, and when its material is turned. */
 typedef struct bw_model {
   bw_object object;
   const bw_mesh *mesh;         /* retained */
   const bw_material *material; /* retained */
-  int load_count, support_count;
+  int load_count, support_count, bond_count;
   bw_load *load;       /* load_count loads */
   bw_support *support; /* support_count supports */
+  bw_bond *bond;       /* bond_count bonds */
 } bw_model;
 
 /* The material of a mesh with regions, part (mesh->region_count) for each of them in order. One
@@ -199,6 +214,16 @@ BW_API bw_status bw_model_prescribe_field(bw_context *context, bw_model *model,
  * material. Stresses of such a model: bw_static_stress (analysis.h). */
 BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_array *change,
                                       const double *expansion);
+/* Bonds two surfaces of the mesh: side a follows side b where they touch, or are no more than `gap`
+ * (m) apart; below 0: a twentieth of the mean edge of the finer side. Constant stress passes
+ * through a plane bond exactly. joint.h has static solutions and modes of such a model; other
+ * functions refuse one where they need its equations. BW_EMPTY for a side without a facet,
+ * BW_INVALID for a node on both sides and a gap that is no number, BW_GEOMETRY for sides that do
+ * not touch (with the distance) and facets of side a that side b hardly covers. */
+BW_API bw_status bw_model_bond(bw_context *context, bw_model *model, const bw_selection *a,
+                               const bw_selection *b, double gap);
+/* Removes all bonds. */
+BW_API void bw_model_clear_bonds(bw_model *model);
 /* A place where stresses, or fluxes of heat, are recovered: a node, as one of the materials around
  * it sees it. */
 typedef struct bw_stress_point {
@@ -333,7 +358,7 @@ typedef enum bw_dof_state {
   BW_DOF_ISOSTATIC   /* zero, in place of a rigid-body mode */
 } bw_dof_state;
 /* From a model's supports. Contradicting prescriptions are BW_INVALID, more than 2^31 - 1
- * components BW_LIMIT. */
+ * components BW_LIMIT, a model with bonds BW_UNSUPPORTED. */
 BW_API bw_status bw_dof_map_create(bw_context *context, const bw_model *model,
                                    bw_dof_map **dof_map);
 /* Without any support: every body unconstrained. BW_LIMIT as bw_dof_map_create. */

@@ -8,6 +8,12 @@
 extern "C" {
 #endif
 
+/* What a bond transmits. */
+typedef struct bw_bond_force {
+  double force[3];  /* (N) on side a; side b has the opposite one */
+  double moment[3]; /* (N m) the same about the origin */
+} bw_bond_force;
+
 /* A static solution. */
 typedef struct bw_static {
   bw_object object;
@@ -17,6 +23,8 @@ typedef struct bw_static {
   double *force;                       /* (N, node_count x 3) applied */
   double *reaction;                    /* (N, node_count x 3) K u - f at prescribed components, 0
                                           elsewhere */
+  int bond_count;                      /* of the model's bonds */
+  bw_bond_force *bond;                 /* bond_count, or NULL */
   double energy;                       /* (J) strain energy */
   double residual;                     /* (-) |K u - f| at unknowns over |f| */
   struct bw_external_report *external; /* of an external solver, or NULL */

@@ -122,6 +122,9 @@ add {
   ["Model:fix"] = function(p) return p.Selection end,
   ["Model:slide"] = function(p, r) return p:variant("bw.Selection", 2), r:chance(0.5) and {0, 0, 1} or nil end,
   ["Model:prescribe"] = function(p) return p.Selection, {0.01, false, 0} end,
+  ["Model:bond"] = function(p, r)
+    return {a = p.Selection, b = p:variant("bw.Selection", 2), gap = r:one_of {0, 1e-3}}
+  end,
   ["Model:gravity"] = function() return {0, 0, -9.81} end,
   ["Model:load"] = function(p, r)
     local on = p:variant("bw.Selection", 2)

@@ -1,0 +1,242 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Static solutions and modes of models whose bodies are joined. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "assemble/internal.h"
+#include "barwright/job.h"
+#include "base/dense.h"
+#include "eigen/modes.h"
+#include "joint/internal.h"
+#include "statics/internal.h"
+
+/* The equations of a joined model. */
+typedef struct equations {
+  bwi_reduction reduction;
+  bw_block_pattern *pattern;
+  double *stiffness;
+  bw_operator *k; /* T^T K T */
+  int rigid_count;
+  int32_t rigid_body;
+} equations;
+
+static void clear_equations(equations *q) {
+  bwi_reduction_clear(&q->reduction);
+  bw_release(q->pattern);
+  bw_release(q->k);
+  bw_free(q->stiffness);
+}
+
+static bw_status operator_of(bw_context *context, const equations *q, const double *values,
+                             int block, const char *name, bw_operator **out) {
+  bw_sparse_matrix *matrix = NULL;
+  bw_status status = bwi_reduce_matrix(context, &q->reduction, q->pattern, values, block, &matrix);
+  if (status == BW_OK)
+    status = bw_operator_of_matrix(context, matrix, name, out);
+  bw_release(matrix);
+  return status;
+}
+
+static bw_status open_equations(bw_context *context, const bw_model *model, equations *q) {
+  bw_status status = BW_OK;
+  bw_progress(context, "assembly", 0);
+  const char *locking = bw_locking(model->mesh, model->material);
+  if (locking)
+    bw_warn(context, "%s", locking);
+  BW_TRY(bwi_reduction_open(context, model, &q->reduction));
+  BW_TRY(bwi_bonded_rigid_modes(context, model, q->reduction.dof_map, &q->rigid_count,
+                                &q->rigid_body));
+  BW_TRY(bw_block_pattern_create(context, model->mesh, &q->pattern));
+  q->stiffness = BW_NEW(context, double, 9 * q->pattern->block_count);
+  BW_TRY_MEMORY(q->stiffness);
+  BW_TRY(bw_stiffness(context, q->pattern, model->mesh, model->material, q->stiffness));
+  BW_TRY(operator_of(context, q, q->stiffness, 9, "stiffness of the joined bodies", &q->k));
+done:
+  return status;
+}
+
+/* ---- statics --------------------------------------------------------------------------------- */
+
+static bw_status fail_free(bw_context *context, const equations *q) {
+  const double *centre = q->reduction.dof_map->body_centre + 3 * (int64_t)q->rigid_body;
+  bw_fail(context, BW_UNCONSTRAINED,
+          "supports and bonds leave %d rigid-body mode%s unconstrained, in which the body around "
+          "(%g, %g, %g) m moves: add supports or bonds; inertia relief is for models without bonds",
+          q->rigid_count, q->rigid_count == 1 ? "" : "s", centre[0], centre[1], centre[2]);
+  bw_detail_number(context, "motions", q->rigid_count);
+  return BW_UNCONSTRAINED;
+}
+
+/* Forces K u - f at the nodes that follow are what the bonds exert on side a. */
+static bw_status sum_bonds(bw_context *context, const bwi_reduction *r, bw_static *result) {
+  const bw_model *model = result->model;
+  const double *force = result->reaction;
+  if (model->bond_count == 0)
+    return BW_OK;
+  bw_bond_force *bonds = result->bond = BW_NEW0(context, bw_bond_force, model->bond_count);
+  if (!bonds)
+    return BW_MEMORY;
+  result->bond_count = model->bond_count;
+  const bw_dof_map *dof_map = r->dof_map;
+  for (int b = 0; b < model->bond_count; b++) {
+    for (int32_t i = 0; i < model->bond[b].node_count; i++) {
+      int32_t node = model->bond[b].node[i], at = dof_map->frame_of[node];
+      const double *x = model->mesh->node + 3 * (int64_t)node;
+      double f[3], m[3];
+      memcpy(f, force + 3 * (int64_t)node, sizeof f);
+      for (int k = 0; k < 3; k++) { /* without what a support exerts */
+        double d[3] = {k == 0, k == 1, k == 2};
+        if (dof_map->state[3 * (int64_t)node + k] != BW_DOF_PRESCRIBED)
+          continue;
+        if (at >= 0)
+          memcpy(d, dof_map->frame + 9 * (int64_t)at + 3 * k, sizeof d);
+        double part = bw_dot(d, force + 3 * (int64_t)node);
+        for (int c = 0; c < 3; c++)
+          f[c] -= part * d[c];
+      }
+      bw_cross(x, f, m);
+      for (int c = 0; c < 3; c++) {
+        bonds[b].force[c] += f[c];
+        bonds[b].moment[c] += m[c];
+      }
+    }
+  }
+  return BW_OK;
+}
+
+static bw_status solve(bw_context *context, const equations *q, const bw_solver *solver,
+                       const bw_model *model, bw_static *result) {
+  bw_status status = BW_OK;
+  const bwi_reduction *r = &q->reduction;
+  int64_t size = 3 * (int64_t)model->mesh->node_count, unknowns = r->unknown_count;
+  double *rest = BW_NEW(context, double, size), *b = BW_NEW(context, double, unknowns),
+         *x = BW_NEW0(context, double, unknowns), *kx = BW_NEW(context, double, unknowns);
+  result->reaction = BW_NEW(context, double, size);
+  BW_TRY_MEMORY(rest && b && x && kx && result->reaction);
+  BW_TRY(bw_block_multiply(context, q->pattern, q->stiffness, 9, 3, 1, r->g, rest));
+  for (int64_t i = 0; i < size; i++)
+    rest[i] = result->force[i] - rest[i];
+  BW_TRY(bw_sparse_matrix_apply(context, r->transposed, 1, rest, b));
+  if (unknowns > 0)
+    BW_TRY(bw_linear_solve(context, q->k, &(bw_linear_solve_options){.solver = solver}, 1, b, x,
+                           &result->report));
+  BW_TRY(bw_sparse_matrix_apply(context, q->k->matrix, 1, x, kx));
+  double square = 0, whole = bwi_dot(unknowns, b, b);
+  for (int64_t i = 0; i < unknowns; i++)
+    square += (b[i] - kx[i]) * (b[i] - kx[i]);
+  result->residual = whole > 0 ? sqrt(square / whole) : 0;
+  BW_TRY(bw_sparse_matrix_apply(context, r->t, 1, x, result->displacement));
+  for (int64_t i = 0; i < size; i++)
+    result->displacement[i] += r->g[i];
+  BW_TRY(bw_block_multiply(context, q->pattern, q->stiffness, 9, 3, 1, result->displacement,
+                           result->reaction));
+  for (int64_t i = 0; i < size; i++) {
+    result->energy += 0.5 * result->displacement[i] * result->reaction[i];
+    result->reaction[i] -= result->force[i];
+  }
+  BW_TRY(sum_bonds(context, r, result));
+  bwi_reduction_move(r, result->reaction);
+  bwi_keep_states(r->dof_map, 1u << BW_DOF_PRESCRIBED, result->reaction);
+done:
+  bw_free(rest);
+  bw_free(b);
+  bw_free(x);
+  bw_free(kx);
+  return status;
+}
+
+bw_status bw_joined_statics(bw_context *context, const bw_model *model,
+                            const bw_statics_options *options, bw_static **out) {
+  bw_status status = BW_OK;
+  equations q = {0};
+  bw_static *result = NULL;
+  bw_statics_options opts = options ? *options : (bw_statics_options){0};
+  double start = bw_seconds();
+  opts.inertia_relief = true; /* balance is judged for the joined bodies */
+  BW_TRY(open_equations(context, model, &q));
+  if (q.rigid_count > 0)
+    BW_TRY(fail_free(context, &q));
+  BW_TRY(bwi_static_begin(context, model, &opts, q.reduction.dof_map, &result));
+  BW_TRY(solve(context, &q, opts.solver, model, result));
+  result->report.residual = result->residual;
+  result->report.seconds = bw_seconds() - start;
+done:
+  clear_equations(&q);
+  if (status == BW_OK)
+    *out = result;
+  else
+    bw_release(result);
+  return status;
+}
+
+/* ---- modes ----------------------------------------------------------------------------------- */
+
+/* Of the mean of all eigenvalues, how far below 0 the shift of a free body lies. */
+static const double shift_part = 1e-8;
+
+static double trace(const bw_sparse_matrix *a) {
+  double sum = 0;
+  for (int32_t i = 0; i < a->rows; i++)
+    for (int64_t e = a->start[i]; e < a->start[i + 1]; e++)
+      sum += a->column[e] == i ? a->value[e] : 0;
+  return sum;
+}
+
+/* The pairs behind the rigid-body modes, as shapes of all nodes. */
+static bw_status make_modes(bw_context *context, const bw_model *model, const equations *q,
+                            const bw_eigenpairs *pairs, bw_modes **modes) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  int rigid = q->rigid_count < pairs->count ? q->rigid_count : pairs->count;
+  bwi_eigen_result result = {.count = pairs->count - rigid,
+                             .recovered = pairs->recovered,
+                             .counted = pairs->counted,
+                             .tested = pairs->tested,
+                             .report = pairs->report};
+  result.value = BW_NEW(context, double, result.count);
+  result.residual = BW_NEW(context, double, result.count);
+  result.vector = BW_NEW(context, double, result.count *size);
+  BW_TRY_MEMORY(result.value && result.residual && result.vector);
+  memcpy(result.value, pairs->value + rigid, (size_t)result.count * sizeof(double));
+  memcpy(result.residual, pairs->residual + rigid, (size_t)result.count * sizeof(double));
+  BW_TRY(bw_sparse_matrix_apply(context, q->reduction.t, result.count,
+                                pairs->vector + rigid * pairs->size, result.vector));
+  BW_TRY(bwi_modes_from(context, model->mesh, model->material, q->rigid_count, &result, modes));
+done:
+  bwi_eigen_result_clear(&result);
+  return status;
+}
+
+bw_status bw_joined_modes(bw_context *context, const bw_model *model, const bw_modes_options *given,
+                          bw_modes **modes) {
+  bw_status status = BW_OK;
+  equations q = {0};
+  bw_modes_options options;
+  bw_operator *m = NULL;
+  bw_eigenpairs *pairs = NULL;
+  double *mass = NULL;
+  BW_TRY(bwi_modes_options_check(context, given, &options));
+  BW_TRY(open_equations(context, model, &q));
+  mass = BW_NEW(context, double, q.pattern->block_count);
+  BW_TRY_MEMORY(mass);
+  BW_TRY(bw_mass(context, q.pattern, model->mesh, model->material, mass));
+  BW_TRY(operator_of(context, &q, mass, 1, "mass of the joined bodies", &m));
+  bw_eigen_solve_options how;
+  bw_eigen_solve_options_default(&how);
+  how.count = options.count + q.rigid_count;
+  how.tolerance = options.tolerance;
+  how.test = options.sturm;
+  how.seed = options.seed;
+  how.solver = options.solver;
+  if (q.rigid_count > 0)
+    how.shift = -shift_part * trace(q.k->matrix) / trace(m->matrix);
+  BW_TRY(bw_eigen_solve(context, q.k, m, &how, &pairs));
+  BW_TRY(make_modes(context, model, &q, pairs, modes));
+done:
+  clear_equations(&q);
+  bw_release(m);
+  bw_release(pairs);
+  bw_free(mass);
+  return status;
+}

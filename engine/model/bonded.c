@@ -1,0 +1,112 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The rigid-body modes of bodies that bonds join: the motions of the single bodies, six for each,
+ * that agree with the supports, and with each other at the nodes of bonds. */
+#include <math.h>
+#include <string.h>
+
+#include "base/dense.h"
+#include "model/internal.h"
+
+/* Of a sum of squares that a free motion leaves, in that of the stiffest one. */
+static const double free_square = 1e-10;
+enum { SWEEPS = 60 };
+
+bw_status bwi_refuse_bonds(bw_context *context, const bw_model *model) {
+  if (model->bond_count == 0)
+    return BW_OK;
+  return bw_fail(context, BW_UNSUPPORTED,
+                 "the model has %d bond%s: it gives static solutions and modes, but not what needs "
+                 "its equations otherwise; join the bodies in one mesh for that",
+                 model->bond_count, model->bond_count == 1 ? "" : "s");
+}
+
+typedef struct motions {
+  const bw_dof_map *dof_map;
+  int count;      /* of motions */
+  double *square; /* count x count */
+  double *row;    /* count */
+} motions;
+
+/* row += factor d . (motions of a body at x). A body turns by its own size. */
+static void add_motion(const motions *m, int32_t body, const double x[3], const double d[3],
+                       double factor, double *row) {
+  const double *centre = m->dof_map->body_centre + 3 * (size_t)body;
+  double size = cbrt(m->dof_map->body_volume[body]), turn[3];
+  double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]};
+  bw_cross(y, d, turn);
+  for (int k = 0; k < 3; k++) {
+    row[6 * body + k] += factor * d[k];
+    row[6 * body + 3 + k] += factor * turn[k] / size;
+  }
+}
+
+/* Rows have few bodies in them. */
+static void take_row(const motions *m) {
+  for (int i = 0; i < m->count; i++)
+    for (int k = 0; m->row[i] != 0 && k < m->count; k++)
+      m->square[i * (int64_t)m->count + k] += m->row[i] * m->row[k];
+  memset(m->row, 0, (size_t)m->count * sizeof *m->row);
+}
+
+static void take_supports(const motions *m, int32_t count, const bwi_constraint *constraint) {
+  const bw_mesh *mesh = m->dof_map->mesh;
+  for (int32_t h = 0; h < count; h++)
+    for (int i = 0; i < constraint[h].count; i++) {
+      int32_t node = constraint[h].node;
+      add_motion(m, mesh->component[node], mesh->node + 3 * (int64_t)node,
+                 constraint[h].direction[i], 1, m->row);
+      take_row(m);
+    }
+}
+
+static void take_bond(const motions *m, const bw_bond *bond) {
+  const bw_mesh *mesh = m->dof_map->mesh;
+  const bw_sparse_matrix *f = bond->follows;
+  for (int32_t i = 0; i < bond->node_count; i++)
+    for (int k = 0; k < 3; k++) {
+      const double *x = mesh->node + 3 * (int64_t)bond->node[i], d[3] = {k == 0, k == 1, k == 2};
+      add_motion(m, mesh->component[bond->node[i]], x, d, 1, m->row);
+      for (int64_t e = f->start[i]; e < f->start[i + 1]; e++)
+        add_motion(m, mesh->component[f->column[e]], x, d, -f->value[e], m->row);
+      take_row(m);
+    }
+}
+
+bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
+                                 const bw_dof_map *dof_map, int *count, int32_t *body) {
+  bw_status status = BW_OK;
+  int32_t constrained = 0;
+  bwi_constraint *constraint = NULL;
+  int64_t n = 6 * (int64_t)dof_map->mesh->component_count;
+  motions m = {.dof_map = dof_map, .count = (int)n};
+  double *vector = NULL, largest = 0, most = 0;
+  *count = 0;
+  *body = -1;
+  m.square = BW_NEW0(context, double, n *n);
+  m.row = BW_NEW0(context, double, n);
+  vector = BW_NEW(context, double, n *n);
+  BW_TRY_MEMORY(m.square && m.row && vector);
+  BW_TRY(bwi_node_constraints(context, model, &constrained, &constraint));
+  take_supports(&m, constrained, constraint);
+  for (int i = 0; i < model->bond_count; i++)
+    take_bond(&m, &model->bond[i]);
+  bwi_symmetric_eigen(m.count, m.count, m.square, vector, 1e-28, SWEEPS);
+  for (int64_t i = 0; i < n; i++)
+    largest = fmax(largest, m.square[i * n + i]);
+  for (int64_t i = 0; i < n; i++) {
+    if (m.square[i * n + i] > free_square * largest)
+      continue;
+    for (int64_t k = 0; *count == 0 && k < n; k++)
+      if (fabs(vector[i * n + k]) > most) {
+        most = fabs(vector[i * n + k]);
+        *body = (int32_t)(k / 6);
+      }
+    ++*count;
+  }
+done:
+  bw_free(m.square);
+  bw_free(m.row);
+  bw_free(vector);
+  bw_free(constraint);
+  return status;
+}

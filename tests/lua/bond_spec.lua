@@ -1,0 +1,73 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Bonds in Lua: a bar of two boxes whose cells do not match, what is printed, and misuse.
+local bw = require "barwright"
+local check = require "check"
+
+local L = 0.1
+
+-- Two boxes along x, of `gap` between them.
+local function boxes(gap)
+  local nodes, elements = {}, {}
+  for n, cells in ipairs {{4, 2, 2}, {5, 3, 3}} do
+    local from = n == 1 and 0 or L + gap
+    local box = bw.mesh.box {min = {from, 0, 0}, max = {from + L, 0.02, 0.02}, cells = cells, order = 2}
+    local before = #nodes
+    for i = 1, box.node_count do nodes[#nodes + 1] = {box.nodes[i][1], box.nodes[i][2], box.nodes[i][3]} end
+    for e = 1, box.element_count do
+      local row = {}
+      for a = 1, 10 do row[a] = box.elements[e][a] + before end
+      elements[#elements + 1] = row
+    end
+  end
+  return bw.mesh.new {nodes = nodes, elements = elements, order = 2}
+end
+
+local function bar(gap, asked)
+  local mesh = boxes(gap)
+  local part = bw.model {mesh = mesh, material = bw.material.steel}
+  local a = mesh.boundary:plane({L + gap, 0, 0}, {1, 0, 0}, 1e-7)
+  local b = mesh.boundary:plane({L, 0, 0}, {1, 0, 0}, 1e-7)
+  part:fix(mesh.boundary:below("x", 0))
+  return part, part:bond {a = a, b = b, gap = asked}
+end
+
+describe("bonds", function()
+  it("pass force and moment", function()
+    local part = bar(1e-6, 1e-5)
+    local mesh = part.mesh
+    part:load {on = mesh.boundary:above("x", 2 * L), force = {0, 0, -100}}
+    local static = assert(part:solve())
+    check.near(100, static.bonds[1].force[3], 1e-8)
+    check.near(-100 * 2 * L, static.bonds[1].moment[2], 1e-4)
+    -- a slender cantilever: shear adds 0.8 %, the clamp and the few elements take some off
+    local steel = bw.material.steel
+    local deflection = 100 * (2 * L) ^ 3 / (3 * steel.young * 0.02 ^ 4 / 12)
+    check.near(-deflection, static.displacement:column(3):min(), 0.02)
+    local modes = assert(part:modes {count = 2})
+    local mesh_of_all = bw.mesh.box {max = {2 * L, 0.02, 0.02}, cells = {10, 3, 3}, order = 2}
+    local whole = bw.model {mesh = mesh_of_all, material = steel}
+    whole:fix(whole.mesh.boundary:below("x", 0))
+    check.near(assert(whole:modes {count = 2}).frequencies[1], modes.frequencies[1], 0.01)
+  end)
+
+  it("are listed and printed", function()
+    local part = bar(1e-6, 1e-5)
+    assert.equal(1, #part.bonds)
+    check.near(4e-4, part.bonds[1].area, 1e-12)
+    assert.truthy(tostring(part):find("bond 1: 0.0004 m2", 1, true))
+    assert.truthy(tostring(part):find("no rigid-body mode is unconstrained", 1, true))
+    part:clear_bonds()
+    assert.equal(0, #part.bonds)
+  end)
+
+  it("say how far the sides are apart, and what else is refused", function()
+    local _, made, message = bar(0.003)
+    assert.is_nil(made)
+    assert.truthy(message:find("0.003 m apart", 1, true), message)
+    local part = bar(1e-6, 1e-5)
+    local system, why = part:system()
+    assert.is_nil(system)
+    assert.truthy(why:find("1 bond", 1, true), why)
+    assert.has_error(function() part:bond {a = part.mesh.boundary} end)
+  end)
+end)
