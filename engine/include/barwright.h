@@ -109,6 +109,7 @@
 
 #include "barwright/analysis.h"
 #include "barwright/buckling.h"
+#include "barwright/contact.h"
 #include "barwright/flow.h"
 #include "barwright/dynamics.h"
 #include "barwright/transient.h"

@@ -161,6 +161,40 @@ static void set_rotation(bw_rigid_mode *motion, const double centre[3], const do
   }
 }
 
+void bwi_describe_motion(const bw_dof_map *dof_map, const double *a, char *text, size_t size) {
+  int32_t largest = 0;
+  double most = -1;
+  for (int32_t body = 0; body < dof_map->mesh->component_count; body++) {
+    int32_t begin = dof_map->rigid_mode_start[body], end = dof_map->rigid_mode_start[body + 1];
+    double square = bwi_dot(end - begin, a + begin, a + begin);
+    if (square > most * (1 + 1e-6)) {
+      most = square;
+      largest = body;
+    }
+  }
+  const double *centre = dof_map->body_centre + 3 * (size_t)largest;
+  double t[3] = {0}, w[3] = {0}, length = cbrt(dof_map->body_volume[largest]);
+  bw_rigid_mode motion = {.component = largest};
+  for (int32_t m = dof_map->rigid_mode_start[largest]; m < dof_map->rigid_mode_start[largest + 1];
+       m++) {
+    double at_centre[3];
+    bwi_motion_at(&dof_map->rigid_mode[m], centre, at_centre);
+    for (int k = 0; k < 3; k++) {
+      t[k] += a[m] * at_centre[k] / sqrt(most);
+      w[k] += a[m] * dof_map->rigid_mode[m].rotation[k] / sqrt(most);
+    }
+  }
+  if (bw_norm(w) * length > CONSTRAINED_TOLERANCE)
+    set_rotation(&motion, centre, t, w, length);
+  else
+    memcpy(motion.translation, t, sizeof t);
+  name_motion(&motion, length);
+  if (dof_map->mesh->component_count > 1)
+    snprintf(text, size, "%s of body %d", motion.text, largest + 1);
+  else
+    snprintf(text, size, "%s", motion.text);
+}
+
 int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double inertia[9],
                     double length, int64_t row_count, const double (*row)[6],
                     bw_rigid_mode *motion) {

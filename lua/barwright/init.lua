@@ -27,6 +27,7 @@ local bw = {
   pressure_basis = core.pressure_basis,
   worst_loads = core.worst_loads,
   lp = core.lp,
+  rigid = core.rigid,
   operator = core.operator,
   sparse_matrix = core.sparse_matrix,
   rank_correlation = core.rank_correlation,
@@ -72,6 +73,7 @@ require "barwright.fields"
 require "barwright.adaptive"
 require "barwright.buckling"
 require "barwright.harmonic"
+require "barwright.contact"
 require "barwright.heat"
 require "barwright.transient"
 require "barwright.singular"

@@ -72,6 +72,7 @@
 ---@field material bw.MaterialModule
 ---@field solver bw.SolverModule
 ---@field lp bw.LpModule
+---@field rigid bw.RigidModule
 ---@field sparse_matrix bw.SparseMatrixModule
 ---@field eigensolver bw.EigensolverModule
 ---@field shapes bw.ShapesModule

@@ -354,6 +354,43 @@ function Model:harmonic(options) end
 ---@field stiffness? number (s) b of it. Range: 0 or more. Default: 0
 ---@field loss? number (-) loss factor h of the stiffness (1 + i h) K. Range: 0 or more. Default: 0
 
+---The part in contact with rigid surfaces, without friction, for small displacements: contact pressure, resultants and the static
+---solution. Supports may leave motions that contact restrains. The factor is that of the part's equations; each candidate that
+---may touch takes one solution with it.
+---
+---A warning names pairs that stay open or penetrate for want of smaller facets, motions that nothing decides, and rotations that
+---are not small.
+---
+---Errors: unconstrained (neither supports nor contact balance the load; `details.motion` says along which motion), convergence
+---(the part slides far on a curved surface), invalid (supports press the part into a surface), empty (a pair without a facet);
+---those of `solve`.
+---
+---Source: docs/theory/contact.md.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.05, 0.02}, cells = {20, 4, 2}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.pla}
+---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("z", 0.02), pressure = 1e4}
+---local peg = bw.rigid.cylinder {point = {0.15, 0, -0.01}, axis = {0, 1, 0}, radius = 0.01}
+---print(assert(part:contact {{on = mesh.boundary:below("z", 0), with = peg}}))
+---```
+---@param pairs bw.ContactPair[] what may touch what
+---@param options? bw.ContactOptions solver and limits
+---@return bw.Contact? contact pressure, forces and static solution
+---@return string? message
+---@return bw.Details? details
+function Model:contact(pairs, options) end
+
+---Facets that may touch a rigid surface.
+---@class bw.ContactPair
+---@field on bw.Selection with facets
+---@field with bw.RigidSurface what they may touch
+
+---How contact is found.
+---@class bw.ContactOptions
+---@field solver? bw.Solver|"auto" of the equations. Default: "auto"
+---@field tolerance? number (-) mean gap of a corner in contact with a curved surface over the largest displacement of the facets. Range: above 0, below 1. Default: 1e-6
+---@field max_iterations? integer (count) of linearisations of curved surfaces, 1 or more. Default: 30
+
 ---The equations of the model, ready for many right-hand sides: with a factor, or with the preconditioner of conjugate
 ---gradients. The model keeps them for what follows.
 ---

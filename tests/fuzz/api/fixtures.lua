@@ -108,6 +108,13 @@ makers.Heat = {function(p)
   return bw.heat {mesh = p.Mesh, material = bw.material.steel}:prescribe(p.Mesh.boundary:below(1, 0), 300)
     :load {on = p.Mesh.boundary:above(1, 1), power = 10}
 end}
+makers.RigidSurface = {
+  function() return bw.rigid.plane {normal = {0, 0, 1}} end,
+  function() return bw.rigid.cylinder {axis = {0, 1, 0}, radius = 0.1, inside = true} end,
+}
+makers.Contact = {function(p)
+  return assert(p.Model:contact {{on = p.Mesh.boundary:below(3, 0), with = bw.rigid.plane {normal = {0, 0, 1}}}})
+end}
 makers.HeatSolution = {function(p) return assert(p.Heat:solve()) end}
 makers.HeatTransient = {function(p) return assert(p.Heat:transient {initial = 300}) end}
 makers.LinearTransient = {function(p) return assert(p.Model:transient {step = 1e-4}) end}

@@ -1,0 +1,92 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of contact/ share. */
+#ifndef BWI_CONTACT_INTERNAL_H
+#define BWI_CONTACT_INTERNAL_H
+
+#include "barwright/contact.h"
+
+/* ---- rigid_surface.c ------------------------------------------------------------------------- */
+
+/* The gap at x, negative inside of the obstacle, and the outward normal of the nearest point. */
+double bwi_rigid_gap(const bw_rigid_surface *surface, const double x[3], double normal[3]);
+
+/* ---- contact_rows.c -------------------------------------------------------------------------- */
+
+/* A point of the rule on a selected facet. */
+typedef struct bwi_contact_point {
+  int32_t facet;
+  int32_t pair;
+  int32_t candidate[3]; /* of the facet's corners, */
+  double hat[3];        /* and their hat functions */
+  double shape[6];      /* of the facet's nodes */
+  double area;          /* weight times area */
+  double normal[3];     /* outward from the obstacle, where the point is now */
+  double gap;           /* there */
+} bwi_contact_point;
+
+/* The rows B of all pairs: a candidate is a corner of the facets of one pair. */
+typedef struct bwi_contact_rows {
+  const bw_mesh *mesh;
+  int pair_count;
+  const bw_contact_pair *pair;
+  int32_t count; /* of candidates, pair by pair, by ascending nodes */
+  int32_t *node; /* (count) */
+  int32_t *of;   /* (count) the pair */
+  double *area;  /* (count) integral of the hat function */
+  int64_t point_count;
+  bwi_contact_point *point;
+} bwi_contact_rows;
+/* BW_INVALID for a selection of another mesh, BW_EMPTY for one without a facet. */
+bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int pair_count,
+                                  const bw_contact_pair *pair, bwi_contact_rows *rows);
+void bwi_contact_rows_clear(bwi_contact_rows *rows);
+/* Takes normals and gaps where the displacement brings the points; gap (count) are their integrals
+ * with the hat functions. */
+void bwi_contact_rows_linearise(bwi_contact_rows *rows, const double *displacement, double *gap);
+/* gap (count) = B u. */
+void bwi_contact_rows_measure(const bwi_contact_rows *rows, const double *u, double *gap);
+/* force (columns x node_count x 3) = the columns B^T e_j of the candidates j = which[0], ... */
+void bwi_contact_rows_columns(const bwi_contact_rows *rows, int columns, const int32_t *which,
+                              double *force);
+/* force (node_count x 3) = B^T p over the candidates of a pair; -1: of all. */
+void bwi_contact_rows_force(const bwi_contact_rows *rows, int pair, const double *pressure,
+                            double *force);
+
+/* ---- complementarity.c ----------------------------------------------------------------------- */
+
+/* Find p >= 0 and a with w = q + S p + E a >= 0, p w = 0, E^T p + load = epsilon (a - centre). */
+typedef struct bwi_complementarity {
+  int count, motions;
+  const double *s;      /* (count x count) symmetric, positive definite but for rounding */
+  const double *q;      /* (count) */
+  const double *e;      /* (count x motions) */
+  const double *load;   /* (motions) */
+  const double *centre; /* (motions) */
+  double epsilon;       /* above 0 where there are motions */
+  const double *slack;  /* (count) w above -slack counts as 0 */
+  uint8_t *active;      /* (count) where it begins, and the result */
+  double *p, *w;        /* (count) */
+  double *a;            /* (motions) */
+  double *h;            /* (motions x motions) E_A^T S_AA^-1 E_A */
+  int changes;          /* grows by candidates that changed sides */
+} bwi_complementarity;
+/* BW_CONVERGENCE where rounding keeps the candidates changing. */
+bw_status bwi_complementarity_solve(bw_context *context, bwi_complementarity *problem);
+
+/* ---- rigid_start.c --------------------------------------------------------------------------- */
+
+/* Motions a of rigid bodies on springs of stiffness (N/m3) at the candidates, whose gaps are q + E
+ * a and whose areas are area. */
+typedef struct bwi_rigid_start {
+  int count, motions;
+  const double *q, *e, *area; /* as in bwi_complementarity; (count) */
+  const double *load;         /* (motions) */
+  double stiffness;
+  double *a;      /* (motions) the result */
+  double scale;   /* the result: a mean stiffness (N/m) of the motions on the springs in touch */
+  double *unheld; /* (motions) the part of the load that nothing holds */
+  bool held;      /* there is none */
+} bwi_rigid_start;
+bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *start);
+
+#endif

@@ -1,0 +1,98 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Where contact first brings bodies that it alone restrains: rigid bodies on springs at the
+ * candidates, and springs of stiffness epsilon on their motions, which goes to zero. The energy
+ *     epsilon |a|^2 / 2 - load . a + sum stiffness / area min(0, q + E a)^2 / 2
+ * is convex and has a piecewise constant second derivative. */
+#include <math.h>
+#include <string.h>
+
+#include "base/dense.h"
+#include "contact/internal.h"
+
+enum { NEWTON_STEPS = 100 };
+
+static const double first = 1e-2, last = 1e-12; /* of the stiffness when all candidates touch */
+static const double balanced = 1e-6;            /* of the load: what may be left */
+
+/* Energy at a, with gradient and second derivative. */
+static double evaluate(const bwi_rigid_start *s, double epsilon, const double *a, double *gradient,
+                       double *second) {
+  int m = s->motions;
+  double energy = epsilon * bwi_dot(m, a, a) / 2 - bwi_dot(m, a, s->load);
+  memset(second, 0, (size_t)(m * m) * sizeof *second);
+  for (int k = 0; k < m; k++) {
+    gradient[k] = epsilon * a[k] - s->load[k];
+    second[k * m + k] = epsilon;
+  }
+  for (int i = 0; i < s->count; i++) {
+    const double *e = s->e + (size_t)i * (size_t)m;
+    double gap = s->q[i] + bwi_dot(m, e, a), c = s->stiffness / s->area[i];
+    if (gap >= 0)
+      continue;
+    energy += c * gap * gap / 2;
+    for (int k = 0; k < m; k++) {
+      gradient[k] += c * gap * e[k];
+      for (int l = 0; l < m; l++)
+        second[k * m + l] += c * e[k] * e[l];
+    }
+  }
+  return energy;
+}
+
+bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *s) {
+  bw_status status = BW_OK;
+  int m = s->motions;
+  double whole = 0, before = INFINITY, left = 0, size = sqrt(bwi_dot(m, s->load, s->load));
+  double *g = BW_NEW(context, double, m), *h = BW_NEW(context, double, m *m);
+  double *step = BW_NEW(context, double, m), *trial = BW_NEW(context, double, m);
+  double *d = BW_NEW0(context, double, m); /* what the springs carried at the epsilon before */
+  BW_TRY_MEMORY(g && h && step && trial && d);
+  memset(s->a, 0, (size_t)m * sizeof *s->a);
+  for (int i = 0; i < s->count; i++)
+    whole += s->stiffness / s->area[i] *
+             bwi_dot(m, s->e + (size_t)i * (size_t)m, s->e + (size_t)i * (size_t)m) / m;
+  for (double epsilon = first * whole; epsilon > 0.5 * last * whole; epsilon *= 0.01) {
+    for (int i = 0; i < NEWTON_STEPS; i++) {
+      double energy = evaluate(s, epsilon, s->a, g, h), t = 1, slope;
+      if (!bwi_cholesky(m, h, 0))
+        break;
+      for (int k = 0; k < m; k++)
+        step[k] = -g[k];
+      bwi_lower_solve(m, h, step);
+      bwi_upper_solve(m, h, step);
+      slope = bwi_dot(m, g, step);
+      for (; t > 1e-6; t *= 0.5) {
+        for (int k = 0; k < m; k++)
+          trial[k] = s->a[k] + t * step[k];
+        if (evaluate(s, epsilon, trial, g, h) <= energy + 1e-4 * t * slope)
+          break;
+      }
+      if (t <= 1e-6) /* rounding hides what is left to gain */
+        break;
+      memcpy(s->a, trial, (size_t)m * sizeof *trial);
+      if (sqrt(bwi_dot(m, step, step)) <= 1e-12 * sqrt(bwi_dot(m, s->a, s->a)))
+        break;
+    }
+    before = left;
+    left = epsilon * sqrt(bwi_dot(m, s->a, s->a));
+    for (int k = 0; k < m; k++) { /* the limit of what goes linearly with epsilon */
+      double carried = epsilon * s->a[k];
+      s->unheld[k] = carried - (d[k] - carried) / 99;
+      d[k] = carried;
+    }
+  }
+  s->held = !(left > balanced * size && left > 0.5 * before);
+  evaluate(s, 0, s->a, g, h);
+  s->scale = 0;
+  for (int k = 0; k < m; k++)
+    s->scale += h[k * m + k] / m;
+  if (!(s->scale > 0))
+    s->scale = whole;
+done:
+  bw_free(g);
+  bw_free(h);
+  bw_free(d);
+  bw_free(step);
+  bw_free(trial);
+  return status;
+}

@@ -1,0 +1,102 @@
+/* contact: bodies that touch rigid surfaces, without friction (docs/theory/contact.md). */
+#ifndef BARWRIGHT_CONTACT_H
+#define BARWRIGHT_CONTACT_H
+
+#include "barwright/statics.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a rigid surface is. */
+typedef enum bw_rigid_kind {
+  BW_RIGID_PLANE,   /* the body stays on the side of the normal */
+  BW_RIGID_SPHERE,  /* the body stays outside, or inside */
+  BW_RIGID_CYLINDER /* likewise, of infinite length */
+} bw_rigid_kind;
+/* A rigid surface. It does not change. */
+typedef struct bw_rigid_surface {
+  bw_object object;
+  bw_rigid_kind kind;  /* by which the others are read */
+  double point[3];     /* (m) of the plane, the centre, or a point of the axis */
+  double direction[3]; /* (-) of length 1: the plane's normal, or the axis; 0 of a sphere */
+  double radius;       /* (m) 0 of a plane */
+  bool inside;         /* the body is inside of the sphere or cylinder */
+} bw_rigid_surface;
+/* A plane through `point` (m) with a normal of any length towards the body. BW_INVALID for a normal
+ * of no length or numbers that are not finite. */
+BW_API bw_status bw_rigid_plane(bw_context *context, const double point[3], const double normal[3],
+                                bw_rigid_surface **surface);
+/* A sphere about `centre` (m) of `radius` (m); `inside`: the body is in it. BW_INVALID for a radius
+ * that is not positive or numbers that are not finite. */
+BW_API bw_status bw_rigid_sphere(bw_context *context, const double centre[3], double radius,
+                                 bool inside, bw_rigid_surface **surface);
+/* A cylinder of `radius` (m) about the axis through `point` (m) along `axis`, of any length;
+ * `inside`: the body is in it. BW_INVALID as bw_rigid_plane and bw_rigid_sphere. */
+BW_API bw_status bw_rigid_cylinder(bw_context *context, const double point[3], const double axis[3],
+                                   double radius, bool inside, bw_rigid_surface **surface);
+
+/* Facets that may touch a rigid surface. */
+typedef struct bw_contact_pair {
+  const bw_selection *on;       /* retained by results; with facets */
+  const bw_rigid_surface *with; /* retained by results */
+} bw_contact_pair;
+
+/* How contact is found. */
+typedef struct bw_contact_options {
+  const bw_solver *solver; /* as of bw_system_of_model; borrowed; default NULL */
+  double tolerance;        /* (-) mean gap of an active candidate on a curved surface over the
+                              largest displacement of the facets; above 0 and below 1; default 1e-6 */
+  int max_iterations;      /* (count) of linearisations, 1 or more; default 30 */
+} bw_contact_options;
+/* The defaults. */
+BW_API void bw_contact_options_default(bw_contact_options *options);
+
+/* What a pair does. */
+typedef struct bw_contact_state {
+  double area;        /* (m2) that carries pressure; its border is known to within one element */
+  double force[3];    /* (N) on the body at the selected facets */
+  double moment[3];   /* (N m) about the origin */
+  double pressure;    /* (Pa) the largest */
+  int32_t node;       /* (index) where that is; -1 of an open pair */
+  double gap;         /* (m) the smallest of an open pair, 0 of a closed one */
+  double penetration; /* (m) the deepest point of the rule: gaps are zero in the mean alone */
+  int32_t candidates, active; /* (count) corners of the facets, and those that carry pressure */
+} bw_contact_state;
+
+/* A body in contact. It does not change. */
+typedef struct bw_contact {
+  bw_object object;
+  const bw_model *model; /* retained */
+  bw_static *solution;   /* retained: of the model with the contact's forces as a load */
+  int pair_count;
+  bw_contact_pair *pair;   /* (pair_count) */
+  bw_contact_state *state; /* (pair_count) */
+  double *pressure; /* (Pa, node_count) 0 where nothing touches; at mid-edge nodes the mean of
+                       the corners */
+  double *gap; /* (m, node_count) of the deformed body at the nodes of the selected facets, negative
+                  inside of the surface; infinite at the others */
+  int iterations;          /* linearisations */
+  int changes;             /* of the active set: candidates that entered or left it */
+  int solves;              /* right-hand sides solved for */
+  int free_count;          /* motions along which nothing decides the position */
+  char *free_text;         /* these motions, one in each line; "" without */
+  bw_solver_report report; /* of the equations */
+} bw_contact;
+/* A model in contact by pair (pair_count, 1 or more), without friction, for small displacements.
+ * `given` as of bw_system_of_model. `options` may be NULL. A warning names pairs that stay open or
+ * penetrate for want of smaller facets, motions that nothing decides, and rotations that are not
+ * small. BW_UNCONSTRAINED where neither
+ * supports nor contact balance the load, and for loads of bw_statics that no support takes;
+ * BW_CONVERGENCE where the linearisation of curved surfaces or the active set do not come to an
+ * end; BW_INVALID for a selection of another mesh and where supports press the body into a surface;
+ * BW_EMPTY for a selection without a facet, BW_LIMIT for more than 8000 corners that touch,
+ * BW_UNSUPPORTED for an external solver; those of bw_statics and bw_system_solve. */
+BW_API bw_status bw_contact_solve(bw_context *context, const bw_model *model, int pair_count,
+                                  const bw_contact_pair *pair, bw_system *given,
+                                  const bw_contact_options *options, bw_contact **contact);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

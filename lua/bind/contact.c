@@ -1,0 +1,330 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* bw.rigid: rigid surfaces; model:contact, and what it finds. */
+#include "bind.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- rigid surfaces -------------------------------------------------------------------------- */
+
+static const bw_rigid_surface *surface_self(lua_State *L) {
+  return (const bw_rigid_surface *)lbw_check(L, 1, &lbw_rigid_surface_class);
+}
+
+/* What the options of the three have. */
+typedef struct shape {
+  double at[3], direction[3], radius;
+  bool inside;
+} shape;
+
+static void read_shape(lua_State *L, const char *function, const lbw_option *list,
+                       const char *first, const char *second, shape *s) {
+  lbw_check_type(L, 1, LUA_TTABLE);
+  lua_settop(L, 1);
+  lbw_options(L, 1, function, list, s);
+  const char *const needed[] = {first, second};
+  for (int k = 0; k < 2; k++)
+    if (needed[k] && lbw_option_get(L, 1, needed[k]) == LUA_TNIL)
+      lbw_option_missing(L, function, needed[k], "");
+  lua_settop(L, 1);
+}
+
+/* rigid.plane{point, normal} */
+static int rigid_plane(lua_State *L) {
+  static const lbw_option list[] = {{"point", LBW_VECTOR, offsetof(shape, at)},
+                                    {"normal", LBW_VECTOR, offsetof(shape, direction)},
+                                    {NULL, LBW_OTHER, 0}};
+  shape s = {0};
+  bw_rigid_surface *surface = NULL;
+  read_shape(L, "rigid.plane", list, "normal", NULL, &s);
+  lbw_box *box = lbw_box_new(L, &lbw_rigid_surface_class);
+  bw_status status = bw_rigid_plane(lbw_enter(L), s.at, s.direction, &surface);
+  return lbw_leave_object(L, box, surface, status);
+}
+
+/* rigid.sphere{centre, radius, inside} */
+static int rigid_sphere(lua_State *L) {
+  static const lbw_option list[] = {{"centre", LBW_VECTOR, offsetof(shape, at)},
+                                    {"radius", LBW_REAL, offsetof(shape, radius)},
+                                    {"inside", LBW_BOOLEAN, offsetof(shape, inside)},
+                                    {NULL, LBW_OTHER, 0}};
+  shape s = {0};
+  bw_rigid_surface *surface = NULL;
+  read_shape(L, "rigid.sphere", list, "centre", "radius", &s);
+  lbw_box *box = lbw_box_new(L, &lbw_rigid_surface_class);
+  bw_status status = bw_rigid_sphere(lbw_enter(L), s.at, s.radius, s.inside, &surface);
+  return lbw_leave_object(L, box, surface, status);
+}
+
+/* rigid.cylinder{point, axis, radius, inside} */
+static int rigid_cylinder(lua_State *L) {
+  static const lbw_option list[] = {{"point", LBW_VECTOR, offsetof(shape, at)},
+                                    {"axis", LBW_VECTOR, offsetof(shape, direction)},
+                                    {"radius", LBW_REAL, offsetof(shape, radius)},
+                                    {"inside", LBW_BOOLEAN, offsetof(shape, inside)},
+                                    {NULL, LBW_OTHER, 0}};
+  shape s = {0};
+  bw_rigid_surface *surface = NULL;
+  read_shape(L, "rigid.cylinder", list, "axis", "radius", &s);
+  lbw_box *box = lbw_box_new(L, &lbw_rigid_surface_class);
+  bw_status status =
+      bw_rigid_cylinder(lbw_enter(L), s.at, s.direction, s.radius, s.inside, &surface);
+  return lbw_leave_object(L, box, surface, status);
+}
+
+static int surface_kind(lua_State *L) {
+  static const char *const words[] = {"plane", "sphere", "cylinder"};
+  lua_pushstring(L, words[surface_self(L)->kind]);
+  return 1;
+}
+
+static int surface_point(lua_State *L) {
+  lbw_push_vector(L, surface_self(L)->point);
+  return 1;
+}
+
+static int surface_direction(lua_State *L) {
+  const bw_rigid_surface *surface = surface_self(L);
+  if (surface->kind == BW_RIGID_SPHERE)
+    lua_pushnil(L);
+  else
+    lbw_push_vector(L, surface->direction);
+  return 1;
+}
+
+static int surface_radius(lua_State *L) {
+  const bw_rigid_surface *surface = surface_self(L);
+  if (surface->kind == BW_RIGID_PLANE)
+    lua_pushnil(L);
+  else
+    lua_pushnumber(L, surface->radius);
+  return 1;
+}
+
+static int surface_inside(lua_State *L) {
+  lua_pushboolean(L, surface_self(L)->inside);
+  return 1;
+}
+
+static int surface_tostring(lua_State *L) {
+  const bw_rigid_surface *s = surface_self(L);
+  lbw_text at = lbw_point(s->point), along = lbw_direction(s->direction);
+  lbw_text radius = lbw_quantity(s->radius, "m");
+  const char *side = s->inside ? ", body inside" : "";
+  if (s->kind == BW_RIGID_PLANE)
+    lua_pushfstring(L, "rigid plane through %s, normal %s", at.text, along.text);
+  else if (s->kind == BW_RIGID_SPHERE)
+    lua_pushfstring(L, "rigid sphere about %s, radius %s%s", at.text, radius.text, side);
+  else
+    lua_pushfstring(L, "rigid cylinder about %s along %s, radius %s%s", at.text, along.text,
+                    radius.text, side);
+  return 1;
+}
+
+/* ---- contact --------------------------------------------------------------------------------- */
+
+static const bw_contact *self(lua_State *L) {
+  return (const bw_contact *)lbw_check(L, 1, &lbw_contact_class);
+}
+
+/* The pair of the table on the top of the stack, item i of the list. */
+static bw_contact_pair read_pair(lua_State *L, int i) {
+  static const lbw_option list[] = {
+      {"on", LBW_OTHER, 0}, {"with", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  char function[40];
+  int top = lua_gettop(L);
+  snprintf(function, sizeof function, "contact: pair %d", i);
+  if (!lua_istable(L, top))
+    lbw_error(L, "%s: a table {on = , with = } expected, got %s", function, lbw_got(L, top));
+  lbw_options(L, top, function, list, NULL);
+  bw_contact_pair pair = {
+      .on = (const bw_selection *)lbw_object_option(L, top, function, "on", &lbw_selection_class,
+                                                    "an open selection"),
+      .with = (const bw_rigid_surface *)lbw_object_option(
+          L, top, function, "with", &lbw_rigid_surface_class, "a surface of bw.rigid")};
+  if (!pair.on)
+    lbw_option_missing(L, function, "on", "");
+  if (!pair.with)
+    lbw_option_missing(L, function, "with", "");
+  lua_settop(L, top);
+  return pair;
+}
+
+/* model:contact(pairs, {solver, tolerance, max_iterations}) */
+static int model_contact(lua_State *L) {
+  static const lbw_option list[] = {
+      {"solver", LBW_OTHER, 0},
+      {"tolerance", LBW_REAL, offsetof(bw_contact_options, tolerance)},
+      {"max_iterations", LBW_INT, offsetof(bw_contact_options, max_iterations)},
+      {NULL, LBW_OTHER, 0}};
+  bw_contact_options options;
+  bw_contact_options_default(&options);
+  lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  lua_settop(L, 3);
+  lbw_options(L, 3, "contact", list, &options);
+  options.solver = lbw_solver_option(L, 3, "contact");
+  int count = (int)lua_rawlen(L, 2);
+  if (count == 0)
+    return lbw_error(L, "contact: a list of pairs {{on = , with = }, ...} expected");
+  bw_contact_pair *pair = (bw_contact_pair *)lua_newuserdatauv(L, (size_t)count * sizeof *pair, 0);
+  for (int i = 0; i < count; i++) {
+    lua_rawgeti(L, 2, i + 1);
+    pair[i] = read_pair(L, i + 1);
+    lua_pop(L, 1);
+  }
+  lbw_box *box = lbw_box_new(L, &lbw_contact_class);
+  bw_contact *contact = NULL;
+  bw_status status = bw_contact_solve(lbw_enter(L), (const bw_model *)model->object, count, pair,
+                                      (bw_system *)model->extra, &options, &contact);
+  if (status == BW_OK && contact->solution->system != model->extra) {
+    bw_release(model->extra);
+    model->extra = bw_retain(contact->solution->system);
+  }
+  lbw_box_fill(L, box, contact);
+  if (status == BW_OK)
+    lbw_box_account(L, model);
+  return lbw_leave(L, status, 1);
+}
+
+static int contact_static(lua_State *L) {
+  lbw_push(L, &lbw_static_class, self(L)->solution);
+  return 1;
+}
+
+static int contact_mesh(lua_State *L) {
+  lbw_push(L, &lbw_mesh_class, self(L)->model->mesh);
+  return 1;
+}
+
+static int contact_pressure(lua_State *L) {
+  const bw_contact *contact = self(L);
+  return lbw_push_borrowed(L, BW_F64, contact->model->mesh->node_count, 1, contact->pressure,
+                           contact);
+}
+
+static int contact_gap(lua_State *L) {
+  const bw_contact *contact = self(L);
+  return lbw_push_borrowed(L, BW_F64, contact->model->mesh->node_count, 1, contact->gap, contact);
+}
+
+static void set_number(lua_State *L, const char *key, double value) {
+  lua_pushnumber(L, value);
+  lua_setfield(L, -2, key);
+}
+
+static int contact_pairs(lua_State *L) {
+  const bw_contact *contact = self(L);
+  lua_createtable(L, contact->pair_count, 0);
+  for (int i = 0; i < contact->pair_count; i++) {
+    const bw_contact_state *state = &contact->state[i];
+    lua_createtable(L, 0, 10);
+    set_number(L, "area", state->area);
+    set_number(L, "pressure", state->pressure);
+    set_number(L, "gap", state->gap);
+    set_number(L, "penetration", state->penetration);
+    lbw_push_vector(L, state->force);
+    lua_setfield(L, -2, "force");
+    lbw_push_vector(L, state->moment);
+    lua_setfield(L, -2, "moment");
+    if (state->node >= 0) {
+      lbw_push_vector(L, contact->model->mesh->node + 3 * (int64_t)state->node);
+      lua_setfield(L, -2, "at");
+    }
+    lua_pushinteger(L, state->candidates);
+    lua_setfield(L, -2, "candidates");
+    lua_pushinteger(L, state->active);
+    lua_setfield(L, -2, "active");
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
+static int contact_free_motions(lua_State *L) {
+  const char *text = self(L)->free_text;
+  lua_newtable(L);
+  for (int i = 1; *text; i++) {
+    size_t length = strcspn(text, "\n");
+    lua_pushlstring(L, text, length);
+    lua_rawseti(L, -2, i);
+    text += length + (text[length] == '\n');
+  }
+  return 1;
+}
+
+#define INTEGER(name, field)                                                                       \
+  static int name(lua_State *L) {                                                                  \
+    lua_pushinteger(L, self(L)->field);                                                            \
+    return 1;                                                                                      \
+  }
+INTEGER(contact_iterations, iterations)
+INTEGER(contact_changes, changes)
+INTEGER(contact_solves, solves)
+#undef INTEGER
+
+static int contact_report(lua_State *L) {
+  lbw_push_report(L, &self(L)->report);
+  return 1;
+}
+
+static int contact_tostring(lua_State *L) {
+  const bw_contact *contact = self(L);
+  luaL_Buffer text;
+  luaL_buffinit(L, &text);
+  lua_pushfstring(L, "contact without friction, %d pair%s, %d iteration%s, %d changes, %d solves",
+                  contact->pair_count, contact->pair_count == 1 ? "" : "s", contact->iterations,
+                  contact->iterations == 1 ? "" : "s", contact->changes, contact->solves);
+  luaL_addvalue(&text);
+  for (int i = 0; i < contact->pair_count; i++) {
+    const bw_contact_state *state = &contact->state[i];
+    if (state->active == 0)
+      lua_pushfstring(L, "\n  pair %d: open by %s", i + 1, lbw_quantity(state->gap, "m").text);
+    else
+      lua_pushfstring(L, "\n  pair %d: %s on %s, at most %s at %s, penetrates by up to %s", i + 1,
+                      lbw_triple(state->force, 1, "N").text, lbw_quantity(state->area, "m2").text,
+                      lbw_quantity(state->pressure, "Pa").text,
+                      lbw_point(contact->model->mesh->node + 3 * (int64_t)state->node).text,
+                      lbw_quantity(state->penetration, "m").text);
+    luaL_addvalue(&text);
+  }
+  for (const char *motion = contact->free_text; *motion;) {
+    size_t length = strcspn(motion, "\n");
+    luaL_addstring(&text, "\n  nothing decides the ");
+    luaL_addlstring(&text, motion, length);
+    motion += length + (motion[length] == '\n');
+  }
+  luaL_pushresult(&text);
+  return 1;
+}
+
+static const luaL_Reg no_methods[] = {{NULL, NULL}};
+static const luaL_Reg surface_properties[] = {
+    {"kind", surface_kind},     {"point", surface_point},   {"direction", surface_direction},
+    {"radius", surface_radius}, {"inside", surface_inside}, {NULL, NULL}};
+static const luaL_Reg surface_meta[] = {{"__tostring", surface_tostring}, {NULL, NULL}};
+const lbw_class lbw_rigid_surface_class = {"rigid_surface", no_methods, surface_properties,
+                                           surface_meta, NULL};
+static const luaL_Reg properties[] = {{"static", contact_static},
+                                      {"mesh", contact_mesh},
+                                      {"pressure", contact_pressure},
+                                      {"gap", contact_gap},
+                                      {"pairs", contact_pairs},
+                                      {"free_motions", contact_free_motions},
+                                      {"iterations", contact_iterations},
+                                      {"changes", contact_changes},
+                                      {"solves", contact_solves},
+                                      {"report", contact_report},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", contact_tostring}, {NULL, NULL}};
+const lbw_class lbw_contact_class = {"contact", no_methods, properties, meta, NULL};
+
+void lbw_open_contact(lua_State *L) {
+  static const luaL_Reg functions[] = {
+      {"plane", rigid_plane}, {"sphere", rigid_sphere}, {"cylinder", rigid_cylinder}, {NULL, NULL}};
+  static const luaL_Reg of_model[] = {{"contact", model_contact}, {NULL, NULL}};
+  lbw_class_register(L, &lbw_rigid_surface_class);
+  lbw_class_register(L, &lbw_contact_class);
+  lbw_add_methods(L, &lbw_model_class, of_model);
+  luaL_newlib(L, functions);
+  lua_setfield(L, -2, "rigid");
+}

@@ -1,0 +1,135 @@
+---@meta _
+-- SPDX-License-Identifier: MIT
+-- Copyright (c) 2026 the barwright authors
+--
+-- Contact
+--
+-- Rigid surfaces, and bodies that touch them without friction.
+
+---Rigid surfaces that parts touch: `bw.rigid`.
+---@class bw.RigidModule
+local rigid_module = {}
+
+---A rigid plane. The part stays on the side of its normal.
+---```lua
+---local floor = bw.rigid.plane {point = {0, 0, -1e-3}, normal = {0, 0, 1}}
+---print(floor, floor.kind, floor.direction[3])
+---```
+---@param options bw.RigidPlaneOptions place and direction
+---@return bw.RigidSurface surface the plane
+function rigid_module.plane(options) end
+
+---Where a rigid plane is.
+---@class bw.RigidPlaneOptions
+---@field point? bw.Vector (m) of the plane. Default: the origin
+---@field normal bw.Vector (-) towards the part, of any length
+
+---A rigid sphere. The part is outside of it, or inside.
+---```lua
+---local ball = bw.rigid.sphere {centre = {0, 0, 0.05}, radius = 0.05}
+---print(ball, ball.radius)
+---```
+---@param options bw.RigidSphereOptions place and size
+---@return bw.RigidSurface surface the sphere
+function rigid_module.sphere(options) end
+
+---Where a rigid sphere is.
+---@class bw.RigidSphereOptions
+---@field centre bw.Vector (m) of the sphere
+---@field radius number (m) above 0
+---@field inside? boolean the part is inside of it. Default: false
+
+---A rigid cylinder of infinite length. The part is outside of it, or inside: a peg, or a bore.
+---```lua
+---local bore = bw.rigid.cylinder {axis = {0, 1, 0}, radius = 0.01, inside = true}
+---print(bore, bore.inside)
+---```
+---@param options bw.RigidCylinderOptions place and size
+---@return bw.RigidSurface surface the cylinder
+function rigid_module.cylinder(options) end
+
+---Where a rigid cylinder is.
+---@class bw.RigidCylinderOptions
+---@field point? bw.Vector (m) of the axis. Default: the origin
+---@field axis bw.Vector (-) its direction, of any length
+---@field radius number (m) above 0
+---@field inside? boolean the part is inside of it. Default: false
+
+---A rigid surface. It does not change.
+---```lua
+---local peg = bw.rigid.cylinder {axis = {0, 1, 0}, radius = 0.01}
+---print(peg.kind, peg.radius, peg.inside)
+---```
+---@class bw.RigidSurface
+---@field kind "plane"|"sphere"|"cylinder" what it is
+---@field point bw.Vector (m) of the plane, the centre, or a point of the axis
+---@field direction? bw.Vector (-) the plane's normal or the cylinder's axis, of length 1; nil of a sphere
+---@field radius? number (m) nil of a plane
+---@field inside boolean whether the part is inside
+local RigidSurface = {}
+
+---Releases its memory at once.
+function RigidSurface:close() end
+
+---A part in contact without friction. Displacements and sliding are small: areas and lever arms are those of the undeformed part.
+---The gap is zero in the mean of the hat function of each corner, and pressure is linear on each facet.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.1, 0.05}, cells = {8, 4, 2}}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:load {on = mesh.boundary:above("z", 0.05), pressure = 1e6}
+---local contact = assert(part:contact {{on = mesh.boundary:below("z", 0), with = bw.rigid.plane {normal = {0, 0, 1}}}})
+---print(contact, contact.pairs[1].force[3], contact.pressure:max(), #contact.free_motions)
+---```
+---@class bw.Contact
+---@field static bw.Static the static solution; its model has the forces of contact as a load
+---@field mesh bw.Mesh of the model
+---@field pressure bw.Array (Pa, node_count × 1, per node) 0 where nothing touches
+---@field gap bw.Array (m, node_count × 1, per node) of the deformed part at the nodes of the pairs, negative inside of the rigid surface; infinite elsewhere
+---@field pairs bw.ContactState[] what each pair does
+---@field free_motions string[] motions along which nothing decides the position, such as "translation along (1, 0, 0)"; stress and pressure do not depend on it
+---@field iterations integer (count) of linearisations
+---@field changes integer (count) candidates that entered or left the active set
+---@field solves integer (count) right-hand sides that were solved with the part's factor
+---@field report bw.SolverReport of the equations
+local Contact = {}
+
+---What a pair of contact does.
+---@class bw.ContactState
+---@field area number (m2) that carries pressure; its border is known to within one element
+---@field force bw.Vector (N) on the part
+---@field moment bw.Vector (N m) about the origin
+---@field pressure number (Pa) the largest
+---@field at? bw.Vector (m) where that is; nil of an open pair
+---@field gap number (m) the smallest of an open pair; 0 of a closed one
+---@field penetration number (m) the deepest point between corners: a measure of the error of the mesh
+---@field candidates integer (count) corners of the facets
+---@field active integer (count) corners that carry pressure
+
+---Writes the fields of the static solution and `contact_pressure` as a mesh file.
+---
+---Errors: io (the file cannot be written).
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.1, 0.05}, cells = {4, 2, 1}}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:load {on = mesh.boundary:above("z", 0.05), pressure = 1e6}
+---local contact = assert(part:contact {{on = mesh.boundary:below("z", 0), with = bw.rigid.plane {normal = {0, 0, 1}}}})
+---assert(contact:write "contact.vtu")
+---```
+---@param path string the ending says which format
+---@return true? written true
+---@return string? message
+---@return bw.Details? details
+function Contact:write(path) end
+
+---Draws the deformed part coloured by its contact pressure.
+---
+---Errors: those of `bw.picture`.
+---@param path string a PNG file
+---@param options? bw.PictureOptions how it is drawn
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
+function Contact:picture(path, options) end
+
+---Releases its memory at once.
+function Contact:close() end

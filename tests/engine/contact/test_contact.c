@@ -1,0 +1,341 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Contact with rigid surfaces against closed forms, and what it says where it has none. */
+#include "bodies.h"
+
+#include "barwright/contact.h"
+
+static const double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+static const double young = 200e9, poisson = 0.3;
+
+static bw_selection *plane(bw_context *context, const bw_mesh *mesh, int k, double at) {
+  double origin[3] = {0, 0, 0};
+  bw_selection *face = NULL;
+  origin[k] = at;
+  check_ok(context, bw_select_plane(context, mesh, origin, axis[k], 1e-9, &face));
+  return face;
+}
+
+static bw_model *model_of(bw_context *context, bw_mesh *mesh) {
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  bw_release(material);
+  return model;
+}
+
+static void slide(bw_context *context, bw_model *model, int k, double at) {
+  bw_selection *face = plane(context, model->mesh, k, at);
+  check_ok(context, bw_model_slide(context, model, face, axis[k]));
+  bw_release(face);
+}
+
+static bw_contact *solved(bw_context *context, const bw_model *model, const bw_selection *on,
+                          const bw_rigid_surface *with) {
+  bw_contact *contact = NULL;
+  bw_contact_pair pair = {.on = on, .with = with};
+  check_ok(context, bw_contact_solve(context, model, 1, &pair, NULL, NULL, &contact));
+  return contact;
+}
+
+/* A free block between its load and a plane under it: one pressure, one stress, any elements; the
+ * plane may be turned and away. */
+static void patch(void **state) {
+  bw_context *context = check_context(state);
+  const double pressure = 3e6;
+  for (int which = 0; which < 4; which++) {
+    int order = which % 2 + 1;
+    bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 4, 3, 2, order);
+    bw_model *model = model_of(context, mesh);
+    bw_selection *top = plane(context, mesh, 2, 0.1), *foot = plane(context, mesh, 2, 0);
+    bw_rigid_surface *floor = NULL;
+    const double point[3] = {1, 2, which < 2 ? 0 : -0.01};
+    check_ok(context, bw_model_pressure(context, model, top, pressure));
+    check_ok(context, bw_rigid_plane(context, point, (double[3]){0, 0, 3}, &floor));
+    bw_contact *contact = solved(context, model, foot, floor);
+    assert_int_equal(contact->state[0].active, contact->state[0].candidates);
+    check_near(contact->state[0].force[2], pressure * 0.06, 1e-9 * pressure);
+    check_near(contact->state[0].area, 0.06, 1e-12);
+    check_near(contact->state[0].moment[0], pressure * 0.006, 1e-9 * pressure);
+    for (int32_t i = 0; i < foot->node_count; i++) {
+      check_near(contact->pressure[foot->node[i]], pressure, 1e-6 * pressure);
+      check_near(contact->gap[foot->node[i]], 0, 1e-12);
+      check_near(contact->solution->displacement[3 * foot->node[i] + 2], point[2], 1e-12);
+    }
+    for (int32_t i = 0; i < top->node_count; i++)
+      check_near(contact->solution->displacement[3 * top->node[i] + 2],
+                 point[2] - 0.1 * pressure / young, 1e-12);
+    assert_int_equal(contact->free_count, 3); /* along the plane, and about its normal */
+    assert_non_null(strstr(contact->free_text, "translation along (1, 0, 0)"));
+    assert_non_null(strstr(contact->free_text, "rotation about the axis"));
+    bw_release(contact);
+    bw_release(floor);
+    bw_release(top);
+    bw_release(foot);
+    bw_release(model);
+    bw_release(mesh);
+  }
+}
+
+/* A quarter of what lies below z = 0 about the z-axis, or with a width a half: cells of one size to
+ * `fine`, which are the fraction `share`, and larger and larger ones from there to `size`. */
+typedef struct graded {
+  double size, fine, share, steep, width;
+} graded;
+
+static double grade(const graded *g, double s) {
+  if (s <= g->share)
+    return g->fine * s / g->share;
+  s = (s - g->share) / (1 - g->share);
+  return g->fine + (g->size - g->fine) * (exp(g->steep * s) - 1) / (exp(g->steep) - 1);
+}
+
+static void quarter(void *data, const double unit[3], double out[3]) {
+  const graded *g = data;
+  out[0] = grade(g, unit[0]);
+  out[1] = g->width > 0 ? g->width * unit[1] : grade(g, unit[1]);
+  out[2] = -grade(g, 1 - unit[2]);
+}
+
+/* A rigid sphere or cylinder along y on a half-space (Johnson 1985, sections 4.1 and 4.2): its
+ * force on the quarter or half of the model, the largest pressure and the area. */
+static void hertz(bw_context *context, bool line, double a, double radius, double depth,
+                  double pressure, bw_contact_state *state) {
+  graded how = {.size = 40 * a, .fine = 1.2 * a, .share = 0.5, .steep = 4.5};
+  int n = line ? 44 : 16;
+  const int cells[3] = {n, line ? 1 : n, n};
+  if (line)
+    how = (graded){.size = 40 * a, .fine = 1.3 * a, .share = 0.7, .steep = 4.5, .width = 0.3 * a};
+  bw_mesh *mesh = NULL;
+  bw_rigid_surface *with = NULL;
+  const double centre[3] = {0, 0, radius - depth};
+  check_ok(context, bw_mesh_mapped_box(context, cells, 2, quarter, &how, &mesh));
+  bw_model *model = model_of(context, mesh);
+  bw_selection *top = plane(context, mesh, 2, 0), *foot = plane(context, mesh, 2, -how.size);
+  slide(context, model, 0, 0);
+  slide(context, model, 1, 0);
+  if (line)
+    slide(context, model, 1, how.width);
+  if (pressure > 0)
+    check_ok(context, bw_model_pressure(context, model, foot, pressure));
+  else
+    check_ok(context, bw_model_fix(context, model, foot));
+  check_ok(context, line ? bw_rigid_cylinder(context, centre, axis[1], radius, false, &with)
+                         : bw_rigid_sphere(context, centre, radius, false, &with));
+  bw_contact *contact = solved(context, model, top, with);
+  *state = *contact->state;
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    assert_true(contact->pressure[i] >= 0);
+  assert_true(contact->solution->residual < 1e-8);
+  bw_release(contact);
+  bw_release(with);
+  bw_release(top);
+  bw_release(foot);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+static void hertz_sphere(void **state) {
+  bw_context *context = check_context(state);
+  const double radius = 0.05, depth = 2e-5, modulus = young / (1 - poisson * poisson);
+  const double a = sqrt(radius * depth), force = 4. / 3 * modulus * sqrt(radius) * pow(depth, 1.5);
+  bw_contact_state s;
+  hertz(context, false, a, radius, depth, 0, &s);
+  check_near(pow(-4 * s.force[2] / force, 2. / 3), 1, 0.02); /* the approach */
+  check_near(s.pressure, 2 * modulus / M_PI * sqrt(depth / radius), 0.02 * s.pressure);
+  check_near(sqrt(4 * s.area / M_PI), a, 0.02 * a);
+}
+
+static void hertz_cylinder(void **state) {
+  bw_context *context = check_context(state);
+  const double radius = 0.05, guess = 1e-3, modulus = young / (1 - poisson * poisson);
+  bw_contact_state s;
+  hertz(context, true, guess, radius, 6e-5, 0, &s);
+  double force = -2 * s.force[2] / (0.3 * guess), a = sqrt(4 * force * radius / (M_PI * modulus));
+  check_near(s.area / (0.3 * guess), a, 0.02 * a);
+  check_near(s.pressure, 2 * force / (M_PI * a), 0.02 * s.pressure);
+}
+
+/* The ball is away from a body that nothing but it holds along z. */
+static void pressed_on_ball(void **state) {
+  bw_context *context = check_context(state);
+  const double radius = 0.05, a = 1e-3, modulus = young / (1 - poisson * poisson);
+  const double force = 4. / 3 * modulus * pow(a, 3) / radius;
+  bw_contact_state s;
+  hertz(context, false, a, radius, -0.01, force / pow(80 * a, 2), &s);
+  check_near(-4 * s.force[2], force, 1e-5 * force);
+  check_near(s.pressure, 2 * modulus / M_PI * a / radius, 0.02 * s.pressure);
+  check_near(sqrt(4 * s.area / M_PI), a, 0.05 * a); /* half a cell */
+  assert_true(s.penetration < 0.1 * a * a / radius);
+}
+
+/* A free block in a corner of three planes: each takes its part of the load. */
+static void corner(void **state) {
+  bw_context *context = check_context(state);
+  const double traction[3] = {-1e6, -2e6, -5e6};
+  bw_mesh *mesh = body_box(context, 0.2, 0.2, 0.2, 3, 4, 3, 1);
+  bw_model *model = model_of(context, mesh);
+  bw_selection *loaded = NULL, *wall[3];
+  bw_rigid_surface *with[3];
+  bw_contact_pair pair[3];
+  bw_contact *contact = NULL;
+  double area;
+  check_ok(context, bw_select_all(context, mesh, &loaded));
+  area = bw_selection_area(loaded);
+  check_ok(context, bw_model_traction(context, model, loaded, traction));
+  for (int k = 0; k < 3; k++) {
+    wall[k] = plane(context, mesh, k, 0);
+    check_ok(context, bw_rigid_plane(context, (double[3]){-1e-3, -2e-3, 0}, axis[k], &with[k]));
+    pair[k] = (bw_contact_pair){wall[k], with[k]};
+  }
+  check_ok(context, bw_contact_solve(context, model, 3, pair, NULL, NULL, &contact));
+  for (int k = 0; k < 3; k++)
+    for (int l = 0; l < 3; l++)
+      check_near(contact->state[k].force[l], k == l ? -traction[k] * area : 0, 1e-3 * area);
+  assert_int_equal(contact->free_count, 0);
+  for (int k = 0; k < 3; k++) {
+    bw_release(wall[k]);
+    bw_release(with[k]);
+  }
+  bw_release(contact);
+  bw_release(loaded);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+/* A bar fixed at one end over a stop: it touches where its end sinks by more than the gap. Then the
+ * force is that which brings the end back to the gap, by the compliance of the end. */
+static void stop(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 1, 0.1, 0.1, 20, 2, 2, 2);
+  bw_model *model = model_of(context, mesh);
+  bw_selection *root = plane(context, mesh, 0, 0), *end = plane(context, mesh, 0, 1), *low = NULL;
+  bw_selection *below = plane(context, mesh, 2, 0), *tip = NULL,
+               *top = plane(context, mesh, 2, 0.1);
+  check_ok(context, bw_select_half_space(context, mesh, (double[3]){0.95, 0, 0},
+                                         (double[3]){-1, 0, 0}, 1e-9, &tip));
+  check_ok(context, bw_select_combine(context, below, tip, BW_INTERSECTION, &low));
+  check_ok(context, bw_model_fix(context, model, root));
+  check_ok(context, bw_model_pressure(context, model, top, 1e5)); /* 10 kN/m */
+  const double inertia = 1e-4 / 12, sink = 1e4 / (8 * young * inertia);
+  for (int far = 0; far < 2; far++) {
+    double gap = far ? 1.1 * sink : 0.4 * sink;
+    bw_rigid_surface *floor = NULL;
+    check_ok(context, bw_rigid_plane(context, (double[3]){0, 0, -gap}, axis[2], &floor));
+    bw_contact *contact = solved(context, model, low, floor);
+    if (far) {
+      assert_int_equal(contact->state[0].active, 0);
+      check_near(contact->state[0].gap, 0.1 * sink, 0.02 * sink);
+      assert_non_null(strstr(bw_warning_at(context, 0), "contact pair 1 stays open"));
+    } else /* Euler and Bernoulli: the stop touches near x = 1 */
+      check_near(contact->state[0].force[2], 3 * young * inertia * 0.6 * sink, 150);
+    bw_release(contact);
+    bw_release(floor);
+  }
+  bw_release(root);
+  bw_release(end);
+  bw_release(low);
+  bw_release(below);
+  bw_release(tip);
+  bw_release(top);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+static void same_bits(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 6, 5, 3, 2);
+  bw_model *model = model_of(context, mesh);
+  bw_selection *top = plane(context, mesh, 2, 0.1), *foot = plane(context, mesh, 2, 0);
+  bw_rigid_surface *with = NULL;
+  bw_contact *c[2];
+  check_ok(context, bw_model_pressure(context, model, top, 1e7));
+  check_ok(context, bw_rigid_sphere(context, (double[3]){0.15, 0.1, -3}, 3, false, &with));
+  for (int k = 0; k < 2; k++) {
+    check_ok(context, bw_set_threads(context, k ? 3 : 1));
+    c[k] = solved(context, model, foot, with);
+  }
+  assert_memory_equal(c[0]->pressure, c[1]->pressure, (size_t)mesh->node_count * sizeof(double));
+  assert_memory_equal(c[0]->solution->displacement, c[1]->solution->displacement,
+                      3 * (size_t)mesh->node_count * sizeof(double));
+  bw_release(c[0]);
+  bw_release(c[1]);
+  bw_release(with);
+  bw_release(top);
+  bw_release(foot);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+static void refused(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 3, 2, 2, 1);
+  bw_mesh *other = body_box(context, 0.3, 0.2, 0.1, 3, 2, 2, 1);
+  bw_model *model = model_of(context, mesh);
+  bw_selection *top = plane(context, mesh, 2, 0.1), *foot = plane(context, mesh, 2, 0);
+  bw_selection *elsewhere = plane(context, other, 2, 0), *nodes = NULL;
+  bw_rigid_surface *with = NULL;
+  bw_contact *c = NULL;
+  const double zero[3] = {0};
+  check_ok(context, bw_select_nearest(context, mesh, zero, 2, &nodes));
+  check_fails(context, BW_INVALID, "a normal", bw_rigid_plane(context, zero, zero, &with));
+  check_fails(context, BW_INVALID, "radius", bw_rigid_sphere(context, zero, -1, false, &with));
+  check_fails(context, BW_INVALID, "finite",
+              bw_rigid_plane(context, (double[3]){NAN, 0, 0}, axis[0], &with));
+  check_ok(context, bw_rigid_plane(context, zero, axis[2], &with));
+  bw_contact_pair pair = {.on = elsewhere, .with = with};
+  check_fails(context, BW_INVALID, "another mesh",
+              bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
+  pair.on = nodes;
+  check_fails(context, BW_EMPTY, "without a facet",
+              bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
+  pair.on = foot; /* pushed along the plane, then off it */
+  check_ok(context, bw_model_force(context, model, top, (double[3]){1, 0, -100}));
+  check_fails(context, BW_UNCONSTRAINED, "nothing stops the translation along (1, 0, 0)",
+              bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
+  bw_model_clear_loads(model);
+  check_ok(context, bw_model_force(context, model, top, (double[3]){0, 0, 100}));
+  check_fails(context, BW_UNCONSTRAINED, "nothing stops the translation along (0, 0, 1)",
+              bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
+  bw_release(with); /* above the block's foot, which supports hold */
+  check_ok(context, bw_rigid_plane(context, (double[3]){0, 0, 1e-3}, axis[2], &with));
+  pair.with = with;
+  check_ok(context, bw_model_fix(context, model, foot));
+  check_fails(context, BW_INVALID, "supports hold the body",
+              bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
+  bw_release(with);
+  bw_release(top);
+  bw_release(foot);
+  bw_release(elsewhere);
+  bw_release(nodes);
+  bw_release(model);
+  bw_release(mesh);
+  bw_release(other);
+}
+
+static void memory_failures(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 2, 1, 1, 1);
+  bw_model *model = model_of(context, mesh);
+  bw_selection *top = plane(context, mesh, 2, 0.1), *foot = plane(context, mesh, 2, 0);
+  bw_rigid_surface *with = NULL;
+  bw_contact *c = NULL;
+  const double origin[3] = {0};
+  check_ok(context, bw_model_pressure(context, model, top, 1e7));
+  check_ok(context, bw_rigid_plane(context, origin, axis[2], &with));
+  bw_contact_pair pair = {.on = foot, .with = with};
+  check_ok(context, bw_set_threads(context, 1));
+  check_allocations(context, c, bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
+  bw_release(with);
+  bw_release(top);
+  bw_release(foot);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(patch),     check_test(hertz_sphere), check_test(hertz_cylinder),
+      check_test(corner),    check_test(stop),         check_test(pressed_on_ball),
+      check_test(same_bits), check_test(refused),      check_test(memory_failures)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,67 @@
+-- Contact from Lua: what it gives, and what it says of misuse. Closed forms are in tests/engine/contact.
+local bw = require "barwright"
+local check = require "check"
+
+describe("contact", function()
+  local mesh = bw.mesh.box {max = {0.3, 0.2, 0.1}, cells = {6, 4, 2}, order = 2}
+  local foot, top = mesh.boundary:below("z", 0), mesh.boundary:above("z", 0.1)
+  local floor = bw.rigid.plane {point = {0, 0, -1e-3}, normal = {0, 0, 2}}
+
+  local function block(load)
+    load.on = top
+    return bw.model {mesh = mesh, material = bw.material.steel}:load(load)
+  end
+
+  it("carries a free block on a floor", function()
+    local contact = assert(block {pressure = 2e6}:contact {{on = foot, with = floor}})
+    local pair = contact.pairs[1]
+    assert.is_true(math.abs(pair.force[3] - 2e6 * 0.06) < 1e-3)
+    assert.is_true(math.abs(pair.area - 0.06) < 1e-9)
+    assert.is_true(math.abs(contact.pressure:max() - 2e6) < 10)
+    assert.is_true(math.abs(contact.static.displacement:column(3):max() + 1e-3) < 1e-9)
+    assert.are.equal(pair.candidates, pair.active)
+    assert.are.equal(3, #contact.free_motions)
+    assert.matches("nothing decides the translation along %(1, 0, 0%)", tostring(contact))
+    assert.matches("pair 1: %(0, 0, 120000%) N", tostring(contact))
+    assert.are.equal("cholesky", contact.report.solver)
+    local path = os.tmpname() .. ".vtu"
+    assert(contact:write(path))
+    assert.is_not_nil(bw.mesh.read(path))
+    os.remove(path)
+  end)
+
+  it("gives the same by conjugate gradients", function()
+    local pairs = {{on = foot, with = bw.rigid.sphere {centre = {0.15, 0.1, -2}, radius = 2}}}
+    local a = assert(block {pressure = 1e7}:contact(pairs, {solver = bw.solver.cholesky {}}))
+    local b = assert(block {pressure = 1e7}:contact(pairs, {solver = bw.solver.pcg {tolerance = 1e-10}}))
+    assert.is_true(a.pairs[1].active < a.pairs[1].candidates)
+    assert.are.equal(a.pairs[1].active, b.pairs[1].active)
+    assert.is_true(math.abs(a.pairs[1].pressure - b.pairs[1].pressure) < 1e-5 * a.pairs[1].pressure)
+  end)
+
+  it("says what nothing stops", function()
+    local contact, message, details = block {force = {0, 10, -100}}:contact {{on = foot, with = floor}}
+    assert.is_nil(contact)
+    assert.matches("nothing stops the translation along %(0, 1, 0%)", message)
+    assert.are.equal("unconstrained", details.status)
+    assert.are.equal("translation along (0, 1, 0)", details.motion)
+  end)
+
+  it("prints rigid surfaces", function()
+    assert.are.equal("rigid plane through (0, 0, -1) mm, normal (0, 0, 1)", tostring(floor))
+    assert.are.equal("rigid sphere about (0, 0, 0) mm, radius 2000 mm, body inside",
+      tostring(bw.rigid.sphere {centre = {0, 0, 0}, radius = 2, inside = true}))
+  end)
+
+  it("refuses misuse", function()
+    local part = block {pressure = 1}
+    check.raises("contact: a list of pairs", part.contact, part, {})
+    check.raises("contact: pair 1: a table", part.contact, part, {foot})
+    check.raises("contact: pair 1: option 'with'", part.contact, part, {{on = foot}})
+    check.raises("contact: pair 1: option 'with': a surface of bw.rigid expected", part.contact, part,
+      {{on = foot, with = 3}})
+    check.raises("did you mean 'with'", part.contact, part, {{on = foot, wiht = floor}})
+    check.raises("option 'normal'", bw.rigid.plane, {})
+    check.raises("must be positive", bw.rigid.sphere, {centre = {0, 0, 0}, radius = -1})
+  end)
+end)
