@@ -34,7 +34,7 @@ end
 
 local factor = {solver = bw.solver.cholesky {}, precision = 64}
 
--- The session's part solved anew.
+-- The session's part solved from scratch.
 local function fresh(session)
   return assert(session.part:solve {solver = bw.solver.cholesky {}}).displacement
 end
@@ -93,7 +93,7 @@ describe("edit sessions with materials by region", function()
     assert.equals(0, (assert(session:solve(factor)).displacement - before):norm())
   end)
 
-  it("make equations anew for a law whose axes they do not know", function()
+  it("make equations again for a law whose axes they do not know", function()
     for _, rotates in ipairs {false, true} do
       local session = beam(both(soft, bw.material.steel), {rotate_material = rotates})
       assert(session:bone("lower"):rotate {y = 15})
