@@ -15,6 +15,8 @@ typedef struct inp {
   bwi_ids nodes, tets;
   int64_t *number; /* of the element or set at hand */
   size_t number_count, number_capacity;
+  size_t *section; /* sets of elements that *SOLID SECTION gives a material */
+  size_t section_count, section_capacity;
 } inp;
 
 typedef struct keyword {
@@ -354,6 +356,43 @@ done:
   return status;
 }
 
+/* ---- sections -------------------------------------------------------------------------------- */
+
+/* The set of a *SOLID SECTION, which is there before it; each is remembered once. */
+static bw_status read_section(inp *deck, const keyword *key) {
+  size_t set = 0;
+  while (set < deck->raw->set_count && !(deck->raw->set[set].of_elements &&
+                                         bwi_word_is_nocase(key->set, deck->raw->set[set].name)))
+    set++;
+  if (key->set.length == 0 || set == deck->raw->set_count)
+    return BW_OK;
+  for (size_t i = 0; i < deck->section_count; i++)
+    if (deck->section[i] == set)
+      return BW_OK;
+  if (!bw_grow(deck->raw->context, (void **)&deck->section, &deck->section_capacity,
+               deck->section_count, 1, sizeof *deck->section))
+    return BW_MEMORY;
+  deck->section[deck->section_count++] = set;
+  return BW_OK;
+}
+
+/* Several sections are the regions of the mesh, numbered in their order; of an element in two of
+ * them the later one counts, as in CalculiX. */
+static bw_status make_regions(inp *deck) {
+  bw_status status = BW_OK;
+  bwi_raw *raw = deck->raw;
+  for (size_t i = 0; i < deck->section_count && deck->section_count > 1; i++) {
+    const bwi_raw_set *set = &raw->set[deck->section[i]];
+    bwi_word name = {(const unsigned char *)set->name, strlen(set->name)};
+    BW_TRY(bwi_raw_name_region(raw, (int32_t)i + 1, name));
+    for (size_t k = 0; k < set->count; k++)
+      raw->region[set->member[k]] = (int32_t)i + 1;
+    raw->regions |= set->count > 0;
+  }
+done:
+  return status;
+}
+
 bw_status bwi_inp_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
   bw_status status = BW_OK;
   inp deck = {.cursor = cursor, .raw = raw};
@@ -375,11 +414,15 @@ bw_status bwi_inp_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
       BW_TRY(read_set(&deck, &key, false));
     else if (bwi_word_is_nocase(key.name, "*ELSET"))
       BW_TRY(read_set(&deck, &key, true));
+    else if (bwi_word_is_nocase(key.name, "*SOLID SECTION"))
+      BW_TRY(read_section(&deck, &key));
     BW_TRY(bw_check_cancel(raw->context));
   }
   if (raw->tet_count) /* an element may be defined twice without any set that asks */
     BW_TRY(need_ids(&deck, true));
+  BW_TRY(make_regions(&deck));
 done:
+  bw_free(deck.section);
   bwi_ids_clear(&deck.nodes);
   bwi_ids_clear(&deck.tets);
   bw_free(deck.node_id);

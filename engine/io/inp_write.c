@@ -62,15 +62,22 @@ static bool is_set_name(const bw_mesh *mesh, int32_t i) {
   return true;
 }
 
-/* At most MAX_SETS regions, in ascending order, are written as sets. */
+/* At most so many regions, in ascending order, are written as sets. */
+enum { MAX_SETS = 1000 };
+
+static bw_name set_name(const bw_mesh *mesh, int32_t i) {
+  bw_name name = mesh->regions[i].name;
+  long long tag = mesh->regions[i].tag;
+  if (!is_set_name(mesh, i))
+    snprintf(name.text, sizeof name.text, "REGION_%s%lld", tag < 0 ? "M" : "",
+             tag < 0 ? -tag : tag);
+  return name;
+}
+
 static void write_regions(bw_writer *writer, const bw_mesh *mesh) {
-  enum { MAX_SETS = 1000 };
   for (int32_t i = 0; i < mesh->region_count && i < MAX_SETS; i++) {
-    long long tag = mesh->regions[i].tag;
-    char name[40];
-    snprintf(name, sizeof name, "REGION_%s%lld", tag < 0 ? "M" : "", tag < 0 ? -tag : tag);
-    bool named = is_set_name(mesh, i);
-    write_set(writer, mesh, named ? mesh->regions[i].name.text : name, mesh->region, i);
+    bw_name name = set_name(mesh, i);
+    write_set(writer, mesh, name.text, mesh->region, i);
   }
 }
 
@@ -112,6 +119,20 @@ static void write_line(bw_writer *writer, const char *card, double value) {
   bw_writer_bytes(writer, "\n", 1);
 }
 
+/* The region whose elements are those of material i, written as a set; or -1. */
+static int32_t region_of_material(const bw_inp_deck *deck, int32_t i) {
+  const bw_mesh *mesh = deck->mesh;
+  int32_t first = 0;
+  while (mesh->region && first < mesh->element_count && deck->material_of[first] != i)
+    first++;
+  if (!mesh->region || first == mesh->element_count || mesh->region[first] >= MAX_SETS)
+    return -1;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    if ((deck->material_of[e] == i) != (mesh->region[e] == mesh->region[first]))
+      return -1;
+  return mesh->region[first];
+}
+
 /* The name of a material and its set of elements: one is called as if there were no others. */
 static void write_material(bw_writer *writer, const bw_inp_deck *deck, int32_t i) {
   const bw_inp_material *m = &deck->material[i];
@@ -136,13 +157,17 @@ static void write_material(bw_writer *writer, const bw_inp_deck *deck, int32_t i
     write_line(writer, "*DENSITY", m->density);
   if (deck->temperature)
     write_line(writer, "*EXPANSION, ZERO=0", m->expansion);
+  bw_name set = {"EALL"};
   if (deck->material_count > 1) {
-    char name[40];
-    snprintf(name, sizeof name, "MATERIAL%s", number);
-    write_set(writer, deck->mesh, name, deck->material_of, i);
+    int32_t region = region_of_material(deck, i);
+    if (region >= 0)
+      set = set_name(deck->mesh, region);
+    else {
+      snprintf(set.text, sizeof set.text, "MATERIAL%s", number);
+      write_set(writer, deck->mesh, set.text, deck->material_of, i);
+    }
   }
-  bw_writer_print(writer, "*SOLID SECTION, ELSET=%s%s, MATERIAL=MATERIAL%s\n",
-                  deck->material_count > 1 ? "MATERIAL" : "EALL", number, number);
+  bw_writer_print(writer, "*SOLID SECTION, ELSET=%s, MATERIAL=MATERIAL%s\n", set.text, number);
 }
 
 static void write_materials(bw_writer *writer, const bw_inp_deck *deck) {

@@ -104,6 +104,16 @@ describe("materials by region", function()
     check.near(250, sum / count, 2.5)
   end)
 
+  it("comes back from an input deck by the names of its regions", function()
+    local path = os.tmpname() .. ".inp"
+    local part = model(bar(1))
+    assert(part:fix(part.mesh.boundary:below(1, 0)):write_inp(path))
+    local mesh = assert(bw.mesh.read(path))
+    os.remove(path)
+    assert.same({"low", "high"}, {mesh.regions[1].name, mesh.regions[2].name})
+    assert.equals(0, (mesh.element_regions - part.mesh.element_regions):norm())
+  end)
+
   it("takes the formulation of the model", function()
     local part = model(bar(2, 2))
     local fine = bw.model {mesh = part.mesh, materials = {low = soft, high = stiff}, formulation = "b_bar"}

@@ -72,6 +72,19 @@ static double stress_difference(bw_context *context, const bw_static *result, co
   return worst / largest;
 }
 
+/* Regions of one material each come back from the deck by their names. */
+static void check_regions(bw_context *context, const bw_mesh *mesh, const char *path) {
+  bw_mesh_file file;
+  check_ok(context, bw_mesh_read(context, path, &file));
+  assert_int_equal(file.mesh->region_count, mesh->region_count);
+  for (int32_t i = 0; i < mesh->region_count; i++)
+    assert_string_equal(file.mesh->regions[i].name.text, mesh->regions[i].name.text);
+  if (mesh->region)
+    assert_memory_equal(file.mesh->region, mesh->region,
+                        (size_t)mesh->element_count * sizeof *mesh->region);
+  bw_mesh_file_clear(&file);
+}
+
 static void compare(bw_context *context, const bw_model *model, bool stresses) {
   int32_t nodes = model->mesh->node_count, node, found = 0;
   bw_static *result = NULL;
@@ -81,6 +94,7 @@ static void compare(bw_context *context, const bw_model *model, bool stresses) {
   snprintf(stem, sizeof stem, "/tmp/barwright-model-%d", (int)getpid());
   snprintf(path, sizeof path, "%s.inp", stem);
   check_ok(context, bw_model_write_inp(context, model, path, 0));
+  check_regions(context, model->mesh, path);
   snprintf(command, sizeof command, "cd /tmp && OMP_NUM_THREADS=1 ccx -i '%s' > '%s.log' 2>&1",
            stem, stem);
   assert_int_equal(system(command), 0);
