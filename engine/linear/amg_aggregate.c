@@ -10,8 +10,10 @@
 
 enum { MODES = BWI_AMG_MODES };
 
-/* Nodes are strongly coupled where |A_ij|^2 >= STRONG^2 |A_ii| |A_jj|. */
-#define STRONG 0.02
+/* Rows are strongly coupled where |A_ij|^2 >= theta^2 |A_ii| |A_jj|. On aggregates theta is larger,
+ * since smoothing couples them with more neighbours, and weakly. */
+#define STRONG_NODES 0.02
+#define STRONG_AGGREGATES 0.05
 /* A column with less than this of it left depends on those before. */
 #define DEPENDENT 1e-6
 
@@ -19,7 +21,8 @@ enum { MODES = BWI_AMG_MODES };
 
 static bool is_strong(const bwi_amg_setup *s, int64_t k, int32_t j, const double *block) {
   double size = bwi_amg_norm(block, bwi_amg_unknowns(s)) * bwi_amg_unit(s);
-  return j != k && s->of[j] != -2 && size * size >= STRONG * STRONG * s->norm[k] * s->norm[j];
+  double theta = s->at > 0 ? STRONG_AGGREGATES : STRONG_NODES;
+  return j != k && s->of[j] != -2 && size * size >= theta * theta * s->norm[k] * s->norm[j];
 }
 
 /* Whether no strong neighbour of row k is in an aggregate, and there is one. */
