@@ -11,9 +11,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "barwright/transient.h"
+#include "dynamics/transient_modes.h"
 #include "linear/blas.h"
-#include "linear/internal.h"
 #include "linear/pcg_space.h"
 #include "statics/internal.h"
 
@@ -31,7 +30,8 @@ typedef struct state {
 
 typedef struct bwi_linear_transient {
   bw_system *system;
-  bwi_factor *factor;
+  bwi_factor *factor;             /* of direct integration */
+  struct bwi_modal_motion *modal; /* of modal superposition, or NULL */
   int64_t size;
   int loads, supports;
   double *load;       /* (N) a block for each load */
@@ -51,6 +51,7 @@ static void transient_destroy(void *object) {
   if (s) {
     bw_release(s->system);
     bw_release(s->factor);
+    bwi_modal_motion_destroy(s->modal);
     bw_free(s->load);
     bw_free(s->prescribed);
     for (int k = 0; k < BLOCKS; k++)
@@ -72,7 +73,8 @@ static void transient_destroy(void *object) {
 static size_t transient_bytes(const void *object) {
   const bw_linear_transient *t = object;
   const inner *s = t->inner;
-  return sizeof *t + sizeof *s + bw_bytes(s->system) + bwi_factor_bytes(s->factor) +
+  return sizeof *t + sizeof *s + bw_bytes(s->system) +
+         (s->modal ? bwi_modal_motion_bytes(s->modal) : bwi_factor_bytes(s->factor)) +
          (size_t)(s->size * (BLOCKS + 9 + s->loads)) * sizeof(double);
 }
 
@@ -95,11 +97,14 @@ static bw_status check_options(bw_context *context, const bw_model *model,
                    "damping by %g 1/s of the mass and %g s of the stiffness: both 0 or more "
                    "expected",
                    d->mass, d->stiffness);
-  if (d->ratio != 0 || d->loss != 0)
+  if (o->modes && !(d->ratio >= 0 && d->ratio < 1))
+    return bw_fail(context, BW_INVALID, "a damping ratio of %g: 0 to below 1 expected", d->ratio);
+  if ((d->ratio != 0 && !o->modes) || d->loss != 0)
     return bw_fail(context, BW_UNSUPPORTED,
-                   "direct integration takes damping by mass and stiffness: a %s has no matrix "
-                   "that real steps in time could use",
-                   d->ratio != 0 ? "ratio" : "loss factor");
+                   d->loss != 0 ? "a loss factor is for harmonic motion: give damping by mass, "
+                                  "stiffness or, with modes, a ratio"
+                                : "a damping ratio needs modes: direct integration takes damping "
+                                  "by mass and stiffness");
   for (int32_t i = 0; i < bw_material_part_count(model->material); i++)
     if (!(bw_material_part(model->material, i)->density > 0))
       return bw_fail(context, BW_INVALID,
@@ -314,12 +319,15 @@ static bw_status take_stock(bw_context *context, inner *s, const double *force, 
   double *damping = s->block[NEXT_DAMPING_V], *momentum = s->block[W_M];
   BW_TRY(by_stiffness(context, s, now->u, elastic));
   BW_TRY(by_mass(context, s, now->a, inertia));
-  BW_TRY(by_mass(context, s, now->v, momentum));
-  if (s->stiffness_damping > 0)
+  if (s->modal) {
+    BW_TRY(by_mass(context, s, s->block[W_K], damping)); /* d of bwi_motion_fields */
+  } else if (s->stiffness_damping > 0)
     BW_TRY(by_stiffness(context, s, now->v, damping));
+  BW_TRY(by_mass(context, s, now->v, momentum));
   for (int64_t i = 0; i < s->size; i++) {
-    damping[i] = (s->stiffness_damping > 0 ? s->stiffness_damping * damping[i] : 0) +
-                 s->mass_damping * momentum[i];
+    if (!s->modal)
+      damping[i] = (s->stiffness_damping > 0 ? s->stiffness_damping * damping[i] : 0) +
+                   s->mass_damping * momentum[i];
     now->reaction[i] = inertia[i] + damping[i] + elastic[i] - force[i];
   }
   bwi_keep_states(s->system->dof_map, HELD, now->reaction);
@@ -366,6 +374,15 @@ static bw_status begin(bw_context *context, bw_linear_transient *t,
   hold(s, f->support_velocity, next->v);
   hold(s, f->support_acceleration, next->a);
   add_forces(s, f, s->block[NEXT_FORCE]);
+  if (s->modal) {
+    const bwi_motion_fields fields = {next->u, next->v, next->a, s->block[W_K]};
+    BW_TRY(bwi_modal_motion_start(context, s->modal, s->system, options, f, &fields));
+    bwi_modal_motion_accept(s->modal);
+    BW_TRY(take_stock(context, s, s->block[NEXT_FORCE], next));
+    advance(t);
+    t->initial = t->kinetic + t->strain;
+    goto done;
+  }
   BW_TRY(take_stock(context, s, s->block[NEXT_FORCE], next));
   for (int64_t i = 0; i < s->size; i++)
     r[i] = s->block[NEXT_FORCE][i] - s->block[ELASTIC][i] - s->block[INERTIA][i] -
@@ -420,9 +437,16 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
   BW_TRY_MEMORY(all);
   BW_TRY(make_system(context, model, given, s));
   BW_TRY(make_loads(context, model, s));
-  BW_TRY(make_factor(
-      context, model, 1 - s->alpha_m + (1 - s->alpha_f) * s->gamma * h * s->mass_damping,
-      (1 - s->alpha_f) * (s->beta * h * h + s->gamma * h * s->stiffness_damping), s, &t->report));
+  if (options->modes) {
+    BW_TRY(bwi_modal_motion_create(context, model, s->system, options, s->load, s->prescribed,
+                                   &s->modal));
+    bwi_report_way(s->system, BWI_BY_FACTOR, NULL, &t->report);
+    snprintf(t->report.reason, sizeof t->report.reason, "%d modes are superposed",
+             options->modes->count);
+  } else
+    BW_TRY(make_factor(
+        context, model, 1 - s->alpha_m + (1 - s->alpha_f) * s->gamma * h * s->mass_damping,
+        (1 - s->alpha_f) * (s->beta * h * h + s->gamma * h * s->stiffness_damping), s, &t->report));
   BW_TRY(begin(context, t, options, now));
   *transient = t;
   t = NULL;
@@ -436,19 +460,14 @@ static double mix(double part, double before, double after) {
   return part * before + (1 - part) * after;
 }
 
-bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
-                                   const bw_transient_factors *factors) {
+/* Displacement, velocity and acceleration of the next state by generalised-alpha. */
+static bw_status integrate(bw_context *context, const bw_linear_transient *t,
+                           const bw_transient_factors *factors) {
   bw_status status = BW_OK;
   inner *s = t->inner;
-  state *next = &s->next;
-  double h = t->step, work = 0, damped = 0;
-  double *force = s->block[FORCE], *next_force = s->block[NEXT_FORCE];
+  double h = t->step, *force = s->block[FORCE], *next_force = s->block[NEXT_FORCE];
   double *w_m = s->block[W_M], *w_k = s->block[W_K], *r = s->block[RIGHT];
-  double *u = next->u, *v = next->v, *a = next->a;
-  factors = factors ? factors : &all_one;
-  bwi_blas_enter();
-  BW_TRY(check_factors(context, t, factors));
-  add_forces(s, factors, next_force);
+  double *u = s->next.u, *v = s->next.v, *a = s->next.a;
   for (int64_t i = 0; i < s->size; i++) {
     u[i] = t->displacement[i] + h * (t->velocity[i] + (0.5 - s->beta) * h * t->acceleration[i]);
     v[i] = t->velocity[i] + (1 - s->gamma) * h * t->acceleration[i];
@@ -474,17 +493,39 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
     v[i] += s->gamma * h * r[i];
     a[i] += r[i];
   }
+done:
+  return status;
+}
+
+bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
+                                   const bw_transient_factors *factors) {
+  bw_status status = BW_OK;
+  inner *s = t->inner;
+  state *next = &s->next;
+  double work = 0, damped = 0;
+  double *force = s->block[FORCE], *next_force = s->block[NEXT_FORCE];
+  factors = factors ? factors : &all_one;
+  bwi_blas_enter();
+  BW_TRY(check_factors(context, t, factors));
+  add_forces(s, factors, next_force);
+  if (s->modal) {
+    const bwi_motion_fields fields = {next->u, next->v, next->a, s->block[W_K]};
+    bwi_modal_motion_step(s->modal, factors, &fields);
+  } else
+    BW_TRY(integrate(context, t, factors));
   BW_TRY(take_stock(context, s, next_force, next));
   for (int64_t i = 0; i < s->size; i++) {
-    double change = u[i] - t->displacement[i];
+    double change = next->u[i] - t->displacement[i];
     work += 0.5 * (force[i] + t->reaction[i] + next_force[i] + next->reaction[i]) * change;
     damped += 0.5 * (s->block[DAMPING_V][i] + s->block[NEXT_DAMPING_V][i]) * change;
   }
   advance(t);
+  if (s->modal)
+    bwi_modal_motion_accept(s->modal);
   t->work += work;
   t->damped += damped;
   t->steps++;
-  t->time = h * (double)t->steps;
+  t->time = t->step * (double)t->steps;
   t->object.revision++;
 done:
   bwi_blas_leave();

@@ -56,8 +56,10 @@ function model:transient(given)
     initial = {type = "table", default = {}},
     loads = {type = "table", default = {}},
     supports = {type = "any"},
+    modes = {type = "modes"},
   })
   local damping = options.read("transient: option 'damping'", opts.damping, {
+    ratio = {type = "number", default = 0, min = 0},
     mass = {type = "number", default = 0, min = 0},
     stiffness = {type = "number", default = 0, min = 0},
   })
@@ -68,8 +70,8 @@ function model:transient(given)
   local histories, why, about = read_histories(opts, count)
   if not histories then return nil, why, about end
   local made, message, details = core.linear_transient(self, {step = opts.step, rho = opts.rho,
-    mass = damping.mass, stiffness = damping.stiffness}, initial.displacement, initial.velocity,
-    factors(histories, count, 0, opts.step))
+    ratio = damping.ratio, mass = damping.mass, stiffness = damping.stiffness, modes = opts.modes},
+    initial.displacement, initial.velocity, factors(histories, count, 0, opts.step))
   if not made then return nil, message, details end
   histories_of[made] = histories
   return made

@@ -29,14 +29,16 @@ static const double *read_field(lua_State *L, int index, const char *what, const
   return field;
 }
 
-/* linear_transient(model, {step, rho, mass, stiffness}, displacement, velocity, factors of loads,
- * factor of supports, its velocity, its acceleration) */
+/* linear_transient(model, {step, rho, ratio, mass, stiffness, modes}, displacement, velocity,
+ * factors of loads, factor of supports, its velocity, its acceleration) */
 static int core_linear_transient(lua_State *L) {
   static const lbw_option list[] = {
       {"step", LBW_REAL, offsetof(bw_linear_transient_options, step)},
       {"rho", LBW_REAL, offsetof(bw_linear_transient_options, rho)},
+      {"ratio", LBW_REAL, offsetof(bw_linear_transient_options, damping.ratio)},
       {"mass", LBW_REAL, offsetof(bw_linear_transient_options, damping.mass)},
       {"stiffness", LBW_REAL, offsetof(bw_linear_transient_options, damping.stiffness)},
+      {"modes", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   lbw_box *own = lbw_check_box(L, 1, &lbw_model_class);
   const bw_model *model = (const bw_model *)own->object;
@@ -44,6 +46,9 @@ static int core_linear_transient(lua_State *L) {
   bw_linear_transient_options_default(&options);
   lua_settop(L, 8);
   lbw_options(L, 2, "transient", list, &options);
+  if (lbw_option_get(L, 2, "modes") != LUA_TNIL)
+    options.modes = (const bw_modes *)lbw_test(L, -1, &lbw_modes_class); /* the table keeps it */
+  lua_settop(L, 8);
   options.displacement = read_field(L, 3, "transient: option 'initial': displacement", model->mesh);
   options.velocity = read_field(L, 4, "transient: option 'initial': velocity", model->mesh);
   const bw_transient_factors now = read_factors(L, 5, model->load_count);

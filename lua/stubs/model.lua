@@ -313,7 +313,7 @@ function Model:buckling(options) end
 ---
 ---Errors: `memory` for a factor larger than what is free; `unsupported` for temperature loads; `convergence` where the first
 ---acceleration is not found; `io` and `format` for a history in a file; `geometry` for an inverted element. Histories that are
----none and a material without density raise.
+---none, a material without density and modes of another part raise.
 ---
 ---Source: J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993); docs/theory/transient.md.
 ---@param options bw.TransientOptions step, damping, start and histories

@@ -16,7 +16,10 @@ typedef struct bw_linear_transient_options {
   double step;        /* (s) of time, above 0; no default */
   double rho;         /* (-) spectral radius at infinite frequency: 1 damps no motion, 0 takes the
                          fastest away in one step; default 0.9, 0 to 1 */
-  bw_damping damping; /* mass and stiffness alone */
+  bw_damping damping; /* mass and stiffness, with modes a ratio too */
+  const bw_modes *modes;      /* elastic modes of the model: the motion is the sum of these and of
+                                 rigid-body motions, and the static displacement of what they leave out;
+                                 default NULL: direct integration */
   const double *displacement; /* (m, node_count x 3) at the start; default NULL: 0 */
   const double *velocity;     /* (m/s, node_count x 3) at the start; default NULL: 0 */
 } bw_linear_transient_options;
@@ -51,13 +54,15 @@ typedef struct bw_linear_transient {
   struct bwi_linear_transient *inner; /* the engine's own */
 } bw_linear_transient;
 /* A body at time 0, by the generalised-alpha method of Chung and Hulbert, J. Appl. Mech. 60 (1993)
- * 371-375, equations 14 to 25. `given` (may be NULL): equations of the model, whose matrices and
+ * 371-375, equations 14 to 25, or by modal superposition, exact for loads that are linear within a
+ * step. `given` (may be NULL): equations of the model, whose matrices and
  * elimination order serve again. `now` (may be NULL: all loads 1, supports at their values and at
  * rest): factors at the start. The model must not change afterwards. initial + work = kinetic +
  * strain + damped, but for what the scheme itself takes away. BW_INVALID for numbers outside their
- * ranges and a material without density, BW_UNSUPPORTED for temperature loads and other damping;
- * BW_MEMORY, before it is allocated, for a factor larger than what is free, BW_CONVERGENCE where
- * the first acceleration is not found; those of bw_dof_map_create and bw_system_factor. */
+ * ranges, a material without density and modes of another model, BW_UNSUPPORTED for temperature
+ * loads and other damping; BW_MEMORY, before it is allocated, for a factor larger than what is
+ * free, BW_CONVERGENCE where the first acceleration is not found; those of bw_dof_map_create and
+ * bw_system_factor. */
 BW_API bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
                                             bw_system *given,
                                             const bw_linear_transient_options *options,

@@ -307,6 +307,116 @@ static void test_superposition(void **state) {
   bw_release(model);
 }
 
+/* Superposed, a mode follows its closed form whatever the step: below and above critical damping.
+ */
+static void test_superposed_mode(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = bar(context, true, 2);
+  bw_modes *modes = lowest(context, model, 3);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  const double *shape = modes->shape + size;
+  const double w = sqrt(modes->eigenvalue[1]), h = 0.7 * 2 * M_PI / w;
+  for (int strong = 0; strong < 2; strong++) {
+    const double d = strong ? 1.25 * w : 0.07 * w, until = 4 * h;
+    const double s = sqrt(fabs(w * w - d * d));
+    const double expected = strong ? exp(-d * until) * (cosh(s * until) + d / s * sinh(s * until))
+                                   : exp(-d * until) * (cos(s * until) + d / s * sin(s * until));
+    bw_linear_transient_options options = {
+        .step = h, .rho = 1, .modes = modes, .displacement = shape};
+    if (strong)
+      options.damping.mass = 2 * d;
+    else
+      options.damping.ratio = 0.07;
+    bw_linear_transient *t = start(context, model, &options, NULL);
+    march(context, t, 4);
+    for (int64_t i = 0; i < size; i++)
+      check_near(t->displacement[i], expected * shape[i], 1e-9 * largest(size, shape));
+    bw_release(t);
+  }
+  bw_release(modes);
+  bw_release(model);
+}
+
+/* Loads that rise and fall on held and free bodies, one with a support that moves: as integrated
+ * directly with short steps. */
+static void test_superposed_against_direct(void **state) {
+  bw_context *context = check_context(state);
+  const bool all[3] = {true, true, true};
+  const double y[3] = {2e-6, 0, 1e-6}, force[3] = {500, 200, -1000};
+  for (int which = 0; which < 3; which++) { /* free, held, held by a support that moves */
+    bw_model *model = bar(context, which == 1, 2);
+    bw_selection *end = plane(context, model->mesh, 0, 1),
+                 *foot = plane(context, model->mesh, 0, 0);
+    check_ok(context, bw_model_force(context, model, end, force));
+    if (which == 2)
+      check_ok(context, bw_model_prescribe(context, model, foot, all, y));
+    bw_modes *modes = lowest(context, model, 25);
+    int64_t size = 3 * (int64_t)model->mesh->node_count;
+    double *u[2], energy[2];
+    const double w = 2 * M_PI * 120, until = 0.01;
+    for (int way = 0; way < 2; way++) {
+      int steps = way ? 100 : 2000;
+      double h = until / steps, load = 0;
+      bw_linear_transient_options options = {
+          .step = h, .rho = 1, .damping.mass = 30, .modes = way ? modes : NULL};
+      bw_transient_factors f = {.load = &load, .support_acceleration = w * w};
+      bw_linear_transient *t = start(context, model, &options, &f);
+      for (int k = 1; k <= steps; k++) {
+        load = sin(w * h * k) * sin(w * h * k);
+        f.support = 1 - cos(w * h * k);
+        f.support_velocity = w * sin(w * h * k);
+        f.support_acceleration = w * w * cos(w * h * k);
+        check_ok(context, bw_linear_transient_step(context, t, &f));
+      }
+      u[way] = numbers(size);
+      memcpy(u[way], t->displacement, (size_t)size * sizeof(double));
+      energy[way] = t->kinetic + t->strain;
+      check_near(balance(t), 0, (way ? 2e-2 : 2e-3) * (t->work + energy[way]));
+      bw_release(t);
+    }
+    double off = 0, most = largest(size, u[0]);
+    for (int64_t i = 0; i < size; i++)
+      off = fmax(off, fabs(u[1][i] - u[0][i]));
+    assert_true(off < 1e-3 * most);
+    check_near(energy[1], energy[0], 5e-3 * energy[0]);
+    for (int way = 0; way < 2; way++)
+      free(u[way]);
+    bw_release(end);
+    bw_release(foot);
+    bw_release(modes);
+    bw_release(model);
+  }
+}
+
+/* Under a slow load two modes and the static part of the others give the static solution. */
+static void test_static_part(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = bar(context, true, 2);
+  const double force[3] = {2000, 0, -1000};
+  bw_selection *end = plane(context, model->mesh, 0, 1);
+  check_ok(context, bw_model_force(context, model, end, force));
+  bw_static *rest = NULL;
+  check_ok(context, bw_statics(context, model, NULL, NULL, &rest));
+  bw_modes *modes = lowest(context, model, 2);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double load = 0;
+  const bw_linear_transient_options options = {
+      .step = 0.05, .rho = 1, .modes = modes, .damping.ratio = 0.3};
+  const bw_transient_factors f = {.load = &load};
+  bw_linear_transient *t = start(context, model, &options, &f);
+  for (int k = 1; k <= 60; k++) {
+    load = fmin(k / 40.0, 1);
+    check_ok(context, bw_linear_transient_step(context, t, &f));
+  }
+  for (int64_t i = 0; i < size; i++)
+    check_near(t->displacement[i], rest->displacement[i], 1e-8 * largest(size, rest->displacement));
+  bw_release(t);
+  bw_release(modes);
+  bw_release(rest);
+  bw_release(end);
+  bw_release(model);
+}
+
 static void test_bad_input(void **state) {
   bw_context *context = check_context(state);
   bw_model *model = bar(context, true, 1);
@@ -327,6 +437,19 @@ static void test_bad_input(void **state) {
   REFUSED(BW_INVALID, bad.damping.mass = -1);
   REFUSED(BW_UNSUPPORTED, bad.damping.ratio = 0.02);
   REFUSED(BW_UNSUPPORTED, bad.damping.loss = 0.02);
+  bw_model *other = bar(context, true, 1), *loose = NULL;
+  check_ok(context, bw_model_create(context, model->mesh, model->material, &loose));
+  bw_modes *modes = lowest(context, other, 2), *wrong_modes = lowest(context, loose, 2);
+  REFUSED(BW_INVALID, bad.modes = modes);       /* of another mesh */
+  REFUSED(BW_INVALID, bad.modes = wrong_modes); /* of other supports */
+  bw_release(modes);
+  modes = lowest(context, model, 2);
+  REFUSED(BW_INVALID, (bad.modes = modes, bad.damping.ratio = 1));
+  REFUSED(BW_UNSUPPORTED, (bad.modes = modes, bad.damping.loss = 0.1));
+  bw_release(modes);
+  bw_release(wrong_modes);
+  bw_release(other);
+  bw_release(loose);
   double *field = numbers(3 * (int64_t)model->mesh->node_count);
   field[4] = INFINITY;
   REFUSED(BW_INVALID, bad.velocity = field);
@@ -352,14 +475,27 @@ static void test_memory_failures(void **state) {
   check_ok(context, bw_set_threads(context, 1));
   check_allocations(context, t,
                     bw_linear_transient_create(context, model, NULL, &options, NULL, &t));
+  bw_modes *modes = lowest(context, model, 2);
+  const bw_linear_transient_options superposed = {.step = 1e-4, .modes = modes};
+  check_allocations(context, t,
+                    bw_linear_transient_create(context, model, NULL, &superposed, NULL, &t));
+  bw_release(modes);
   bw_release(model);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_mode),      check_test(test_free_body),       check_test(test_fall),
-      check_test(test_step_load), check_test(test_moving_support),  check_test(test_superposition),
-      check_test(test_bad_input), check_test(test_memory_failures),
+      check_test(test_mode),
+      check_test(test_free_body),
+      check_test(test_fall),
+      check_test(test_step_load),
+      check_test(test_moving_support),
+      check_test(test_superposition),
+      check_test(test_superposed_mode),
+      check_test(test_superposed_against_direct),
+      check_test(test_static_part),
+      check_test(test_bad_input),
+      check_test(test_memory_failures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

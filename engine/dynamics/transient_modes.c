@@ -1,0 +1,307 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Modal superposition (docs/theory/transient.md). Coordinates q of the modes and of rigid-body
+ * motions follow q'' + c q' + w^2 q = p with p linear within a step: exact, whatever the step. */
+#include "dynamics/transient_modes.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct bwi_modal_motion {
+  int64_t size;
+  int count, loads; /* vectors of the basis; loads of the model */
+  double *basis;    /* count x size, of M-norm 1 */
+  double *square;   /* (count) w^2, 0 of rigid-body motions */
+  double *damping;  /* (count) c = 2 zeta w + a + b w^2 */
+  double *part;     /* (loads + 1) x count: of each load, and of a support's acceleration of 1 */
+  double *residual; /* loads x size: the static displacement less what the basis has of it */
+  double *support;  /* (size) static displacement by the supports, or NULL */
+  double mass_damping;
+  double *transition; /* count x 8: q and h q' after a step by q, h q', h^2 p, h^2 (p1 - p) */
+  double step;
+  double *q, *rate, *p;                /* (count) now */
+  double *next_q, *next_rate, *next_p; /* (count) after a step */
+} motion;
+
+void bwi_modal_motion_destroy(motion *m) {
+  if (!m)
+    return;
+  double *all[] = {m->basis,   m->square,     m->damping, m->part, m->residual,
+                   m->support, m->transition, m->q,       m->rate, m->p,
+                   m->next_q,  m->next_rate,  m->next_p};
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+    bw_free(all[i]);
+  bw_free(m);
+}
+
+size_t bwi_modal_motion_bytes(const motion *m) {
+  return sizeof *m + sizeof(double) * (size_t)(m->size * (m->count + m->loads + 1));
+}
+
+static double dot(int64_t size, const double *x, const double *y) {
+  double sum = 0;
+  for (int64_t i = 0; i < size; i++)
+    sum += x[i] * y[i];
+  return sum;
+}
+
+static void add(int64_t size, double factor, const double *x, double *y) {
+  for (int64_t i = 0; i < size && factor != 0; i++)
+    y[i] += factor * x[i];
+}
+
+static bw_status by_mass(bw_context *context, const bw_system *system, const double *x, double *y) {
+  return bw_block_multiply(context, system->pattern, system->mass, 1, 3, 1, x, y);
+}
+
+/* ---- the basis ------------------------------------------------------------------------------- */
+
+static bw_status check_modes(bw_context *context, const bw_model *model, const bw_system *system,
+                             const bw_modes *modes, double *work) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  bool fits = modes->mesh == model->mesh && modes->components == 3 && modes->count > 0;
+  for (int k = 0; fits && k < modes->count; k++) {
+    const double *shape = modes->shape + k * size;
+    BW_TRY(by_mass(context, system, shape, work));
+    fits = fabs(dot(size, shape, work) - 1) < 1e-6;
+    double whole = dot(size, shape, shape);
+    memcpy(work, shape, (size_t)size * sizeof *work);
+    bwi_keep_states(system->dof_map, 1u << BW_DOF_PRESCRIBED, work);
+    fits = fits && dot(size, work, work) <= 1e-16 * whole;
+  }
+  if (!fits)
+    status =
+        bw_fail(context, BW_INVALID,
+                "the modes are not elastic modes of this model: compute them of the same mesh, "
+                "material and supports");
+done:
+  return status;
+}
+
+/* Rigid-body motions, made M-orthonormal, and behind them the modes. */
+static bw_status make_basis(bw_context *context, const bw_system *system, const bw_modes *modes,
+                            int rigid, double *work, motion *m) {
+  bw_status status = BW_OK;
+  double *one = BW_NEW0(context, double, rigid);
+  BW_TRY_MEMORY(one);
+  for (int k = 0; k < rigid; k++) {
+    double *r = m->basis + k * m->size;
+    memset(one, 0, (size_t)rigid * sizeof *one);
+    one[k] = 1;
+    bw_rigid_modes_add(system->dof_map, one, r);
+    for (int j = 0; j <= k; j++) {
+      BW_TRY(by_mass(context, system, r, work));
+      if (j < k)
+        add(m->size, -dot(m->size, m->basis + j * m->size, work), m->basis + j * m->size, r);
+    }
+    double scale = 1 / sqrt(dot(m->size, r, work));
+    for (int64_t i = 0; i < m->size; i++)
+      r[i] *= scale;
+  }
+  memcpy(m->basis + rigid * m->size, modes->shape,
+         (size_t)(m->size * modes->count) * sizeof(double));
+  memcpy(m->square + rigid, modes->eigenvalue, (size_t)modes->count * sizeof(double));
+done:
+  bw_free(one);
+  return status;
+}
+
+/* ---- the recurrence -------------------------------------------------------------------------- */
+
+static void multiply4(const double *a, const double *b, double *c) {
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 4; j++) {
+      double sum = 0;
+      for (int k = 0; k < 4; k++)
+        sum += a[4 * i + k] * b[4 * k + j];
+      c[4 * i + j] = sum;
+    }
+}
+
+/* The first two rows of exp(A) for (q w, q' h, p h^2, (p1 - p) h^2) with times in steps and w the
+ * larger one of w h and 1, by scaling and squaring: any damping, and rigid-body motions too. */
+static void make_transition(double square, double damping, double h, double out[8]) {
+  double wh = sqrt(square) * h, w = fmax(wh, 1), norm = fmax(w, damping * h) + 1;
+  double a[16] = {0, w, 0, 0, -wh * wh / w, -damping * h, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0};
+  double term[16], next[16], sum[16];
+  int halvings = (int)fmax(0, ceil(log2(norm)) + 3);
+  for (int i = 0; i < 16; i++) {
+    a[i] = ldexp(a[i], -halvings);
+    sum[i] = term[i] = i % 5 == 0;
+  }
+  for (int n = 1; n < 16; n++) {
+    multiply4(term, a, next);
+    for (int i = 0; i < 16; i++)
+      sum[i] += term[i] = next[i] / n;
+  }
+  for (int k = 0; k < halvings; k++) {
+    multiply4(sum, sum, next);
+    memcpy(sum, next, sizeof sum);
+  }
+  for (int j = 0; j < 4; j++) { /* back to q itself */
+    out[j] = sum[j] / (j == 0 ? 1 : w);
+    out[4 + j] = sum[4 + j] * (j == 0 ? w : 1);
+  }
+}
+
+/* ---- creation -------------------------------------------------------------------------------- */
+
+static bw_status make_loads(bw_context *context, bw_system *system, const double *load,
+                            const double *prescribed, double *work, motion *m) {
+  bw_status status = BW_OK;
+  for (int l = 0; l < m->loads; l++) {
+    const double *f = load + l * m->size;
+    double *u = m->residual + l * m->size, *part = m->part + (int64_t)l * m->count;
+    BW_TRY(bw_system_solve(context, system, 1, f, u));
+    for (int k = 0; k < m->count; k++) {
+      part[k] = dot(m->size, m->basis + k * m->size, f);
+      if (m->square[k] > 0)
+        add(m->size, -part[k] / m->square[k], m->basis + k * m->size, u);
+    }
+  }
+  if (prescribed) {
+    double *part = m->part + (int64_t)m->loads * m->count;
+    BW_TRY(
+        bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1, prescribed, work));
+    for (int64_t i = 0; i < m->size; i++)
+      work[i] = -work[i];
+    BW_TRY(bw_system_solve(context, system, 1, work, m->support));
+    add(m->size, 1, prescribed, m->support);
+    BW_TRY(by_mass(context, system, m->support, work));
+    for (int k = 0; k < m->count; k++)
+      part[k] = -dot(m->size, m->basis + k * m->size, work);
+  }
+done:
+  return status;
+}
+
+bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model, bw_system *system,
+                                  const bw_linear_transient_options *options, const double *load,
+                                  const double *prescribed, motion **out) {
+  bw_status status = BW_OK;
+  const bw_modes *modes = options->modes;
+  const bw_damping *d = &options->damping;
+  double *work = NULL;
+  motion *m = NULL;
+  int rigid = system->dof_map->rigid_mode_count;
+  if (prescribed && (rigid > 0 || d->stiffness > 0))
+    return bw_fail(
+        context, BW_UNSUPPORTED,
+        "modes of supports that move need a body that is held and damping without a part "
+        "of the stiffness: integrate directly, without modes");
+  BW_TRY(bw_system_factor(context, system));
+  m = BW_NEW0(context, motion, 1);
+  BW_TRY_MEMORY(m);
+  m->size = 3 * (int64_t)model->mesh->node_count;
+  m->count = rigid + modes->count;
+  m->loads = model->load_count;
+  m->mass_damping = d->mass;
+  m->step = options->step;
+  work = BW_NEW(context, double, m->size);
+  m->basis = BW_NEW0(context, double, m->size * m->count);
+  m->residual = BW_NEW(context, double, m->size * m->loads);
+  m->part = BW_NEW0(context, double, (int64_t)m->count *(m->loads + 1));
+  m->transition = BW_NEW(context, double, 8 * (int64_t)m->count);
+  if (prescribed)
+    m->support = BW_NEW(context, double, m->size);
+  double **numbers[] = {&m->square, &m->damping, &m->q,         &m->rate,
+                        &m->p,      &m->next_q,  &m->next_rate, &m->next_p};
+  bool all = work && m->basis && m->residual && m->part && m->transition;
+  for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+    all = (*numbers[i] = BW_NEW0(context, double, m->count)) && all;
+  BW_TRY_MEMORY(all && (m->support || !prescribed));
+  BW_TRY(check_modes(context, model, system, modes, work));
+  BW_TRY(make_basis(context, system, modes, rigid, work, m));
+  for (int k = 0; k < m->count; k++) {
+    m->damping[k] = 2 * d->ratio * sqrt(m->square[k]) + d->mass + d->stiffness * m->square[k];
+    make_transition(m->square[k], m->damping[k], m->step, m->transition + 8 * (int64_t)k);
+  }
+  BW_TRY(make_loads(context, system, load, prescribed, work, m));
+  *out = m;
+  m = NULL;
+done:
+  bwi_modal_motion_destroy(m);
+  bw_free(work);
+  return status;
+}
+
+/* ---- motion ---------------------------------------------------------------------------------- */
+
+static void modal_forces(motion *m, const bw_transient_factors *f) {
+  const double *support = m->part + (int64_t)m->loads * m->count;
+  for (int k = 0; k < m->count; k++) {
+    double p = m->support
+                   ? (f->support_acceleration + m->mass_damping * f->support_velocity) * support[k]
+                   : 0;
+    for (int l = 0; l < m->loads; l++)
+      p += (f->load ? f->load[l] : 1) * m->part[(int64_t)l * m->count + k];
+    m->next_p[k] = p;
+  }
+}
+
+/* The fields of the next coordinates: u also has the static part of the loads that the basis leaves
+ * out, which follows them at once. */
+static void expand(const motion *m, const bw_transient_factors *f, const bwi_motion_fields *out) {
+  double *field[4] = {out->u, out->v, out->a, out->d};
+  for (int i = 0; i < 4; i++)
+    memset(field[i], 0, (size_t)m->size * sizeof(double));
+  for (int k = 0; k < m->count; k++) {
+    const double *shape = m->basis + k * m->size;
+    double q = m->next_q[k], v = m->next_rate[k], d = m->damping[k] * v;
+    add(m->size, q, shape, out->u);
+    add(m->size, v, shape, out->v);
+    add(m->size, m->next_p[k] - d - m->square[k] * q, shape, out->a);
+    add(m->size, d, shape, out->d);
+  }
+  for (int l = 0; l < m->loads; l++)
+    add(m->size, f->load ? f->load[l] : 1, m->residual + l * m->size, out->u);
+  if (m->support) {
+    add(m->size, f->support, m->support, out->u);
+    add(m->size, f->support_velocity, m->support, out->v);
+    add(m->size, f->support_acceleration, m->support, out->a);
+    add(m->size, m->mass_damping * f->support_velocity, m->support, out->d);
+  }
+}
+
+bw_status bwi_modal_motion_start(bw_context *context, motion *m, const bw_system *system,
+                                 const bw_linear_transient_options *options,
+                                 const bw_transient_factors *f, const bwi_motion_fields *out) {
+  bw_status status = BW_OK;
+  double *relative = out->u, *product = out->a;
+  for (int which = 0; which < 2; which++) {
+    const double *given = which ? options->velocity : options->displacement;
+    double *to = which ? m->next_rate : m->next_q;
+    for (int64_t i = 0; i < m->size; i++)
+      relative[i] = given ? given[i] : 0;
+    if (m->support)
+      add(m->size, which ? -f->support_velocity : -f->support, m->support, relative);
+    BW_TRY(by_mass(context, system, relative, product));
+    for (int k = 0; k < m->count; k++)
+      to[k] = dot(m->size, m->basis + k * m->size, product);
+  }
+  modal_forces(m, f);
+  expand(m, f, out);
+done:
+  return status;
+}
+
+void bwi_modal_motion_step(motion *m, const bw_transient_factors *f, const bwi_motion_fields *out) {
+  double h = m->step;
+  modal_forces(m, f);
+  for (int k = 0; k < m->count; k++) {
+    const double *t = m->transition + 8 * (int64_t)k;
+    double x[4] = {m->q[k], h * m->rate[k], h * h * m->p[k], h * h * (m->next_p[k] - m->p[k])};
+    m->next_q[k] = t[0] * x[0] + t[1] * x[1] + t[2] * x[2] + t[3] * x[3];
+    m->next_rate[k] = (t[4] * x[0] + t[5] * x[1] + t[6] * x[2] + t[7] * x[3]) / h;
+  }
+  expand(m, f, out);
+}
+
+void bwi_modal_motion_accept(motion *m) {
+  double **pair[3][2] = {{&m->q, &m->next_q}, {&m->rate, &m->next_rate}, {&m->p, &m->next_p}};
+  for (int k = 0; k < 3; k++) {
+    double *held = *pair[k][0];
+    *pair[k][0] = *pair[k][1];
+    *pair[k][1] = held;
+  }
+}
