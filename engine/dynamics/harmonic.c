@@ -142,7 +142,7 @@ typedef struct basis {
   double first;               /* K-norm of the first vector before it was scaled */
   double *theta, *w, *work;   /* its eigenvalues, vectors (MOST x MOST) and work space */
   const double *shape;        /* the modes' */
-  double *mass_shape, *along; /* M times these; capacity for inner products */
+  double *mass_shape, *along; /* M times these; inner products */
 } basis;
 
 static void basis_clear(basis *b) {

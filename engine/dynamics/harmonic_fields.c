@@ -72,8 +72,7 @@ done:
   return status;
 }
 
-/* The product of which von Mises stress is the root, of a and b. */
-static double von_mises_product(const double *a, const double *b) {
+double bwi_von_mises_product(const double *a, const double *b) {
   return ((a[0] - a[1]) * (b[0] - b[1]) + (a[1] - a[2]) * (b[1] - b[2]) +
           (a[2] - a[0]) * (b[2] - b[0])) /
              2 +
@@ -82,7 +81,8 @@ static double von_mises_product(const double *a, const double *b) {
 
 /* The largest von Mises stress of a cos t - b sin t. */
 static double largest_von_mises(const double *a, const double *b) {
-  double aa = von_mises_product(a, a), bb = von_mises_product(b, b), ab = von_mises_product(a, b);
+  double aa = bwi_von_mises_product(a, a), bb = bwi_von_mises_product(b, b),
+         ab = bwi_von_mises_product(a, b);
   return sqrt(fmax((aa + bb) / 2 + hypot((aa - bb) / 2, ab), 0));
 }
 

@@ -12,5 +12,7 @@ int bwi_compare_numbers(const void *a, const void *b);
 /* sum of weight (harmonic->count) times vector: field (node_count x 3). */
 bw_status bwi_harmonic_combine(bw_context *context, const bw_harmonic *harmonic,
                                const double *weight, double *field);
+/* The product of tensors a and b (6) that is the square of von Mises stress for a = b. */
+double bwi_von_mises_product(const double *a, const double *b);
 
 #endif

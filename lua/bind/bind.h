@@ -390,6 +390,7 @@ void lbw_open_refine(lua_State *L);
 void lbw_open_buckling(lua_State *L);
 void lbw_open_harmonic(lua_State *L);
 void lbw_open_contact(lua_State *L);
+void lbw_open_fatigue(lua_State *L);
 void lbw_open_singular(lua_State *L);
 void lbw_open_incremental(lua_State *L);
 void lbw_open_optimise(lua_State *L);

@@ -102,6 +102,39 @@ BW_API bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *harm
                                     const double *frequency, const double *density,
                                     double *displacement, double *von_mises, double *error);
 
+/* ---- fatigue --------------------------------------------------------------------------------- */
+
+/* A cycle of a history. */
+typedef struct bw_cycle {
+  double range; /* (any) from its lowest to its highest value */
+  double mean;  /* (any) between these */
+  double count; /* (-) 1, or 0.5 of a half cycle */
+} bw_cycle;
+/* The cycles of a history (any, count) by rainflow counting (ASTM E1049-85, section 5.4.4), in the
+ * order in which they close, then the half cycles that are left: *cycle (any, *cycle_count), which
+ * bw_free releases. BW_INVALID for a value that is not finite. */
+BW_API bw_status bw_rainflow(bw_context *context, int64_t count, const double *history,
+                             bw_cycle **cycle, int64_t *cycle_count);
+
+/* A stress-life curve N = cycles (amplitude / a)^exponent (Basquin) of fully reversed stress. */
+typedef struct bw_life_curve {
+  double amplitude; /* (Pa) a point of the curve; default 0, above 0 */
+  double cycles;    /* (-) its life; default 1e6, above 0 */
+  double exponent;  /* (-) default 5, 1 or more */
+  double limit;     /* (Pa) smaller amplitudes do no damage; default 0, 0 or more */
+  double strength;  /* (Pa) a mean stress above 0 raises the amplitude by 1 / (1 - mean / strength)
+                       (Goodman); default 0: it does not; 0 or more */
+} bw_life_curve;
+BW_API void bw_life_curve_default(bw_life_curve *curve);
+/* Damage of one pass of a history at `place_count` places, by Miner's sum over the rainflow cycles
+ * of the signed von Mises stress (docs/theory/dynamics.md). The stress is the sum over case_count
+ * load cases of stress[c] (Pa, place_count x 6) times factor (-, steps x case_count): damage (-,
+ * place_count), infinite where the mean stress reaches the strength. BW_INVALID for numbers of the
+ * curve outside their ranges, and a stress or factor that is not finite. */
+BW_API bw_status bw_fatigue_damage(bw_context *context, const bw_life_curve *curve,
+                                   int64_t place_count, int case_count, const double *const *stress,
+                                   int64_t steps, const double *factor, double *damage);
+
 #ifdef __cplusplus
 }
 #endif

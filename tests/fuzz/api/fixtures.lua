@@ -134,6 +134,9 @@ makers.Harmonic = {function(p)
   return assert(p.Model:harmonic {range = {0, 50}, modes = 2, damping = {ratio = 0.1}})
 end}
 makers.HarmonicCurve = {function(p) return assert(p.Harmonic:curve {at = {1, 0, 0}, frequencies = {1, 2}}) end}
+makers.Fatigue = {function(p)
+  return assert(bw.fatigue {loads = {{static = p.Static, history = {0, 1, 0}}}, curve = {amplitude = 1e8}})
+end}
 makers.RandomResponse = {function(p) return assert(p.Harmonic:random {psd = {{1, 1}, {50, 1}}}) end}
 makers.System = {
   function(p) return assert(p.Model:system()) end,

@@ -1,0 +1,97 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- bw.fatigue {...}: the damage of a load history on static solutions of unit loads. docs/theory/dynamics.md
+local arguments = require "barwright.arguments"
+local core = require "barwright.core"
+local fine_boundary = require "barwright.fine_boundary"
+local members = require "barwright.members"
+local options = require "barwright.options"
+local shown = require "barwright.shown"
+
+local raise = core.raise
+
+local fatigue = {}
+fatigue.__index = members("fatigue", fatigue, {})
+fatigue.__name = "barwright.fatigue"
+
+-- The history of a load as a table of numbers, as long as that of the first load.
+local function read_history(i, given, length)
+  local history = options.kind(given) == "array" and given:totable() or given
+  if type(history) ~= "table" or not options.countable(history) or #history < 2 then
+    raise(("fatigue: load %d: 'history': a list of 2 numbers or more expected, got %s"):format(i,
+      core.got(given)))
+  end
+  if length and #history ~= length then
+    raise(("fatigue: load %d: a history of %d numbers expected, as that of load 1, got %d"):format(i, length,
+      #history))
+  end
+  for k, value in ipairs(history) do
+    if type(value) ~= "number" then
+      raise(("fatigue: load %d: entry %d of the history: a number expected, got %s"):format(i, k, core.got(value)))
+    end
+  end
+  return history
+end
+
+--- The damage of one pass: {loads = {{static =, history =}, ...}, curve = {amplitude =, cycles =, ...}}.
+function fatigue.create(given)
+  local opts = options.read("fatigue", given, {
+    loads = {type = "table", needed = true},
+    curve = {type = "table", needed = true},
+  })
+  local first, stresses, rows, length = nil, {}, {}, nil
+  if #opts.loads < 1 or #opts.loads > 1000 then
+    raise(("fatigue: option 'loads': 1 to 1000 loads expected, got %d"):format(#opts.loads))
+  end
+  for i, load in ipairs(opts.loads) do
+    local one = options.read(("fatigue: load %d"):format(i), load, {
+      static = {type = "static", needed = true},
+      history = {type = "any", needed = true},
+    })
+    first = first or one.static
+    if one.static.mesh ~= first.mesh then
+      raise(("fatigue: load %d: a static solution on the mesh of load 1 expected"):format(i))
+    end
+    local history = read_history(i, one.history, length)
+    length = #history
+    stresses[i] = one.static.stress
+    for t, value in ipairs(history) do
+      rows[t] = rows[t] or {}
+      rows[t][i] = value
+    end
+  end
+  local damage, message, details = core.fatigue_damage(stresses, rows, opts.curve)
+  if not damage then return nil, message, details end
+  local node = damage:argmax()
+  local worst = damage[node]
+  return setmetatable({damage = damage, node = node, passes = worst > 0 and 1 / worst or math.huge,
+    mesh = first.mesh, at = first.mesh.nodes:rows(node, node):totable()[1]}, fatigue)
+end
+
+--- The damage as .vtu (or what the ending says).
+function fatigue:write(path, given)
+  local opts = options.copied(given)
+  opts.fields = options.copied(opts.fields)
+  opts.fields.damage = {self.damage, on = "nodes"}
+  return self.mesh:write(path, opts)
+end
+
+--- The body coloured by the damage over the largest; options of bw.picture.
+function fatigue:picture(path, given)
+  local opts = options.copied(given)
+  local surface, nodes, details = fine_boundary(self.mesh)
+  if not surface then return nil, nodes, details end
+  opts.values = self.damage:gather(nodes)
+  opts.unit = opts.unit or "damage of one pass"
+  return core.picture(surface, path, opts)
+end
+
+function fatigue:__tostring()
+  if self.passes == math.huge then return "fatigue: no damage; life curves scatter" end
+  return ("fatigue: %s passes of the history until damage 1, at node %d, %s; life curves scatter by factors of 2 "
+    .. "to 10"):format(shown.number(self.passes), self.node, core.point(self.at))
+end
+
+arguments.methods("fatigue", fatigue, fatigue, {write = "path: string, options?: options",
+  picture = "path: string, options?: options"})
+
+return fatigue.create

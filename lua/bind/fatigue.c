@@ -1,0 +1,60 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Rainflow counting and damage. */
+#include "bind.h"
+
+/* rainflow(history): rows {range, mean, count} */
+static int core_rainflow(lua_State *L) {
+  int64_t count, cycles = 0;
+  lua_settop(L, 1);
+  const double *history = lbw_to_doubles(L, 1, "rainflow: history", 1, &count);
+  lbw_box *box = lbw_box_new(L, &lbw_array_class);
+  bw_context *context = lbw_enter(L);
+  bw_cycle *cycle = NULL;
+  bw_array *array = NULL;
+  bw_status status = bw_rainflow(context, count, history, &cycle, &cycles);
+  if (status == BW_OK)
+    status = bw_array_create(context, BW_F64, cycles, 3, &array);
+  for (int64_t i = 0; array && i < cycles; i++) {
+    double *row = (double *)array->data + 3 * i;
+    row[0] = cycle[i].range;
+    row[1] = cycle[i].mean;
+    row[2] = cycle[i].count;
+  }
+  bw_free(cycle);
+  return lbw_leave_object(L, box, array, status);
+}
+
+/* fatigue_damage({stress of each case}, {{factor of each case} at each step}, curve) */
+static int core_fatigue_damage(lua_State *L) {
+  static const lbw_option list[] = {{"amplitude", LBW_REAL, offsetof(bw_life_curve, amplitude)},
+                                    {"cycles", LBW_REAL, offsetof(bw_life_curve, cycles)},
+                                    {"exponent", LBW_REAL, offsetof(bw_life_curve, exponent)},
+                                    {"limit", LBW_REAL, offsetof(bw_life_curve, limit)},
+                                    {"strength", LBW_REAL, offsetof(bw_life_curve, strength)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_life_curve curve;
+  int64_t steps, rows = 0, places = 0;
+  lua_settop(L, 3);
+  bw_life_curve_default(&curve);
+  lbw_options(L, 3, "fatigue: curve", list, &curve);
+  int cases = (int)lua_rawlen(L, 1);
+  const double **stress =
+      (const double **)lua_newuserdatauv(L, (size_t)cases * sizeof *stress + 1, 0);
+  luaL_checkstack(L, 2 * cases + 10, NULL);
+  for (int c = 0; c < cases; c++) {
+    lua_rawgeti(L, 1, c + 1);
+    stress[c] =
+        lbw_to_doubles(L, lua_gettop(L), "fatigue: stress", 6, &rows); /* kept on the stack */
+    places = rows;
+  }
+  const double *factor = lbw_to_doubles(L, 2, "fatigue: histories", cases, &steps);
+  double *damage = (double *)lbw_push_array(L, BW_F64, places, 1)->data;
+  return lbw_leave(
+      L, bw_fatigue_damage(lbw_enter(L), &curve, places, cases, stress, steps, factor, damage), 1);
+}
+
+void lbw_open_fatigue(lua_State *L) {
+  static const luaL_Reg functions[] = {
+      {"rainflow", core_rainflow}, {"fatigue_damage", core_fatigue_damage}, {NULL, NULL}};
+  luaL_setfuncs(L, functions, 0);
+}

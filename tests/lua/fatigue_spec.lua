@@ -1,0 +1,61 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Fatigue in Lua: rainflow counting, damage by histories, files, misuse.
+local bw = require "barwright"
+local check = require "check"
+
+local folder = check.folder() .. "/"
+local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {4, 1, 1}, order = 2}
+
+local function pulled(force)
+  local part = bw.model {mesh = mesh, material = bw.material.isotropic {young = 200e9, poisson = 0}}
+  part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 0.1), force = force}
+  return assert(part:solve())
+end
+
+describe("fatigue", function()
+  it("counts ASTM's example", function()
+    local count = {}
+    for _, cycle in ipairs(bw.rainflow({-2, 1, -3, 5, -1, 3, -4, 4, -2}):totable()) do
+      count[cycle[1]] = (count[cycle[1]] or 0) + cycle[3]
+    end
+    assert.same({[3] = 0.5, [4] = 1.5, [6] = 0.5, [8] = 1, [9] = 0.5}, count)
+    assert.equal(0, #bw.rainflow {})
+  end)
+
+  it("gives a bar under tension the damage of its curve", function()
+    local static = pulled {10000, 0, 0} -- 100 MPa
+    local curve = {amplitude = 200e6, cycles = 1e6, exponent = 5}
+    local fatigue = bw.fatigue {loads = {{static = static, history = {1, -1, 1}}}, curve = curve}
+    check.near(32e6, fatigue.passes, 1e-6)
+    check.near(1 / 32e6, fatigue.damage:min(), 1e-6)
+    assert.truthy(tostring(fatigue):find("passes of the history", 1, true))
+    local halves = bw.fatigue {loads = {{static = static, history = {0.25, -0.25, 0.25}},
+      {static = static, history = bw.array.new {0.75, -0.75, 0.75}}}, curve = curve}
+    check.near(32e6, halves.passes, 1e-6)
+    local none = bw.fatigue {loads = {{static = static, history = {1, 1}}}, curve = curve}
+    assert.equal(math.huge, none.passes)
+    assert(fatigue:write(folder .. "damage.vtu"))
+    assert(fatigue:picture(folder .. "damage.png"))
+  end)
+
+  it("refuses misuse in a sentence", function()
+    local static = pulled {1, 0, 0}
+    local function of(loads, curve) return function() bw.fatigue {loads = loads, curve = curve} end end
+    local load = {static = static, history = {0, 1}}
+    for text, call in pairs {
+      ["option 'loads' is missing"] = function() bw.fatigue {curve = {amplitude = 1}} end,
+      ["1 to 1000 loads"] = of({}, {amplitude = 1}),
+      ["amplitude of the life curve is 0"] = of({load}, {}),
+      ["exponent of the life curve"] = of({load}, {amplitude = 1, exponent = 0}),
+      ["a list of 2 numbers or more"] = of({{static = static, history = {1}}}, {amplitude = 1}),
+      ["a history of 2 numbers expected"] = of({load, {static = static, history = {1, 2, 3}}}, {amplitude = 1}),
+      ["unknown option 'slope'"] = of({load}, {slope = 1}),
+      ["value 1 of the history"] = function() bw.rainflow {1 / 0} end,
+    } do
+      local ok, message = pcall(call)
+      assert.is_false(ok, text)
+      assert.truthy(message:find(text, 1, true), message)
+      assert.truthy(message:find("fatigue_spec.lua:", 1, true), message)
+    end
+  end)
+end)
