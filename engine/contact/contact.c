@@ -21,11 +21,11 @@ enum {
   MOST_CANDIDATES = 8000 /* in the working set: a dense matrix */
 };
 
-static const double spring = 1e-6;     /* of the stiffness of the motions */
-static const double held = 1e-8;       /* of the compliance of a free surface: supports hold it */
-static const double small_gap = 1e-8;  /* of the elastic displacement: penetration that is none */
-static const double moves_free = 1e-9; /* of the stiffest motion */
-static const double balanced = 1e-6;   /* of the load: what springs may carry in the end */
+static const double spring = 1e-6;    /* of the stiffness of the motions */
+static const double held = 1e-8;      /* of the compliance of a free surface: supports hold it */
+static const double small_gap = 1e-8; /* of the elastic displacement: penetration that is none */
+static const double undecided = 1e-9; /* of the stiffest motion */
+static const double balanced = 1e-6;  /* of the load: what springs may carry in the end */
 static const double large_rotation = 0.05;
 static const double coarse = 0.25; /* of the elastic displacement: penetration that is too much */
 
@@ -38,6 +38,7 @@ static void contact_destroy(void *object) {
   for (int i = 0; i < contact->pair_count && contact->pair; i++) {
     bw_release(contact->pair[i].on);
     bw_release(contact->pair[i].with);
+    bw_release(contact->pair[i].against);
   }
   bw_release(contact->model);
   bw_release(contact->solution);
@@ -79,8 +80,8 @@ typedef struct contact_problem {
   int32_t *member; /* (count) which, */
   int32_t *place;  /* (count) their place in it, or -1, */
   uint8_t *active; /* (count) by place, */
-  double *column;  /* (room x count) and their columns of S */
-  int room;
+  double *column;  /* (capacity x count) and their columns of S */
+  int capacity;
   double elastic; /* the largest mean displacement that pressure causes at a candidate */
   double epsilon;
   double *h; /* (motions x motions) */
@@ -115,7 +116,7 @@ static bw_status prepare(bw_context *context, contact_problem *c, int pair_count
   bw_statics_options without = {.inertia_relief = true, .tolerance = 1e-6};
   BW_TRY(bwi_contact_rows_create(context, c->model->mesh, pair_count, pair, &c->rows));
   for (int i = 0; i < pair_count; i++)
-    c->curved = c->curved || pair[i].with->kind != BW_RIGID_PLANE;
+    c->curved = c->curved || (pair[i].with && pair[i].with->kind != BW_RIGID_PLANE);
   BW_TRY(bw_system_of_model(context, c->model, c->options->solver, given, &c->system));
   BW_TRY(bw_statics(context, c->model, c->system, &without, &c->start));
   c->count = c->rows.count;
@@ -209,15 +210,15 @@ static bw_status extend(bw_context *context, contact_problem *c, int added, cons
                 "more than %d corners of facets are in contact: select fewer facets, or make the "
                 "mesh coarser there",
                 (int)MOST_CANDIDATES));
-  if (first + added > c->room) {
-    int room = first + added > 2 * c->room ? first + added : 2 * c->room;
-    double *larger = BW_NEW(context, double, (int64_t)room * c->count);
+  if (first + added > c->capacity) {
+    int capacity = first + added > 2 * c->capacity ? first + added : 2 * c->capacity;
+    double *larger = BW_NEW(context, double, (int64_t)capacity * c->count);
     BW_TRY_MEMORY(larger);
     if (first > 0)
       memcpy(larger, c->column, (size_t)first * (size_t)c->count * sizeof *larger);
     bw_free(c->column);
     c->column = larger;
-    c->room = room;
+    c->capacity = capacity;
   }
   for (int k = 0; k < added; k++) {
     c->member[c->working] = which[k];
@@ -388,7 +389,7 @@ done:
 }
 
 /* What the springs on the motions carry, over the load. */
-static double spring_share(const contact_problem *c, const double *centre) {
+static double spring_fraction(const contact_problem *c, const double *centre) {
   double carried = 0, whole = bwi_dot(c->motions, c->load, c->load);
   for (int k = 0; k < c->motions; k++) {
     double part = 0;
@@ -405,7 +406,7 @@ static double spring_share(const contact_problem *c, const double *centre) {
 static bw_status solve_linearised(bw_context *context, contact_problem *c) {
   bw_status status = BW_OK;
   int m = c->motions, added = 0;
-  double share = 0, before = INFINITY;
+  double fraction = 0, before = INFINITY;
   double *centre = BW_NEW(context, double, m);
   BW_TRY_MEMORY(centre);
   for (int round = 0; round < ROUNDS; round++) {
@@ -416,14 +417,15 @@ static bw_status solve_linearised(bw_context *context, contact_problem *c) {
     else
       BW_TRY(solve_working(context, c, centre));
     BW_TRY(take_deepest(context, c, small_gap * c->elastic, &added));
-    share = c->working > 0 ? spring_share(c, centre) : 0;
-    if (added == 0 && (share < 1e-4 * balanced || (share < balanced && share > 0.5 * before)))
+    fraction = c->working > 0 ? spring_fraction(c, centre) : 0;
+    if (added == 0 &&
+        (fraction < 1e-4 * balanced || (fraction < balanced && fraction > 0.5 * before)))
       goto done;
-    before = added > 0 ? INFINITY : share;
+    before = added > 0 ? INFINITY : fraction;
   }
   for (int k = 0; k < m; k++)
     centre[k] = c->a[k] - centre[k];
-  if (added == 0 && share > balanced)
+  if (added == 0 && fraction > balanced)
     BW_TRY(fail_unheld(context, c, centre));
   BW_TRY(bw_fail(context, BW_CONVERGENCE, "after %d rounds %d candidates still enter the contact",
                  (int)ROUNDS, added));
@@ -435,7 +437,7 @@ done:
 /* u of the present pressures and motions. */
 static bw_status find_displacement(bw_context *context, contact_problem *c) {
   bw_status status = BW_OK;
-  bwi_contact_rows_force(&c->rows, -1, c->p, c->now);
+  bwi_contact_rows_force(&c->rows, c->p, c->now);
   BW_TRY(bw_system_solve(context, c->system, 1, c->now, c->now));
   c->solves++;
   for (int64_t i = 0; i < size_of(c); i++)
@@ -508,7 +510,7 @@ static bw_status take_solution(bw_context *context, contact_problem *c, bw_conta
     closed = closed || c->p[i] > 0;
   BW_TRY(bw_model_moved(context, c->model, c->model->mesh, &loaded));
   BW_TRY(bw_array_create(context, BW_F64, c->model->mesh->node_count, 3, &force));
-  bwi_contact_rows_force(&c->rows, -1, c->p, force->data);
+  bwi_contact_rows_force(&c->rows, c->p, force->data);
   if (closed)
     BW_TRY(bw_model_nodal_forces(context, loaded, force));
   BW_TRY(bw_statics(context, loaded, c->system, &options, &out->solution));
@@ -549,13 +551,21 @@ static void take_gaps(const contact_problem *c, bw_contact *out) {
   for (int pair = 0; pair < out->pair_count; pair++) {
     const bw_selection *on = out->pair[pair].on;
     out->state[pair].gap = INFINITY;
+    for (int k = 0; k < c->count && !out->pair[pair].with; k++)
+      if (c->rows.of[k] == pair) {
+        double gap = c->p[k] > 0 ? 0 : c->w[k] / c->rows.area[k];
+        out->gap[c->rows.node[k]] = fmin(out->gap[c->rows.node[k]], gap);
+        out->state[pair].gap = fmin(out->state[pair].gap, gap);
+      }
+    if (!out->pair[pair].with)
+      continue;
     for (int32_t f = 0; f < on->facet_count * mesh->nodes_per_facet; f++) {
       int32_t facet = on->facet[f / mesh->nodes_per_facet];
       int32_t i = mesh->facet[(int64_t)facet * mesh->nodes_per_facet + f % mesh->nodes_per_facet];
       double x[3], normal[3];
       for (int k = 0; k < 3; k++)
         x[k] = mesh->node[3 * (int64_t)i + k] + c->now[3 * (int64_t)i + k];
-      double gap = bwi_rigid_gap(out->pair[pair].with, x, normal);
+      double gap = bwi_rigid_gap(out->pair[pair].with, x, normal) - out->pair[pair].interference;
       out->gap[i] = fmin(out->gap[i], gap);
       out->state[pair].gap = fmin(out->state[pair].gap, gap);
     }
@@ -585,7 +595,7 @@ static void take_states(const contact_problem *c, double *force, bw_contact *out
         state->penetration = fmax(state->penetration, -c->rows.point[k].gap);
     if (state->penetration < small_gap * c->elastic)
       state->penetration = 0;
-    bwi_contact_rows_force(&c->rows, pair, c->p, force);
+    bwi_contact_rows_pair_force(&c->rows, pair, c->p, force);
     for (int64_t i = 0; i < mesh->node_count; i++) {
       double moment[3];
       bw_cross(mesh->node + 3 * i, force + 3 * i, moment);
@@ -598,7 +608,7 @@ static void take_states(const contact_problem *c, double *force, bw_contact *out
 }
 
 /* The motions in the null space of H. */
-static bw_status take_free_motions(bw_context *context, const contact_problem *c, bw_contact *out) {
+static bw_status take_undetermined(bw_context *context, const contact_problem *c, bw_contact *out) {
   bw_status status = BW_OK;
   int m = c->motions, length = 8 * m + 8, info = 0;
   double *value = BW_NEW(context, double, m), *work = BW_NEW(context, double, length);
@@ -611,7 +621,7 @@ static bw_status take_free_motions(bw_context *context, const contact_problem *c
     if (info != 0)
       BW_TRY(bw_fail(context, BW_INTERNAL, "dsyev failed on %d motions (%d)", m, info));
   }
-  for (int k = 0; k < m && value[k] <= moves_free * value[m - 1]; k++) {
+  for (int k = 0; k < m && value[k] <= undecided * value[m - 1]; k++) {
     char *end = out->free_text + strlen(out->free_text);
     if (out->free_count++)
       *end++ = '\n';
@@ -668,9 +678,10 @@ static bw_status take_result(bw_context *context, contact_problem *c, bw_contact
   out->pair_count = c->rows.pair_count;
   for (int i = 0; i < out->pair_count; i++)
     out->pair[i] =
-        (bw_contact_pair){bw_retain(c->rows.pair[i].on), bw_retain(c->rows.pair[i].with)};
+        (bw_contact_pair){bw_retain(c->rows.pair[i].on), bw_retain(c->rows.pair[i].with),
+                          bw_retain(c->rows.pair[i].against), c->rows.pair[i].interference};
   BW_TRY(take_solution(context, c, out));
-  BW_TRY(take_free_motions(context, c, out));
+  BW_TRY(take_undetermined(context, c, out));
   take_pressure(c, out);
   take_gaps(c, out);
   take_states(c, force, out);

@@ -7,14 +7,38 @@
 #include "contact/internal.h"
 #include "model/internal.h"
 
-enum { DEGREE = 6 };
+enum {
+  DEGREE = 6,     /* of the rule against smooth surfaces; */
+  CUT = 3,        /* against facets each edge is cut into so many, */
+  DEGREE_CUT = 4, /* for a rule of this degree on each of the parts */
+  MOST_POINTS = CUT * CUT * BW_QUADRATURE_POINTS
+};
 
-static bw_status check_pair(bw_context *context, const bw_mesh *mesh, int i,
-                            const bw_contact_pair *pair) {
-  if (pair->on->mesh != mesh)
+/* The points of the rule on a facet; how many. */
+static int rule(bool cut, double (*barycentric)[3], double *weight) {
+  double inner[BW_QUADRATURE_POINTS][3], part[BW_QUADRATURE_POINTS];
+  int parts = cut ? CUT : 1, count = 0;
+  int points = bw_triangle_quadrature(cut ? DEGREE_CUT : DEGREE, inner, part);
+  for (int i = 0; i < parts; i++)
+    for (int j = 0; j < parts - i; j++)
+      for (int down = 0; down < (i + j < parts - 1 ? 2 : 1); down++) /* and the one beside it */
+        for (int p = 0; p < points; p++) {
+          double a = inner[p][1], b = inner[p][2];
+          weight[count] = part[p] / (parts * parts);
+          barycentric[count][1] = (i + (down ? 1 - a : a)) / parts;
+          barycentric[count][2] = (j + (down ? 1 - b : b)) / parts;
+          barycentric[count][0] = 1 - barycentric[count][1] - barycentric[count][2];
+          count++;
+        }
+  return count;
+}
+
+static bw_status check_facets(bw_context *context, const bw_mesh *mesh, int i,
+                              const bw_selection *on) {
+  if (on->mesh != mesh)
     return bw_fail(context, BW_INVALID, "contact pair %d is on another mesh than the model's",
                    i + 1);
-  if (pair->on->facet_count == 0)
+  if (on->facet_count == 0)
     return bw_fail(context, BW_EMPTY,
                    "contact pair %d is on nodes without a facet: contact needs a selection with "
                    "facets",
@@ -22,66 +46,106 @@ static bw_status check_pair(bw_context *context, const bw_mesh *mesh, int i,
   return BW_OK;
 }
 
-/* Numbers the corners of the facets of a pair by ascending nodes. */
-static void number_corners(bwi_contact_rows *rows, int pair, int32_t *number) {
-  const bw_mesh *mesh = rows->mesh;
-  const bw_selection *on = rows->pair[pair].on;
-  memset(number, 0xff, (size_t)mesh->node_count * sizeof *number);
-  for (int32_t f = 0; f < on->facet_count; f++)
-    for (int k = 0; k < 3; k++)
-      number[mesh->facet[(int64_t)on->facet[f] * mesh->nodes_per_facet + k]] = 0;
-  for (int32_t i = 0; i < mesh->node_count; i++)
-    if (number[i] == 0) {
-      number[i] = rows->count;
-      rows->node[rows->count] = i;
-      rows->of[rows->count++] = pair;
-    }
+static bw_status check_pair(bw_context *context, const bw_mesh *mesh, int i,
+                            const bw_contact_pair *pair) {
+  bw_status status = BW_OK;
+  if (!pair->with == !pair->against)
+    return bw_fail(context, BW_INVALID,
+                   "contact pair %d needs either a rigid surface or facets that it is against",
+                   i + 1);
+  if (!isfinite(pair->interference))
+    return bw_fail(context, BW_INVALID, "contact pair %d has an interference that is not finite",
+                   i + 1);
+  BW_TRY(check_facets(context, mesh, i, pair->on));
+  if (pair->against)
+    BW_TRY(check_facets(context, mesh, i, pair->against));
+done:
+  return status;
 }
 
-static void add_points(bwi_contact_rows *rows, int pair, const int32_t *number) {
+/* The points of a pair; their candidates are nodes. */
+static bw_status add_points(bw_context *context, bwi_contact_rows *rows, int pair) {
   const bw_mesh *mesh = rows->mesh;
   const bw_selection *on = rows->pair[pair].on;
-  double barycentric[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS];
-  int points = bw_triangle_quadrature(DEGREE, barycentric, weight);
+  double barycentric[MOST_POINTS][3], weight[MOST_POINTS];
+  int points = rule(rows->pair[pair].against, barycentric, weight);
+  int64_t first = rows->point_count, count;
+  bw_status status = BW_OK;
   for (int32_t f = 0; f < on->facet_count; f++) {
     const int32_t *node = mesh->facet + (int64_t)on->facet[f] * mesh->nodes_per_facet;
     for (int p = 0; p < points; p++) {
       bwi_contact_point *point = &rows->point[rows->point_count++];
       double normal[3];
       bwi_boundary_normal(mesh, on->facet[f], barycentric[p], normal);
-      *point = (bwi_contact_point){
-          .facet = on->facet[f], .pair = pair, .area = weight[p] * bw_norm(normal) / 2};
+      *point = (bwi_contact_point){.facet = on->facet[f],
+                                   .pair = pair,
+                                   .area = weight[p] * bw_norm(normal) / 2,
+                                   .opposite = -1};
       bw_facet_shape(mesh->order, barycentric[p], point->shape);
       for (int k = 0; k < 3; k++) {
-        point->candidate[k] = number[node[k]];
+        point->candidate[k] = node[k];
         point->hat[k] = barycentric[p][k];
-        rows->area[number[node[k]]] += point->area * barycentric[p][k];
       }
     }
   }
+  if (!rows->pair[pair].against)
+    return BW_OK;
+  count = rows->point_count - first;
+  BW_TRY(bwi_contact_find_opposite(context, mesh, &rows->pair[pair], &count, rows->point + first));
+  rows->point_count = first + count;
+  if (count == 0)
+    status =
+        bw_fail(context, BW_INVALID,
+                "contact pair %d: none of its facets faces those that it is against", pair + 1);
+done:
+  return status;
+}
+
+/* Numbers the corners that the points of a pair have, by ascending nodes. */
+static void number_corners(bwi_contact_rows *rows, int pair, int64_t first, int32_t *number) {
+  const bw_mesh *mesh = rows->mesh;
+  memset(number, 0xff, (size_t)mesh->node_count * sizeof *number);
+  for (int64_t p = first; p < rows->point_count; p++)
+    for (int k = 0; k < 3; k++)
+      number[rows->point[p].candidate[k]] = 0;
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (number[i] == 0) {
+      number[i] = rows->count;
+      rows->node[rows->count] = i;
+      rows->of[rows->count++] = pair;
+    }
+  for (int64_t p = first; p < rows->point_count; p++)
+    for (int k = 0; k < 3; k++) {
+      bwi_contact_point *point = &rows->point[p];
+      point->candidate[k] = number[point->candidate[k]];
+      rows->area[point->candidate[k]] += point->area * point->hat[k];
+    }
 }
 
 bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int pair_count,
                                   const bw_contact_pair *pair, bwi_contact_rows *rows) {
   bw_status status = BW_OK;
-  int64_t facets = 0;
+  int64_t facets = 0, points = 0;
+  double barycentric[MOST_POINTS][3], weight[MOST_POINTS];
   int32_t *number = BW_NEW(context, int32_t, mesh->node_count);
   *rows = (bwi_contact_rows){.mesh = mesh, .pair_count = pair_count, .pair = pair};
   BW_TRY_MEMORY(number);
   for (int i = 0; i < pair_count; i++) {
     BW_TRY(check_pair(context, mesh, i, &pair[i]));
     facets += pair[i].on->facet_count;
+    points += (int64_t)pair[i].on->facet_count * rule(pair[i].against, barycentric, weight);
   }
   if (3 * facets > INT32_MAX)
     BW_TRY(bw_fail(context, BW_LIMIT, "contact on %lld facets is too much", (long long)facets));
   rows->node = BW_NEW(context, int32_t, 3 * facets);
   rows->of = BW_NEW(context, int32_t, 3 * facets);
   rows->area = BW_NEW0(context, double, 3 * facets);
-  rows->point = BW_NEW(context, bwi_contact_point, BW_QUADRATURE_POINTS * facets);
+  rows->point = BW_NEW(context, bwi_contact_point, points);
   BW_TRY_MEMORY(rows->node && rows->of && rows->area && rows->point);
   for (int i = 0; i < pair_count; i++) {
-    number_corners(rows, i, number);
-    add_points(rows, i, number);
+    int64_t first = rows->point_count;
+    BW_TRY(add_points(context, rows, i));
+    number_corners(rows, i, first, number);
   }
 done:
   bw_free(number);
@@ -95,26 +159,37 @@ void bwi_contact_rows_clear(bwi_contact_rows *rows) {
   bw_free(rows->point);
 }
 
-/* sum shape u over the facet's nodes */
-static void at_point(const bw_mesh *mesh, const bwi_contact_point *point, const double *u,
-                     double out[3]) {
-  const int32_t *node = mesh->facet + (int64_t)point->facet * mesh->nodes_per_facet;
-  memset(out, 0, 3 * sizeof *out);
+/* out += factor times sum shape u over the facet's nodes */
+static void add_at(const bw_mesh *mesh, int32_t facet, const double *shape, double factor,
+                   const double *u, double out[3]) {
+  const int32_t *node = mesh->facet + (int64_t)facet * mesh->nodes_per_facet;
   for (int a = 0; a < mesh->nodes_per_facet; a++)
     for (int k = 0; k < 3; k++)
-      out[k] += point->shape[a] * u[3 * (int64_t)node[a] + k];
+      out[k] += factor * shape[a] * u[3 * (int64_t)node[a] + k];
+}
+
+/* u at a point, less that of what it faces. */
+static void at_point(const bw_mesh *mesh, const bwi_contact_point *point, const double *u,
+                     double out[3]) {
+  memset(out, 0, 3 * sizeof *out);
+  add_at(mesh, point->facet, point->shape, 1, u, out);
+  if (point->opposite >= 0)
+    add_at(mesh, point->opposite, point->far, -1, u, out);
 }
 
 void bwi_contact_rows_linearise(bwi_contact_rows *rows, const double *displacement, double *gap) {
   memset(gap, 0, (size_t)rows->count * sizeof *gap);
   for (int64_t p = 0; p < rows->point_count; p++) {
     bwi_contact_point *point = &rows->point[p];
-    double x[3], u[3];
-    at_point(rows->mesh, point, rows->mesh->node, x);
-    at_point(rows->mesh, point, displacement, u);
-    for (int k = 0; k < 3; k++)
-      x[k] += u[k];
-    point->gap = bwi_rigid_gap(rows->pair[point->pair].with, x, point->normal);
+    const bw_contact_pair *pair = &rows->pair[point->pair];
+    double x[3];
+    at_point(rows->mesh, point, displacement, x);
+    if (pair->with) {
+      add_at(rows->mesh, point->facet, point->shape, 1, rows->mesh->node, x);
+      point->gap = bwi_rigid_gap(pair->with, x, point->normal);
+    } else
+      point->gap = point->apart + bw_dot(point->normal, x);
+    point->gap -= pair->interference;
     for (int k = 0; k < 3; k++)
       gap[point->candidate[k]] += point->area * point->hat[k] * point->gap;
   }
@@ -131,14 +206,18 @@ void bwi_contact_rows_measure(const bwi_contact_rows *rows, const double *u, dou
   }
 }
 
-/* force += pressure n at a point. */
+/* force += pressure n at a point, and the opposite where `both` and the point faces a facet. */
 static void add_force(const bw_mesh *mesh, const bwi_contact_point *point, double pressure,
-                      double *force) {
-  const int32_t *node = mesh->facet + (int64_t)point->facet * mesh->nodes_per_facet;
-  for (int a = 0; a < mesh->nodes_per_facet; a++)
-    for (int k = 0; k < 3; k++)
-      force[3 * (int64_t)node[a] + k] +=
-          point->area * pressure * point->shape[a] * point->normal[k];
+                      bool both, double *force) {
+  for (int side = 0; side < (both && point->opposite >= 0 ? 2 : 1); side++) {
+    const int32_t *node =
+        mesh->facet + (int64_t)(side ? point->opposite : point->facet) * mesh->nodes_per_facet;
+    const double *shape = side ? point->far : point->shape;
+    double factor = (side ? -1 : 1) * point->area * pressure;
+    for (int a = 0; a < mesh->nodes_per_facet; a++)
+      for (int k = 0; k < 3; k++)
+        force[3 * (int64_t)node[a] + k] += factor * shape[a] * point->normal[k];
+  }
 }
 
 void bwi_contact_rows_columns(const bwi_contact_rows *rows, int columns, const int32_t *which,
@@ -150,12 +229,12 @@ void bwi_contact_rows_columns(const bwi_contact_rows *rows, int columns, const i
     for (int k = 0; k < 3; k++)
       for (int c = 0; c < columns; c++)
         if (which[c] == point->candidate[k])
-          add_force(rows->mesh, point, point->hat[k], force + c * size);
+          add_force(rows->mesh, point, point->hat[k], true, force + c * size);
   }
 }
 
-void bwi_contact_rows_force(const bwi_contact_rows *rows, int pair, const double *pressure,
-                            double *force) {
+static void sum_forces(const bwi_contact_rows *rows, int pair, const double *pressure,
+                       double *force) {
   memset(force, 0, 3 * (size_t)rows->mesh->node_count * sizeof *force);
   for (int64_t p = 0; p < rows->point_count; p++) {
     const bwi_contact_point *point = &rows->point[p];
@@ -165,6 +244,15 @@ void bwi_contact_rows_force(const bwi_contact_rows *rows, int pair, const double
     for (int k = 0; k < 3; k++)
       value += point->hat[k] * pressure[point->candidate[k]];
     if (value != 0)
-      add_force(rows->mesh, point, value, force);
+      add_force(rows->mesh, point, value, pair < 0, force);
   }
+}
+
+void bwi_contact_rows_force(const bwi_contact_rows *rows, const double *pressure, double *force) {
+  sum_forces(rows, -1, pressure, force);
+}
+
+void bwi_contact_rows_pair_force(const bwi_contact_rows *rows, int pair, const double *pressure,
+                                 double *force) {
+  sum_forces(rows, pair, pressure, force);
 }

@@ -22,6 +22,9 @@ typedef struct bwi_contact_point {
   double area;          /* weight times area */
   double normal[3];     /* outward from the obstacle, where the point is now */
   double gap;           /* there */
+  int32_t opposite;     /* against facets: that which the point faces, */
+  double far[6];        /* the shapes of its nodes there, */
+  double apart;         /* and the gap without displacement */
 } bwi_contact_point;
 
 /* The rows B of all pairs: a candidate is a corner of the facets of one pair. */
@@ -48,9 +51,19 @@ void bwi_contact_rows_measure(const bwi_contact_rows *rows, const double *u, dou
 /* force (columns x node_count x 3) = the columns B^T e_j of the candidates j = which[0], ... */
 void bwi_contact_rows_columns(const bwi_contact_rows *rows, int columns, const int32_t *which,
                               double *force);
-/* force (node_count x 3) = B^T p over the candidates of a pair; -1: of all. */
-void bwi_contact_rows_force(const bwi_contact_rows *rows, int pair, const double *pressure,
-                            double *force);
+/* force (node_count x 3) = B^T p. */
+void bwi_contact_rows_force(const bwi_contact_rows *rows, const double *pressure, double *force);
+/* The same of one pair, on its facets `on` alone. */
+void bwi_contact_rows_pair_force(const bwi_contact_rows *rows, int pair, const double *pressure,
+                                 double *force);
+
+/* ---- opposite_facets.c ----------------------------------------------------------------------- */
+
+/* Finds what the points of a pair against facets face in the undeformed shape, and leaves out those
+ * that face none: *count shrinks. */
+bw_status bwi_contact_find_opposite(bw_context *context, const bw_mesh *mesh,
+                                    const bw_contact_pair *pair, int64_t *count,
+                                    bwi_contact_point *point);
 
 /* ---- complementarity.c ----------------------------------------------------------------------- */
 

@@ -130,22 +130,27 @@ static const bw_contact *self(lua_State *L) {
 /* The pair of the table on the top of the stack, item i of the list. */
 static bw_contact_pair read_pair(lua_State *L, int i) {
   static const lbw_option list[] = {
-      {"on", LBW_OTHER, 0}, {"with", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+      {"on", LBW_OTHER, 0},
+      {"with", LBW_OTHER, 0},
+      {"interference", LBW_REAL, offsetof(bw_contact_pair, interference)},
+      {NULL, LBW_OTHER, 0}};
   char function[40];
+  bw_contact_pair pair = {0};
   int top = lua_gettop(L);
   snprintf(function, sizeof function, "contact: pair %d", i);
   if (!lua_istable(L, top))
     lbw_error(L, "%s: a table {on = , with = } expected, got %s", function, lbw_got(L, top));
-  lbw_options(L, top, function, list, NULL);
-  bw_contact_pair pair = {
-      .on = (const bw_selection *)lbw_object_option(L, top, function, "on", &lbw_selection_class,
-                                                    "an open selection"),
-      .with = (const bw_rigid_surface *)lbw_object_option(
-          L, top, function, "with", &lbw_rigid_surface_class, "a surface of bw.rigid")};
+  lbw_options(L, top, function, list, &pair);
+  pair.on = (const bw_selection *)lbw_object_option(L, top, function, "on", &lbw_selection_class,
+                                                    "an open selection");
   if (!pair.on)
     lbw_option_missing(L, function, "on", "");
-  if (!pair.with)
+  if (lbw_option_get(L, top, "with") == LUA_TNIL)
     lbw_option_missing(L, function, "with", "");
+  pair.against = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
+  pair.with = (const bw_rigid_surface *)lbw_test(L, -1, &lbw_rigid_surface_class);
+  if (!pair.against && !pair.with)
+    lbw_option_refused(L, function, "with", "a surface of bw.rigid, or an open selection");
   lua_settop(L, top);
   return pair;
 }
@@ -240,7 +245,7 @@ static int contact_pairs(lua_State *L) {
   return 1;
 }
 
-static int contact_free_motions(lua_State *L) {
+static int contact_undetermined(lua_State *L) {
   const char *text = self(L)->free_text;
   lua_newtable(L);
   for (int i = 1; *text; i++) {
@@ -309,7 +314,7 @@ static const luaL_Reg properties[] = {{"static", contact_static},
                                       {"pressure", contact_pressure},
                                       {"gap", contact_gap},
                                       {"pairs", contact_pairs},
-                                      {"free_motions", contact_free_motions},
+                                      {"undetermined", contact_undetermined},
                                       {"iterations", contact_iterations},
                                       {"changes", contact_changes},
                                       {"solves", contact_solves},

@@ -4,7 +4,7 @@
 --
 -- Contact
 --
--- Rigid surfaces, and bodies that touch them without friction.
+-- Rigid surfaces, and parts that touch them or each other without friction.
 
 ---Rigid surfaces that parts touch: `bw.rigid`.
 ---@class bw.RigidModule
@@ -78,15 +78,15 @@ function RigidSurface:close() end
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}
 ---part:load {on = mesh.boundary:above("z", 0.05), pressure = 1e6}
 ---local contact = assert(part:contact {{on = mesh.boundary:below("z", 0), with = bw.rigid.plane {normal = {0, 0, 1}}}})
----print(contact, contact.pairs[1].force[3], contact.pressure:max(), #contact.free_motions)
+---print(contact, contact.pairs[1].force[3], contact.pressure:max(), #contact.undetermined)
 ---```
 ---@class bw.Contact
 ---@field static bw.Static the static solution; its model has the forces of contact as a load
 ---@field mesh bw.Mesh of the model
----@field pressure bw.Array (Pa, node_count × 1, per node) 0 where nothing touches
----@field gap bw.Array (m, node_count × 1, per node) of the deformed part at the nodes of the pairs, negative inside of the rigid surface; infinite elsewhere
+---@field pressure bw.Array (Pa, node_count × 1, per node) on the facets `on` of the pairs; 0 where nothing touches
+---@field gap bw.Array (m, node_count × 1, per node) of the deformed part at the nodes of `on` of the pairs, negative inside of the rigid surface; against facets the mean gap at their corners; infinite elsewhere
 ---@field pairs bw.ContactState[] what each pair does
----@field free_motions string[] motions along which nothing decides the position, such as "translation along (1, 0, 0)"; stress and pressure do not depend on it
+---@field undetermined string[] motions along which nothing decides the position, such as "translation along (1, 0, 0)"; stress and pressure do not depend on it
 ---@field iterations integer (count) of linearisations
 ---@field changes integer (count) candidates that entered or left the active set
 ---@field solves integer (count) right-hand sides that were solved with the part's factor
@@ -96,7 +96,7 @@ local Contact = {}
 ---What a pair of contact does.
 ---@class bw.ContactState
 ---@field area number (m2) that carries pressure; its border is known to within one element
----@field force bw.Vector (N) on the part
+---@field force bw.Vector (N) on the facets `on`; what they are against has the opposite
 ---@field moment bw.Vector (N m) about the origin
 ---@field pressure number (Pa) the largest
 ---@field at? bw.Vector (m) where that is; nil of an open pair

@@ -354,7 +354,8 @@ function Model:harmonic(options) end
 ---@field stiffness? number (s) b of it. Range: 0 or more. Default: 0
 ---@field loss? number (-) loss factor h of the stiffness (1 + i h) K. Range: 0 or more. Default: 0
 
----The part in contact with rigid surfaces, without friction, for small displacements: contact pressure, resultants and the static
+---The part in contact with rigid surfaces, or parts of its mesh with each other, without friction, for small
+---displacements: contact pressure, resultants and the static
 ---solution. Supports may leave motions that contact restrains. The factor is that of the part's equations; each candidate that
 ---may touch takes one solution with it.
 ---
@@ -380,10 +381,11 @@ function Model:harmonic(options) end
 ---@return bw.Details? details
 function Model:contact(pairs, options) end
 
----Facets that may touch a rigid surface.
+---Facets that may touch a rigid surface, or facets of another part of the mesh.
 ---@class bw.ContactPair
----@field on bw.Selection with facets
----@field with bw.RigidSurface what they may touch
+---@field on bw.Selection with facets; the pressure is on these
+---@field with bw.RigidSurface|bw.Selection what they may touch; of facets those that they face in the undeformed mesh
+---@field interference? number (m) by which gaps are smaller than in the mesh, as of a press fit; negative: larger. Default: 0
 
 ---How contact is found.
 ---@class bw.ContactOptions

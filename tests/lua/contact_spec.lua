@@ -20,7 +20,7 @@ describe("contact", function()
     assert.is_true(math.abs(contact.pressure:max() - 2e6) < 10)
     assert.is_true(math.abs(contact.static.displacement:column(3):max() + 1e-3) < 1e-9)
     assert.are.equal(pair.candidates, pair.active)
-    assert.are.equal(3, #contact.free_motions)
+    assert.are.equal(3, #contact.undetermined)
     assert.matches("nothing decides the translation along %(1, 0, 0%)", tostring(contact))
     assert.matches("pair 1: %(0, 0, 120000%) N", tostring(contact))
     assert.are.equal("cholesky", contact.report.solver)
@@ -37,6 +37,32 @@ describe("contact", function()
     assert.is_true(a.pairs[1].active < a.pairs[1].candidates)
     assert.are.equal(a.pairs[1].active, b.pairs[1].active)
     assert.is_true(math.abs(a.pairs[1].pressure - b.pairs[1].pressure) < 1e-5 * a.pairs[1].pressure)
+  end)
+
+  it("joins parts of one mesh", function()
+    local lower = bw.mesh.box {max = {0.3, 0.2, 0.1}, cells = {4, 3, 2}}
+    local upper = bw.mesh.box {min = {0.05, 0.05, 0.1}, max = {0.2, 0.15, 0.2}, cells = {4, 3, 3}}
+    local nodes, elements = {}, {}
+    for _, mesh_of in ipairs {lower, upper} do
+      local first = #nodes
+      for i = 1, mesh_of.node_count do
+        nodes[#nodes + 1] = {mesh_of.nodes(i, 1), mesh_of.nodes(i, 2), mesh_of.nodes(i, 3)}
+      end
+      for e = 1, mesh_of.element_count do
+        local corners = {}
+        for k = 1, 4 do corners[k] = mesh_of.elements(e, k) + first end
+        elements[#elements + 1] = corners
+      end
+    end
+    local all = bw.mesh.new {nodes = nodes, elements = elements}
+    local part = bw.model {mesh = all, material = bw.material.steel}
+    part:fix(all.boundary:below("z", 0)):load {on = all.boundary:above("z", 0.2), force = {0, 0, -1000}}
+    local at_joint = all.boundary:plane({0, 0, 0.1}, {0, 0, 1})
+    local on = at_joint:facing {0, 0, -1}
+    local contact = assert(part:contact {{on = on, with = at_joint:facing {0, 0, 1}, interference = 1e-6}})
+    assert.is_true(math.abs(contact.pairs[1].force[3] - 1000) < 1e-3)
+    assert.are.equal(3, #contact.undetermined)
+    assert.matches("of body 2", contact.undetermined[1])
   end)
 
   it("says what nothing stops", function()
@@ -58,8 +84,8 @@ describe("contact", function()
     check.raises("contact: a list of pairs", part.contact, part, {})
     check.raises("contact: pair 1: a table", part.contact, part, {foot})
     check.raises("contact: pair 1: option 'with'", part.contact, part, {{on = foot}})
-    check.raises("contact: pair 1: option 'with': a surface of bw.rigid expected", part.contact, part,
-      {{on = foot, with = 3}})
+    check.raises("contact: pair 1: option 'with': a surface of bw.rigid, or an open selection", part.contact,
+      part, {{on = foot, with = 3}})
     check.raises("did you mean 'with'", part.contact, part, {{on = foot, wiht = floor}})
     check.raises("option 'normal'", bw.rigid.plane, {})
     check.raises("must be positive", bw.rigid.sphere, {centre = {0, 0, 0}, radius = -1})

@@ -1,4 +1,5 @@
-/* contact: bodies that touch rigid surfaces, without friction (docs/theory/contact.md). */
+/* contact: bodies that touch rigid surfaces or each other, without friction
+ * (docs/theory/contact.md). */
 #ifndef BARWRIGHT_CONTACT_H
 #define BARWRIGHT_CONTACT_H
 
@@ -36,10 +37,12 @@ BW_API bw_status bw_rigid_sphere(bw_context *context, const double centre[3], do
 BW_API bw_status bw_rigid_cylinder(bw_context *context, const double point[3], const double axis[3],
                                    double radius, bool inside, bw_rigid_surface **surface);
 
-/* Facets that may touch a rigid surface. */
+/* Facets that may touch a rigid surface, or facets of another part of the mesh. */
 typedef struct bw_contact_pair {
-  const bw_selection *on;       /* retained by results; with facets */
-  const bw_rigid_surface *with; /* retained by results */
+  const bw_selection *on;       /* retained by results; with facets. Pressure is on these */
+  const bw_rigid_surface *with; /* retained by results; or NULL */
+  const bw_selection *against;  /* retained by results; else: with facets that face those of `on` */
+  double interference; /* (m) by which gaps are smaller than in the mesh, any sign; default 0 */
 } bw_contact_pair;
 
 /* How contact is found. */
@@ -74,8 +77,8 @@ typedef struct bw_contact {
   bw_contact_state *state; /* (pair_count) */
   double *pressure; /* (Pa, node_count) 0 where nothing touches; at mid-edge nodes the mean of
                        the corners */
-  double *gap; /* (m, node_count) of the deformed body at the nodes of the selected facets, negative
-                  inside of the surface; infinite at the others */
+  double *gap; /* (m, node_count) of the deformed body at the nodes of `on`, negative inside of the
+                  surface; against facets the mean gap at the corners; infinite at the others */
   int iterations;          /* linearisations */
   int changes;             /* of the active set: candidates that entered or left it */
   int solves;              /* right-hand sides solved for */
@@ -89,9 +92,11 @@ typedef struct bw_contact {
  * small. BW_UNCONSTRAINED where neither
  * supports nor contact balance the load, and for loads of bw_statics that no support takes;
  * BW_CONVERGENCE where the linearisation of curved surfaces or the active set do not come to an
- * end; BW_INVALID for a selection of another mesh and where supports press the body into a surface;
- * BW_EMPTY for a selection without a facet, BW_LIMIT for more than 8000 corners that touch,
- * BW_UNSUPPORTED for an external solver; those of bw_statics and bw_system_solve. */
+ * end; BW_INVALID for a selection of another mesh, a pair without exactly one of `with` and
+ * `against`, facets of which none faces those that they are against, and where supports press the
+ * body into a surface; BW_EMPTY for a selection without a facet, BW_LIMIT for more than 8000
+ * corners that touch, BW_UNSUPPORTED for an external solver; those of bw_statics and
+ * bw_system_solve. */
 BW_API bw_status bw_contact_solve(bw_context *context, const bw_model *model, int pair_count,
                                   const bw_contact_pair *pair, bw_system *given,
                                   const bw_contact_options *options, bw_contact **contact);

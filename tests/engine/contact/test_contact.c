@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Contact with rigid surfaces against closed forms, and what it says where it has none. */
+/* Contact with rigid surfaces and between parts against closed forms, and what it says where it has
+ * none. */
 #include "bodies.h"
 
 #include "barwright/contact.h"
@@ -185,7 +186,7 @@ static void corner(void **state) {
   for (int k = 0; k < 3; k++) {
     wall[k] = plane(context, mesh, k, 0);
     check_ok(context, bw_rigid_plane(context, (double[3]){-1e-3, -2e-3, 0}, axis[k], &with[k]));
-    pair[k] = (bw_contact_pair){wall[k], with[k]};
+    pair[k] = (bw_contact_pair){.on = wall[k], .with = with[k]};
   }
   check_ok(context, bw_contact_solve(context, model, 3, pair, NULL, NULL, &contact));
   for (int k = 0; k < 3; k++)
@@ -241,6 +242,122 @@ static void stop(void **state) {
   bw_release(mesh);
 }
 
+/* Both meshes as one, whose bodies share no node. */
+static bw_mesh *both(bw_context *context, bw_mesh *a, bw_mesh *b) {
+  int per = a->nodes_per_element;
+  int64_t nodes = (int64_t)a->node_count + b->node_count;
+  int64_t elements = (int64_t)a->element_count + b->element_count;
+  double *node = numbers(3 * nodes);
+  int32_t *element = (int32_t *)calloc((size_t)(per * elements), sizeof *element);
+  bw_mesh *mesh = NULL;
+  memcpy(node, a->node, 3 * (size_t)a->node_count * sizeof *node);
+  memcpy(node + 3 * (int64_t)a->node_count, b->node, 3 * (size_t)b->node_count * sizeof *node);
+  for (int64_t i = 0; i < per * elements; i++) {
+    int64_t first = (int64_t)per * a->element_count;
+    element[i] = i < first ? a->element[i] : b->element[i - first] + a->node_count;
+  }
+  check_ok(context, bw_mesh_copy(context, a->order, nodes, node, elements, element, NULL, &mesh));
+  free(node);
+  free(element);
+  bw_release(a);
+  bw_release(b);
+  return mesh;
+}
+
+/* A free block on a fixed one whose facets do not match: one stress, but for the rule at the edges
+ * of the facets. */
+static void patch_between_parts(void **state) {
+  bw_context *context = check_context(state);
+  const double pressure = 3e6;
+  for (int order = 1; order <= 2; order++) {
+    bw_mesh *lower = body_box(context, 0.3, 0.2, 0.1, 4, 3, 2, order), *mesh = NULL;
+    bw_mesh *upper = NULL;
+    const double low[3] = {0, 0, 0.101}, high[3] = {0.3, 0.2, 0.2};
+    const int cells[3] = {5, 4, 2};
+    check_ok(context, bw_mesh_box_grid(context, low, high, cells, order, &upper));
+    mesh = both(context, lower, upper);
+    bw_model *model = model_of(context, mesh);
+    bw_selection *top = plane(context, mesh, 2, 0.2), *on = plane(context, mesh, 2, 0.101);
+    bw_selection *against = plane(context, mesh, 2, 0.1);
+    bw_contact *contact = NULL;
+    slide(context, model, 2, 0);
+    slide(context, model, 0, 0);
+    slide(context, model, 1, 0);
+    check_ok(context, bw_model_pressure(context, model, top, pressure));
+    bw_contact_pair pair = {.on = on, .against = against};
+    check_ok(context, bw_contact_solve(context, model, 1, &pair, NULL, NULL, &contact));
+    check_near(contact->state[0].force[2], pressure * 0.06, 1e-6 * pressure);
+    for (int32_t i = 0; i < on->node_count; i++)
+      check_near(contact->pressure[on->node[i]], pressure, 0.01 * pressure);
+    for (int32_t i = 0; i < top->node_count; i++)
+      check_near(contact->solution->displacement[3 * top->node[i] + 2],
+                 -1e-3 - 0.199 * pressure / young, 0.01 * 0.199 * pressure / young);
+    bw_release(contact);
+    bw_release(top);
+    bw_release(on);
+    bw_release(against);
+    bw_release(model);
+    bw_release(mesh);
+  }
+}
+
+/* A quarter of a ring between two radii. */
+static void ring(void *data, const double unit[3], double out[3]) {
+  const double *size = (const double *)data;
+  double r = size[0] + (size[1] - size[0]) * unit[0], angle = M_PI / 2 * unit[1];
+  out[0] = r * cos(angle);
+  out[1] = r * sin(angle);
+  out[2] = size[2] * unit[2];
+}
+
+/* A ring in a ring that is too small for it, in plane strain (Lame; Timoshenko and Goodier 1970,
+ * section 28). */
+static void press_fit(void **state) {
+  bw_context *context = check_context(state);
+  double a = 0.02, b = 0.03, c = 0.05, thick = 0.004;
+  double inner[3] = {a, b, thick}, outer[3] = {b, c, thick}, interference = 2e-5;
+  const int cells[2][3] = {{4, 11, 1}, {6, 14, 1}};
+  bw_mesh *part[2] = {NULL, NULL};
+  bw_selection *face[2] = {NULL, NULL};
+  check_ok(context, bw_mesh_mapped_box(context, cells[0], 2, ring, inner, &part[0]));
+  check_ok(context, bw_mesh_mapped_box(context, cells[1], 2, ring, outer, &part[1]));
+  int32_t first = part[0]->node_count;
+  bw_mesh *mesh = both(context, part[0], part[1]);
+  bw_model *model = model_of(context, mesh);
+  for (int k = 0; k < 3; k++)
+    slide(context, model, k, 0);
+  slide(context, model, 2, thick);
+  for (int side = 0; side < 2; side++) {
+    uint8_t *mask = (uint8_t *)calloc((size_t)mesh->facet_count, 1);
+    for (int32_t f = 0; f < mesh->facet_count; f++) {
+      bool all = true;
+      for (int k = 0; k < 3; k++) {
+        int32_t i = mesh->facet[(int64_t)f * mesh->nodes_per_facet + k];
+        double r = hypot(mesh->node[3 * (int64_t)i], mesh->node[3 * (int64_t)i + 1]);
+        all = all && fabs(r - b) < 1e-9 && (i < first) == (side == 0);
+      }
+      mask[f] = all;
+    }
+    check_ok(context, bw_select_mask(context, mesh, mask, NULL, &face[side]));
+    free(mask);
+  }
+  bw_contact_pair pair = {.on = face[0], .against = face[1], .interference = interference};
+  bw_contact *contact = NULL;
+  check_ok(context, bw_contact_solve(context, model, 1, &pair, NULL, NULL, &contact));
+  double sum = (b * b + a * a) / (b * b - a * a) + (c * c + b * b) / (c * c - b * b);
+  double exact = young / (1 - poisson * poisson) * interference / (b * sum),
+         area = M_PI / 2 * b * thick;
+  for (int32_t i = 0; i < face[0]->node_count; i++)
+    check_near(contact->pressure[face[0]->node[i]], exact, 0.01 * exact);
+  check_near(contact->state[0].area, area, 1e-3 * area);
+  check_near(contact->state[0].force[0], -exact * b * thick, 0.01 * exact * b * thick);
+  bw_release(contact);
+  bw_release(face[0]);
+  bw_release(face[1]);
+  bw_release(model);
+  bw_release(mesh);
+}
+
 static void same_bits(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 6, 5, 3, 2);
@@ -289,6 +406,10 @@ static void refused(void **state) {
   check_fails(context, BW_EMPTY, "without a facet",
               bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
   pair.on = foot; /* pushed along the plane, then off it */
+  pair.against = top;
+  check_fails(context, BW_INVALID, "either a rigid surface or facets",
+              bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
+  pair.against = NULL;
   check_ok(context, bw_model_force(context, model, top, (double[3]){1, 0, -100}));
   check_fails(context, BW_UNCONSTRAINED, "nothing stops the translation along (1, 0, 0)",
               bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
@@ -333,9 +454,11 @@ static void memory_failures(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(patch),     check_test(hertz_sphere), check_test(hertz_cylinder),
-      check_test(corner),    check_test(stop),         check_test(pressed_on_ball),
-      check_test(same_bits), check_test(refused),      check_test(memory_failures)};
+  const struct CMUnitTest tests[] = {check_test(patch),          check_test(hertz_sphere),
+                                     check_test(hertz_cylinder), check_test(corner),
+                                     check_test(stop),           check_test(patch_between_parts),
+                                     check_test(press_fit),      check_test(pressed_on_ball),
+                                     check_test(same_bits),      check_test(refused),
+                                     check_test(memory_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
