@@ -2,8 +2,8 @@
 -- Lesson 25: how does it answer when it is shaken?
 --   build/barwright examples/25_shake_it.lua [FOLDER]
 --
--- An aluminium bracket of 200 x 40 x 6 mm on a shaker that moves its foot up and down with 1 g. The response is known
--- at every frequency of the range, by modes and residual vectors, with a bound of its error.
+-- An aluminium bracket of 200 x 40 x 6 mm on a shaker that moves its foot up and down with 1 g. The response is
+-- known at every frequency of the range, by modes and residual vectors, with a bound of its error.
 local bw = require "barwright"
 local folder = arg and arg[1]
 

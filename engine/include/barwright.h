@@ -110,12 +110,12 @@
 #include "barwright/analysis.h"
 #include "barwright/buckling.h"
 #include "barwright/contact.h"
-#include "barwright/flow.h"
 #include "barwright/dynamics.h"
-#include "barwright/transient.h"
+#include "barwright/flow.h"
 #include "barwright/heat.h"
 #include "barwright/joint.h"
 #include "barwright/responsive.h"
+#include "barwright/transient.h"
 
 #include "barwright/picture.h"
 

@@ -36,7 +36,7 @@ typedef struct side_facet {
 } side_facet;
 
 typedef struct entries {
-  size_t count, row_room, column_room, value_room;
+  size_t count, row_capacity, column_capacity, value_capacity;
   int32_t *row, *column;
   double *value;
 } entries;
@@ -264,9 +264,9 @@ static bw_status add_entry(bw_context *context, entries *e, int32_t row, int32_t
                            double value) {
   if (fabs(value) == 0)
     return BW_OK;
-  if (!bw_grow(context, (void **)&e->row, &e->row_room, e->count, 1, sizeof *e->row) ||
-      !bw_grow(context, (void **)&e->column, &e->column_room, e->count, 1, sizeof *e->column) ||
-      !bw_grow(context, (void **)&e->value, &e->value_room, e->count, 1, sizeof *e->value))
+  if (!bw_grow(context, (void **)&e->row, &e->row_capacity, e->count, 1, sizeof *e->row) ||
+      !bw_grow(context, (void **)&e->column, &e->column_capacity, e->count, 1, sizeof *e->column) ||
+      !bw_grow(context, (void **)&e->value, &e->value_capacity, e->count, 1, sizeof *e->value))
     return BW_MEMORY;
   e->row[e->count] = row;
   e->column[e->count] = column;
