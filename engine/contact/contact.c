@@ -636,7 +636,12 @@ done:
 static void warn(bw_context *context, const contact_problem *c, const bw_contact *out) {
   const bw_dof_map *dof_map = c->system->dof_map;
   for (int i = 0; i < out->pair_count; i++) {
-    if (out->state[i].active == 0)
+    if (out->state[i].active == 0 && out->state[i].penetration > 0)
+      bw_warn(context,
+              "contact pair %d is undecided: points penetrate by up to %.3g m, though its gap is "
+              "open in the mean: its facets are too large for what it touches. Refine them",
+              i + 1, out->state[i].penetration);
+    else if (out->state[i].active == 0)
       bw_warn(context, "contact pair %d stays open: its smallest gap is %.3g m", i + 1,
               out->state[i].gap);
     else if (out->state[i].penetration > coarse * c->elastic)

@@ -282,7 +282,12 @@ static int contact_tostring(lua_State *L) {
   luaL_addvalue(&text);
   for (int i = 0; i < contact->pair_count; i++) {
     const bw_contact_state *state = &contact->state[i];
-    if (state->active == 0)
+    if (state->active == 0 && state->penetration > 0)
+      lua_pushfstring(L,
+                      "\n  pair %d: undecided, no pressure, but it penetrates by up to %s: refine "
+                      "its facets",
+                      i + 1, lbw_quantity(state->penetration, "m").text);
+    else if (state->active == 0)
       lua_pushfstring(L, "\n  pair %d: open by %s", i + 1, lbw_quantity(state->gap, "m").text);
     else
       lua_pushfstring(L, "\n  pair %d: %s on %s, at most %s at %s, penetrates by up to %s", i + 1,
