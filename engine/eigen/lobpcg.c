@@ -19,6 +19,7 @@
  *
  * Invariants between calls: the first `block` columns of the basis are X, M-orthonormal, in the
  * wanted space, with values ascending; P follows; `projected` is S^T K S of these columns. */
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -34,9 +35,11 @@ enum { SIDES = 8 };
 
 /* Relative size of an eigenvalue of a Gram matrix below which its vector depends on the others. */
 static const double dependent = 1e-14;
-/* Rounding that orthogonalisation enlarges by no more than this is let pass; by more than the
- * second it leaves nothing of the Gram matrix. */
-static const double exact = 1e3, unusable = 1e8;
+/* Rounding that orthogonalisation enlarges by no more than the first is always let pass; by more
+ * than the second it leaves nothing of the Gram matrix. */
+static const double careful = 1e3, unusable = 1e8;
+/* The loss of orthogonality that is let pass: in parts of the wanted residual, and at most. */
+static const double share = 0.01, tolerable = 1e-10;
 /* A residual that has not fallen to this fraction of its best in so many rounds stands still; below
  * this one it is rounding that stops it. */
 static const double falls = 0.9, close_enough = 1e-4;
@@ -61,6 +64,7 @@ typedef struct lobpcg {
   double stuck;          /* the largest residual of a wanted column that rounding stops */
   bool energy;           /* residuals as in bwi_eigen_near, of wanted columns in every iteration */
   double guarded;        /* the residual of a guard that is good enough */
+  double enlarged;       /* rounding that orthogonalisation enlarges by no more is let pass */
   int limit;             /* on iterations */
 } lobpcg;
 
@@ -222,7 +226,7 @@ static bw_status take_in(lobpcg *l, int before, int *count) {
   double enlarged = INFINITY;
   BW_TRY_MEMORY(dots && gram);
   BW_TRY(problem->project(context, problem->data, *count, w));
-  for (int pass = 0; pass < 3 && *count > 0 && enlarged > exact; pass++) {
+  for (int pass = 0; pass < 3 && *count > 0 && enlarged > l->enlarged; pass++) {
     if (pass == 0 || !l->heavy)
       BW_TRY(problem->mass(context, problem->data, *count, w, mw));
     rows = before + *count;
@@ -426,6 +430,7 @@ static bw_status lobpcg_open(bw_context *context, const bwi_eigen_problem *probl
     return BW_MEMORY;
   l->base.most = INT32_MAX - GUARDS;
   l->guarded = GUARDED;
+  l->enlarged = careful;
   l->limit = LIMIT;
   *out = &l->base;
   return BW_OK;
@@ -640,6 +645,9 @@ static bw_status lobpcg_iterate(bwi_eigen_iteration *iteration, int wanted, doub
   bw_status status = BW_OK;
   lobpcg *l = (lobpcg *)iteration;
   bool *live = NULL;
+  /* S^T M S = I + E changes Ritz values by at most |E| of them (Ostrowski), residuals by about as
+   * much; rounding makes |E| of the size of epsilon times what it is enlarged by */
+  l->enlarged = fmax(careful, fmin(tolerable, share * tolerance) / DBL_EPSILON);
   if (wanted >= l->block && l->block < iteration->problem->dimension)
     BW_TRY(widen(l, l->block, block_of(iteration->problem, wanted)));
   if (wanted > l->block)
