@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Geometry of single boundary facets, straight or curved.
+/* Geometry of single facets, on the boundary or inside, straight or curved.
  *
  * A facet is parametrised by barycentric coordinates; with g_k = dx/dL_k its normal
  * (g1 - g0) x (g2 - g0) has the size of twice the area that a unit of parameter area covers, so
@@ -9,9 +9,12 @@
 
 #include "model/internal.h"
 
-void bwi_boundary_normal(const bw_mesh *mesh, int32_t facet, const double barycentric[3],
-                         double normal[3]) {
-  const int32_t *node = mesh->facet + (size_t)facet * (size_t)mesh->nodes_per_facet;
+static const int32_t *nodes_of(const bw_mesh *mesh, int32_t facet) {
+  return mesh->facet + (size_t)facet * (size_t)mesh->nodes_per_facet;
+}
+
+static void normal_of(const bw_mesh *mesh, const int32_t *node, const double barycentric[3],
+                      double normal[3]) {
   double g[3][3] = {{0}}, a[3], b[3];
   for (int k = 0; k < 3; k++) {
     const double *x = mesh->node + 3 * (size_t)node[k];
@@ -34,6 +37,11 @@ void bwi_boundary_normal(const bw_mesh *mesh, int32_t facet, const double baryce
   bw_cross(a, b, normal);
 }
 
+void bwi_boundary_normal(const bw_mesh *mesh, int32_t facet, const double barycentric[3],
+                         double normal[3]) {
+  normal_of(mesh, nodes_of(mesh, facet), barycentric, normal);
+}
+
 void bwi_boundary_normal_at(const bw_mesh *mesh, int32_t facet, int k, double normal[3]) {
   double barycentric[3] = {0, 0, 0};
   if (k < 3)
@@ -43,10 +51,9 @@ void bwi_boundary_normal_at(const bw_mesh *mesh, int32_t facet, int k, double no
   bwi_boundary_normal(mesh, facet, barycentric, normal);
 }
 
-bool bwi_boundary_is_straight(const bw_mesh *mesh, int32_t facet) {
+static bool is_straight(const bw_mesh *mesh, const int32_t *node) {
   if (mesh->order == 1)
     return true;
-  const int32_t *node = mesh->facet + (size_t)facet * 6;
   for (int k = 0; k < 3; k++) {
     const double *a = mesh->node + 3 * (size_t)node[k];
     const double *b = mesh->node + 3 * (size_t)node[(k + 1) % 3];
@@ -63,16 +70,19 @@ bool bwi_boundary_is_straight(const bw_mesh *mesh, int32_t facet) {
   return true;
 }
 
-int bwi_boundary_points(const bw_mesh *mesh, int32_t facet, bwi_boundary_point *point) {
+bool bwi_boundary_is_straight(const bw_mesh *mesh, int32_t facet) {
+  return is_straight(mesh, nodes_of(mesh, facet));
+}
+
+int bwi_facet_points(const bw_mesh *mesh, const int32_t *node, bwi_boundary_point *point) {
   double barycentric[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS];
   /* Straight: shape (2) times position (2 at most, torque). Curved: the normal adds 2, its size is
    * a root, so a high degree. */
-  int count = bw_triangle_quadrature(bwi_boundary_is_straight(mesh, facet) ? 2 * mesh->order : 6,
-                                     barycentric, weight);
-  const int32_t *node = mesh->facet + (size_t)facet * (size_t)mesh->nodes_per_facet;
+  int count =
+      bw_triangle_quadrature(is_straight(mesh, node) ? 2 * mesh->order : 6, barycentric, weight);
   for (int p = 0; p < count; p++) {
     bw_facet_shape(mesh->order, barycentric[p], point[p].shape);
-    bwi_boundary_normal(mesh, facet, barycentric[p], point[p].area);
+    normal_of(mesh, node, barycentric[p], point[p].area);
     memset(point[p].at, 0, sizeof point[p].at);
     for (int i = 0; i < 3; i++)
       point[p].area[i] *= weight[p] / 2;
@@ -81,6 +91,10 @@ int bwi_boundary_points(const bw_mesh *mesh, int32_t facet, bwi_boundary_point *
         point[p].at[i] += point[p].shape[a] * mesh->node[3 * (size_t)node[a] + (size_t)i];
   }
   return count;
+}
+
+int bwi_boundary_points(const bw_mesh *mesh, int32_t facet, bwi_boundary_point *point) {
+  return bwi_facet_points(mesh, nodes_of(mesh, facet), point);
 }
 
 bw_status bwi_facet_incidence_of(bw_context *context, const bw_mesh *mesh,

@@ -132,6 +132,8 @@ typedef struct bwi_boundary_point {
   double area[3]; /* weight times outward vector area: sums to the facet's */
 } bwi_boundary_point;
 int bwi_boundary_points(const bw_mesh *mesh, int32_t facet, bwi_boundary_point *point);
+/* The same of a facet of these nodes (nodes_per_facet), which may lie inside. */
+int bwi_facet_points(const bw_mesh *mesh, const int32_t *node, bwi_boundary_point *point);
 
 /* The boundary facets at each mesh node: list[start[i]] .. list[start[i + 1] - 1] are
  * facet * 8 + index of the node in the facet, ascending. */
@@ -152,6 +154,11 @@ bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool volu
 /* Consistent nodal forces of one load, node_count x 3 (overwritten). */
 bw_status bwi_load_force(bw_context *context, const bw_model *model, const bw_load *load,
                          double *force);
+
+/* Consistent nodal forces of all loads on the elements that are not 0 in `only` (element_count) and
+ * on their facets, node_count x 3 (overwritten). Nodal forces belong to no element. */
+bw_status bwi_force_of_elements(bw_context *context, const bw_model *model, const uint8_t *only,
+                                double *force);
 
 /* ---- material_by_region.c -------------------------------------------------------------------- */
 

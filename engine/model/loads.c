@@ -104,11 +104,12 @@ static void facet_force(const bw_mesh *mesh, const surface_load *load, int32_t f
   }
 }
 
-/* Calls `add` with the part of a load at every node, facet by facet or element by element. */
+/* Calls `add` with the part of a load at every node, facet by facet or element by element. Of the
+ * elements marked in `only` alone, unless it is NULL. */
 typedef void add_force(void *data, int32_t node, const double force[3]);
 
 static bw_status spread(bw_context *context, const bw_model *model, const bw_load *load,
-                        add_force *add, void *data) {
+                        const uint8_t *only, add_force *add, void *data) {
   const bw_mesh *mesh = model->mesh;
   bw_status status = BW_OK;
   switch (load->kind) {
@@ -118,6 +119,8 @@ static bw_status spread(bw_context *context, const bw_model *model, const bw_loa
       double x[10][3], moment[10][4];
       if (e % 65536 == 0)
         BW_TRY(bw_check_cancel(context));
+      if (only && !only[e])
+        continue;
       for (int a = 0; a < mesh->nodes_per_element; a++)
         memcpy(x[a], mesh->node + 3 * (size_t)node[a], sizeof x[a]);
       bwi_element_moments(mesh->order, (const double(*)[3])x, mesh->volume[e], moment);
@@ -129,7 +132,7 @@ static bw_status spread(bw_context *context, const bw_model *model, const bw_loa
     }
     break;
   case BW_LOAD_NODAL:
-    for (int32_t i = 0; i < mesh->node_count; i++) {
+    for (int32_t i = 0; i < mesh->node_count && !only; i++) {
       double force[3];
       for (int k = 0; k < 3; k++)
         force[k] = bw_array_get(load->nodal, i, k);
@@ -142,6 +145,8 @@ static bw_status spread(bw_context *context, const bw_model *model, const bw_loa
       double force[10][3];
       if (e % 65536 == 0)
         BW_TRY(bw_check_cancel(context));
+      if (only && !only[e])
+        continue;
       bwi_thermal_force(model, load, e, force);
       for (int a = 0; a < mesh->nodes_per_element; a++)
         add(data, node[a], force[a]);
@@ -153,6 +158,8 @@ static bw_status spread(bw_context *context, const bw_model *model, const bw_loa
     for (int32_t f = 0; f < load->on->facet_count; f++) {
       int32_t facet = load->on->facet[f];
       double force[6][3];
+      if (only && !only[mesh->facet_element[facet]])
+        continue;
       facet_force(mesh, &surface, facet, force);
       for (int a = 0; a < mesh->nodes_per_facet; a++)
         add(data, mesh->facet[(size_t)facet * (size_t)mesh->nodes_per_facet + (size_t)a], force[a]);
@@ -180,7 +187,7 @@ static void add_sums(void *data, int32_t node, const double force[3]) {
 
 bw_status bwi_load_measure(bw_context *context, const bw_model *model, bw_load *load) {
   sums s = {.mesh = model->mesh};
-  bw_status status = spread(context, model, load, add_sums, &s);
+  bw_status status = spread(context, model, load, NULL, add_sums, &s);
   if (status != BW_OK)
     return status;
   load->area = load->on ? bw_selection_area(load->on) : 0;
@@ -201,7 +208,7 @@ bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool volu
     bw_load_kind kind = model->load[i].kind;
     if (!volume && (kind == BW_LOAD_GRAVITY || kind == BW_LOAD_TEMPERATURE))
       continue;
-    bw_status status = spread(context, model, &model->load[i], add_vector, force);
+    bw_status status = spread(context, model, &model->load[i], NULL, add_vector, force);
     if (status != BW_OK)
       return status;
   }
@@ -211,7 +218,16 @@ bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool volu
 bw_status bwi_load_force(bw_context *context, const bw_model *model, const bw_load *load,
                          double *force) {
   memset(force, 0, 3 * sizeof *force * (size_t)model->mesh->node_count);
-  return spread(context, model, load, add_vector, force);
+  return spread(context, model, load, NULL, add_vector, force);
+}
+
+bw_status bwi_force_of_elements(bw_context *context, const bw_model *model, const uint8_t *only,
+                                double *force) {
+  bw_status status = BW_OK;
+  memset(force, 0, 3 * sizeof *force * (size_t)model->mesh->node_count);
+  for (int i = 0; i < model->load_count && status == BW_OK; i++)
+    status = spread(context, model, &model->load[i], only, add_vector, force);
+  return status;
 }
 
 bw_status bw_model_force_vector(bw_context *context, const bw_model *model, double *force) {

@@ -151,6 +151,42 @@ static int static_error_estimate(lua_State *L) {
   return lbw_leave(L, status, 2);
 }
 
+/* static:interface_traction(a, b): fields over the nodes, and what they sum to */
+static int static_interface_traction(lua_State *L) {
+  const bw_static *result = self(L);
+  const bw_mesh *mesh = result->model->mesh;
+  static const char *const fields[] = {"traction", "normal", "shear"};
+  double *data[3];
+  lua_settop(L, 3);
+  int32_t a = lbw_check_region(L, 2, mesh), b = lbw_check_region(L, 3, mesh);
+  if (a == b)
+    lbw_error(L, "interface_traction: two different regions expected, got '%s' twice",
+              mesh->regions[a].name.text);
+  bw_interface_force sum;
+  lua_createtable(L, 0, 10);
+  for (int i = 0; i < 3; i++) {
+    data[i] = (double *)lbw_push_array(L, BW_F64, mesh->node_count, i == 0 ? 3 : 1)->data;
+    lua_setfield(L, -2, fields[i]);
+  }
+  bw_status status =
+      bw_interface_traction(lbw_enter(L), result, a, b, data[0], data[1], data[2], &sum);
+  lbw_push_vector(L, sum.force);
+  lua_setfield(L, -2, "force");
+  lbw_push_vector(L, sum.moment);
+  lua_setfield(L, -2, "moment");
+  lua_pushnumber(L, sum.area);
+  lua_setfield(L, -2, "area");
+  lua_pushnumber(L, sum.imbalance);
+  lua_setfield(L, -2, "imbalance");
+  lua_pushinteger(L, sum.shared);
+  lua_setfield(L, -2, "shared");
+  for (int i = 2; i <= 3; i++) {
+    lua_pushvalue(L, i);
+    lua_setfield(L, -2, i == 2 ? "a" : "b");
+  }
+  return lbw_leave(L, status, 1);
+}
+
 static int static_energy(lua_State *L) {
   lua_pushnumber(L, self(L)->energy);
   return 1;
@@ -296,7 +332,9 @@ static int static_locking(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg static_methods[] = {{"error_estimate", static_error_estimate}, {NULL, NULL}};
+static const luaL_Reg static_methods[] = {{"error_estimate", static_error_estimate},
+                                          {"interface_traction", static_interface_traction},
+                                          {NULL, NULL}};
 static const luaL_Reg static_properties[] = {
     {"displacement", static_displacement},
     {"force", static_force},

@@ -119,6 +119,42 @@ function Static:buckling(options) end
 ---@field seed? integer (seed) of the start vectors. Default: 1
 ---@field solver? bw.Eigensolver|"auto" the eigensolver: `lanczos`, `arpack` or `lobpcg`. Default: "auto"
 
+---The tractions that two regions of the mesh exert on each other, from the forces that their elements have at the nodes of the
+---interface. Each value at a corner is a mean over the facets around it. What a support takes at a node of the interface is not
+---included. Nodal forces there, and what a third region exerts, are divided evenly between the two. Where materials meet at
+---the surface of a body, the stress can be singular and the tractions there grow without limit as elements become small.
+---
+---Errors: unsupported (a model with bonds).
+---
+---Source: docs/theory/elements.md.
+---```lua
+---local mesh = assert(bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}:split("x < 0.05", "left"))
+---local part = bw.model {mesh = mesh, materials = {left = bw.material.steel, rest = bw.material.pla}}
+---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 0.1), force = {10, 0, 0}}
+---local between = assert(assert(part:solve()):interface_traction("left", "rest"))
+---print(between, between.force[1]) -- 10 N
+---```
+---@param a string the region on which they act
+---@param b string the region that exerts them
+---@return bw.InterfaceTraction? tractions all 0 where the regions do not touch
+---@return string? message
+---@return bw.Details? details
+function Static:interface_traction(a, b) end
+
+---Tractions between two regions. `print` shows the largest, their resultant and what is not included. Their error is not known.
+---@class bw.InterfaceTraction
+---@field a string the region on which they act
+---@field b string the region that exerts them
+---@field nodes bw.Array (index from 1, n × 1) of the interface, ascending
+---@field traction bw.Array (Pa, node_count × 3, per node) on region a; 0 off the interface
+---@field normal bw.Array (Pa, node_count × 1, per node) normal traction, positive in tension; 0 off the interface
+---@field shear bw.Array (Pa, node_count × 1, per node) magnitude of the traction along the interface; 0 off it
+---@field force bw.Vector (N) on region a, the sum of the nodal forces; region b has the opposite one
+---@field moment bw.Vector (N m) the same about the origin
+---@field area number (m2) of the interface
+---@field shared integer (count) nodes of the interface that supports or other regions hold, too
+---@field imbalance number (-) what the two sides lack to equilibrium at the other nodes, over their forces. Inertia relief and nodal forces on the interface show here
+
 ---The sum of the reactions on a selection.
 ---@param selection bw.Selection where they are summed
 ---@return bw.Vector reaction (N) the sum

@@ -52,6 +52,14 @@ scenario("Bars in series and side by side, tet10", function(t)
     if axis == 1 then
       expect(static.displacement(grid:node(1, 0, 0), 1), "end displacement, " .. name, "m")
         :near(1e6 / 1e9 + 1e6 / 200e9, {relative = 1e-10, source = "closed form"})
+      local between = t:require(static:interface_traction("soft", "stiff"))
+      local normal = between.normal:gather(between.nodes)
+      expect(normal:min(), "least normal traction of the interface", "Pa")
+        :near(1e6, {relative = 1e-9, source = "equilibrium"})
+      expect(normal:max(), "largest normal traction of the interface", "Pa")
+        :near(1e6, {relative = 1e-9, source = "equilibrium"})
+      expect(between.force[1], "force through the interface", "N")
+        :near(1e6, {relative = 1e-9, source = "equilibrium"})
     else
       local force = 0
       for i = 1, grid.mesh.node_count do
@@ -81,6 +89,10 @@ scenario("Timoshenko, bimetal strip, tet10", function(t)
   local slope = static.displacement(full, 3) - static.displacement(half, 3)
   local own = -2 * slope / ((0.75 ^ 2 - 0.25 ^ 2) * length ^ 2)
   expect(own, "curvature", "1/m"):near(curvature, {relative = 0.01, source = "Timoshenko 1925"})
+  -- P h / 2 is what bends both metals: kappa (E1 I1 + E2 I2).
+  local between = t:require(static:interface_traction("lower", "upper"))
+  expect(between.force[1], "force along the interface", "N")
+    :near(2 * curvature * (e1 + e2) * 2e-3 * (h / 2) ^ 3 / 12 / h, {relative = 0.02, source = "Timoshenko 1925"})
 end)
 
 --- What two concentric shells have: u = A r + B / r^2 in each, radial stress 3 K A - 4 G B / r^3.
@@ -118,6 +130,14 @@ scenario("Lamé, sphere of two layers under pressure, tet10", function(t)
     :near((3 * k1 * x[1] + 2 * g1 * x[2] / b ^ 3) / 1e6, {relative = 0.01, source = "Lamé"})
   expect(static.stress(grid:node(1, 0, 0), YY) / 1e6, "hoop stress outside", "MPa")
     :near((3 * k2 * x[3] + 2 * g2 * x[4] / c ^ 3) / 1e6, {relative = 0.01, source = "Lamé"})
+  local between = t:require(static:interface_traction("inner", "outer"))
+  local normal = between.normal:gather(between.nodes)
+  local radial = 3 * k1 * x[1] - 4 * g1 * x[2] / b ^ 3
+  expect(normal:min() / 1e6, "least normal traction of the interface", "MPa")
+    :near(radial / 1e6, {relative = 0.02, source = "Lamé"})
+  expect(normal:max() / 1e6, "largest normal traction of the interface", "MPa")
+    :near(radial / 1e6, {relative = 0.02, source = "Lamé"})
+  expect(between.shear:max() / -radial, "shear over normal traction", ""):below(0.02)
 end)
 
 -- Interference d is what the hub would expand by if it were free. In plane strain that is (1 + nu) alpha dT b.
@@ -150,6 +170,12 @@ scenario("Lamé, press fit of two rings by heat, tet10", function(t)
     :near(2 * p * b ^ 2 / (c ^ 2 - b ^ 2) / 1e6, {relative = 0.01, source = "Lamé"})
   expect(static.stress(grid:node(0, 0, 0), YY) / 1e6, "hoop stress at the bore", "MPa")
     :near(-2 * p * b ^ 2 / (b ^ 2 - a ^ 2) / 1e6, {relative = 0.01, source = "Lamé"})
+  local between = t:require(static:interface_traction("hub", "ring"))
+  local normal = between.normal:gather(between.nodes)
+  expect(normal:min() / 1e6, "least normal traction of the interface", "MPa")
+    :near(-p / 1e6, {relative = 0.02, source = "Lamé"})
+  expect(normal:max() / 1e6, "largest normal traction of the interface", "MPa")
+    :near(-p / 1e6, {relative = 0.02, source = "Lamé"})
 end)
 
 -- A ball in a larger one whose surface has the displacements of a uniform strain. Eshelby's strain in the ball is

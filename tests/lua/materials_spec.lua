@@ -120,4 +120,71 @@ describe("materials by region", function()
     assert.equals("b_bar", fine.formulation)
     assert.equals(2, #fine.material.parts)
   end)
+
+  it("exert tractions on each other that are in equilibrium with all other loads", function()
+    for order = 1, 2 do
+      local straight = bar(1, order)
+      local nodes, root, far = {}, {}, {}
+      for i, p in ipairs(straight.nodes:totable()) do
+        local x, y, z = p[1], p[2], p[3]
+        nodes[i] = {x + 0.2 * y * y, y + 0.1 * z * x, z + 0.1 * x * x}
+        root[i], far[i] = x < 1e-9 and 1 or 0, x > 1.999 and 1 or 0
+      end
+      local mesh = assert(straight:moved(bw.array.new(nodes)))
+      local part, gravity = model(mesh), order == 1 and 9.81 or 0 -- volumes are those of straight edges
+      local ends = assert(mesh.boundary:where(bw.array.new(far)))
+      part:fix(assert(mesh.boundary:where(bw.array.new(root))))
+      part:load {on = ends, traction = {3e3, 2e3, -1e3}}
+      part:gravity {0, 0, -gravity}
+      part:temperature(20)
+      local static = assert(part:solve())
+      local between = assert(static:interface_traction("low", "high"))
+      local weight = 8000 * mesh:region("high").volume * gravity
+      check.near(3e3 * ends.area, between.force[1], 1e-9)
+      check.near(2e3 * ends.area, between.force[2], 1e-9)
+      check.near(-1e3 * ends.area - weight, between.force[3], 1e-9)
+      assert.is_true(between.imbalance < 1e-9)
+      assert.equal(0, between.shared)
+      local back = assert(static:interface_traction("high", "low"))
+      for k = 1, 3 do
+        check.near(-between.force[k], back.force[k], 1e-9)
+        check.near(-between.moment[k], back.moment[k], 1e-9)
+      end
+      assert.is_true((between.normal - back.normal):max() < 1e-9 * between.normal:max())
+      assert.is_true((between.shear - back.shear):max() < 1e-9 * between.shear:max())
+      assert.matches("^tractions of 'high' on 'low': normal .*Pa to .*Pa, shear up to .*; error unknown",
+        tostring(between))
+    end
+  end)
+
+  it("have constant tractions exactly, and none along supports", function()
+    for order = 1, 2 do
+      local mesh = bar(2, order)
+      local part = bw.model {mesh = mesh, materials = {low = soft, high = soft}}
+      for axis = 1, 3 do
+        local normal = {axis == 1 and 1 or 0, axis == 2 and 1 or 0, axis == 3 and 1 or 0}
+        part:slide(mesh.boundary:below(axis, 1e-9), normal)
+      end
+      part:load {on = mesh.boundary:above("y", 1), pressure = 5e4}
+      part:load {on = mesh.boundary:above("x", 2), traction = {7e4, 0, 0}}
+      local between = assert(assert(part:solve()):interface_traction("low", "high"))
+      local normal = between.normal:gather(between.nodes)
+      check.near(-5e4, normal:min(), 1e-9)
+      check.near(-5e4, normal:max(), 1e-9)
+      assert.is_true(between.shear:max() < 1e-4)
+      check.near(2, between.area, 1e-12)
+      assert.is_true(between.shared > 0)
+      assert.matches("supports or other regions take a part that is not included", tostring(between))
+    end
+  end)
+
+  it("say where there are no tractions", function()
+    local mesh = assert(bar(1, 1):split("x > 1.5", "end"))
+    local part = bw.model {mesh = mesh, materials = {low = soft, high = stiff, ["end"] = soft}}
+    part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 2), force = {1, 0, 0}}
+    local static = assert(part:solve())
+    assert.equal("the regions 'low' and 'end' do not touch", tostring(static:interface_traction("low", "end")))
+    check.raises("did you mean 'low'", static.interface_traction, static, "lov", "high")
+    check.raises("two different regions expected", static.interface_traction, static, "low", "low")
+  end)
 end)

@@ -36,6 +36,23 @@ BW_API bw_status bw_point_stress(bw_context *context, const bw_mesh *mesh,
  * subtracted. */
 BW_API bw_status bw_static_point_stress(bw_context *context, const bw_static *result,
                                         const bw_stress_points *points, double *stress);
+/* What two regions exert on each other. */
+typedef struct bw_interface_force {
+  double area;      /* (m2) of the interface, 0 where the regions do not touch */
+  double force[3];  /* (N) on region a; region b has the opposite one */
+  double moment[3]; /* (N m) the same about the origin */
+  int32_t shared;   /* (count) nodes of the interface that a third region or a support holds, too */
+  double imbalance; /* (-) at the other nodes, the sum of the sizes of what the two regions lack to
+                       equilibrium over that of their forces */
+} bw_interface_force;
+/* Tractions of region b on region a, indices into mesh->regions, from the nodal forces of the
+ * elements of both (docs/theory/elements.md#interface-tractions). At nodes of their interface, 0
+ * elsewhere: traction (Pa, node_count x 3), normal (Pa, node_count) positive in tension, shear (Pa,
+ * node_count) the size of the rest. Mid-edge nodes have the means of their ends. BW_INVALID for
+ * regions that are none, BW_UNSUPPORTED for a model with bonds. */
+BW_API bw_status bw_interface_traction(bw_context *context, const bw_static *result, int32_t a,
+                                       int32_t b, double *traction, double *normal, double *shear,
+                                       bw_interface_force *sum);
 /* Strain energy of every element under displacement (m, node_count x 3): energy (J,
  * element_count). */
 BW_API bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh,
