@@ -29,8 +29,9 @@ bw_status bw_grid_write_vtu(bw_context *context, const bw_grid *grid, const char
         bw_array_borrow(context, BW_F64, grid->element_count, 1, grid->fraction, grid, &fraction));
     list[field_count++] = (bw_field){"fraction", BW_ON_ELEMENTS, fraction};
   }
-  bwi_vtu_cells cells = {grid->node_count, grid->element_count, point,       8,   HEXAHEDRON, cell,
-                         grid->material,   "material",          field_count, list};
+  bwi_vtu_cells cells = {
+      grid->node_count, grid->element_count, point,       8,    HEXAHEDRON, cell,
+      grid->material,   "material",          field_count, list, 0,          NULL};
   BW_TRY(bwi_vtu_write_cells(context, &cells, path));
 done:
   bw_release(fraction);

@@ -118,7 +118,9 @@ static bw_status write_piece(pieces *p, int k) {
                      .tag = region,
                      .tag_name = "region",
                      .field_count = fields,
-                     .fields = field};
+                     .fields = field,
+                     .region_count = mesh->region_count,
+                     .regions = mesh->regions};
   status = bwi_vtu_write_cells(p->context, &g, name);
 done:
   for (int32_t i = 0; i < p->node_count; i++)

@@ -66,6 +66,13 @@ bw_status bwi_vtu_reals(const bwi_cursor *cursor, const bwi_vtu_file *file,
 bw_status bwi_vtu_integers(const bwi_cursor *cursor, const bwi_vtu_file *file,
                            const bwi_vtu_array *array, uint64_t count, int64_t **values);
 
+/* How many numbers an array has, by what it says of itself. */
+bw_status bwi_vtu_count(const bwi_cursor *cursor, const bwi_vtu_file *file,
+                        const bwi_vtu_array *array, uint64_t *count);
+/* Arrays of the file with the tag and the name of each region. */
+#define BWI_VTU_REGION_TAGS "region_tags"
+#define BWI_VTU_REGION_NAMES "region_names"
+
 /* ---- writing (vtu_write.c) ----------------------------------------------------------------- */
 
 typedef struct bwi_vtu_cells {
@@ -78,6 +85,8 @@ typedef struct bwi_vtu_cells {
   const char *tag_name;
   int field_count;
   const bw_field *fields;
+  int32_t region_count; /* 0: no names are written */
+  const bw_mesh_region *regions;
 } bwi_vtu_cells;
 bw_status bwi_vtu_write_cells(bw_context *context, const bwi_vtu_cells *cells, const char *path);
 /* The value of an attribute, with entities for what XML does not allow. */

@@ -219,23 +219,32 @@ static bw_status take_plain(stream *s, bw_context *context, const bwi_vtu_file *
   return status;
 }
 
+static bw_status open_stream(const bwi_cursor *cursor, const bwi_vtu_file *file,
+                             const bwi_vtu_array *array, stream *s) {
+  *s = (stream){*cursor, false, {0}, 0};
+  s->cursor.line = array->line;
+  if (array->form == BWI_VTU_INLINE) {
+    s->cursor.at = array->text;
+    s->base64 = true;
+    return BW_OK;
+  }
+  if (!file->appended || array->offset > (uint64_t)(cursor->end - file->appended))
+    return bwi_fail_line(&s->cursor,
+                         "the array '%s' lies at the offset %llu of the appended data, beyond "
+                         "the end of the file",
+                         bwi_show(array->name), (unsigned long long)array->offset);
+  s->cursor.at = file->appended + array->offset;
+  s->base64 = file->base64;
+  return BW_OK;
+}
+
 /* The bytes of a binary array, still in the file's byte order. */
 static bw_status array_bytes(const bwi_cursor *cursor, const bwi_vtu_file *file,
                              const bwi_vtu_array *array, uint64_t count, unsigned char **bytes) {
-  stream s = {*cursor, false, {0}, 0};
-  s.cursor.line = array->line;
-  if (array->form == BWI_VTU_INLINE) {
-    s.cursor.at = array->text;
-    s.base64 = true;
-  } else {
-    if (!file->appended || array->offset > (uint64_t)(cursor->end - file->appended))
-      return bwi_fail_line(&s.cursor,
-                           "the array '%s' lies at the offset %llu of the appended data, beyond "
-                           "the end of the file",
-                           bwi_show(array->name), (unsigned long long)array->offset);
-    s.cursor.at = file->appended + array->offset;
-    s.base64 = file->base64;
-  }
+  stream s;
+  bw_status status = open_stream(cursor, file, array, &s);
+  if (status != BW_OK)
+    return status;
   uint64_t expected;
   if (__builtin_mul_overflow(count, size_of(array->type), &expected))
     return fail_size(&s, array, bytes_left(&s), UINT64_MAX);
@@ -354,5 +363,33 @@ bw_status bwi_vtu_integers(const bwi_cursor *cursor, const bwi_vtu_file *file,
 done:
   bw_free(bytes);
   bw_free(made);
+  return status;
+}
+
+bw_status bwi_vtu_count(const bwi_cursor *cursor, const bwi_vtu_file *file,
+                        const bwi_vtu_array *array, uint64_t *count) {
+  bw_status status = BW_OK;
+  uint64_t block, last, total;
+  stream s;
+  *count = 0;
+  if (array->form == BWI_VTU_ASCII) {
+    bwi_cursor text;
+    int64_t value;
+    BW_TRY(text_cursor(cursor, array, 0, &text));
+    for (; bwi_skip_space(&text); (*count)++)
+      BW_TRY(bwi_read_integer(&text, &value, "an integer"));
+    return BW_OK;
+  }
+  BW_TRY(open_stream(cursor, file, array, &s));
+  BW_TRY(take_word(&s, file->wide, &total)); /* bytes, or blocks */
+  if (file->compressed) {
+    BW_TRY(take_word(&s, file->wide, &block));
+    BW_TRY(take_word(&s, file->wide, &last));
+    if (total > 0 && (__builtin_mul_overflow(total - 1, block, &total) ||
+                      __builtin_add_overflow(total, last ? last : block, &total)))
+      total = UINT64_MAX; /* refused when the array is read */
+  }
+  *count = total / size_of(array->type);
+done:
   return status;
 }

@@ -8,7 +8,14 @@
 #include <math.h>
 #include <string.h>
 
-typedef enum section { ELSEWHERE, IN_POINTS, IN_CELLS, IN_POINT_DATA, IN_CELL_DATA } section;
+typedef enum section {
+  ELSEWHERE,
+  IN_POINTS,
+  IN_CELLS,
+  IN_POINT_DATA,
+  IN_CELL_DATA,
+  IN_FIELD_DATA
+} section;
 
 typedef struct piece {
   int64_t points, cells, line;
@@ -97,6 +104,14 @@ static bw_status start_array(bwi_cursor *cursor, const bwi_tag *tag, section whe
   a.array.type = type_of(bwi_xml_value(tag, "type"));
   a.array.text = cursor->at;
   a.array.line = cursor->line;
+  if (where == IN_FIELD_DATA) {
+    bool names = bwi_word_is(a.array.name, BWI_VTU_REGION_NAMES) &&
+                 bwi_word_is(bwi_xml_value(tag, "type"), "String");
+    if (names)
+      a.array.type = BWI_VTK_U8; /* bytes, each string ends with 0 */
+    else if (!bwi_word_is(a.array.name, BWI_VTU_REGION_TAGS) || bwi_vtk_is_real(a.array.type))
+      return BW_OK;
+  }
   if (a.array.type == BWI_VTK_NONE && where != IN_POINTS && where != IN_CELLS)
     return BW_OK; /* strings and bits */
   BW_TRY(count_attribute(cursor, tag, "NumberOfComponents", where == IN_POINTS ? 3 : 1,
@@ -135,7 +150,8 @@ static bw_status read_tags(bwi_cursor *cursor, vtu *file) {
   } sections[] = {{"Points", IN_POINTS},
                   {"Cells", IN_CELLS},
                   {"PointData", IN_POINT_DATA},
-                  {"CellData", IN_CELL_DATA}};
+                  {"CellData", IN_CELL_DATA},
+                  {"FieldData", IN_FIELD_DATA}};
   bw_status status = BW_OK;
   section where = ELSEWHERE;
   bwi_tag tag;
@@ -147,8 +163,8 @@ static bw_status read_tags(bwi_cursor *cursor, vtu *file) {
     bool is_section = false;
     for (size_t i = 0; i < sizeof sections / sizeof *sections; i++)
       if (bwi_word_is(tag.name, sections[i].name)) {
-        where =
-            tag.closing || tag.empty || file->piece_count == 0 ? ELSEWHERE : sections[i].section;
+        bool outside = file->piece_count == 0 && sections[i].section != IN_FIELD_DATA;
+        where = tag.closing || tag.empty || outside ? ELSEWHERE : sections[i].section;
         is_section = true;
       }
     if (is_section || tag.closing)
@@ -386,12 +402,53 @@ done:
   return status;
 }
 
+/* The names of regions, where the file has them beside their tags. */
+static bw_status read_names(const bwi_cursor *cursor, const vtu *file, bwi_raw *raw) {
+  bw_status status = BW_OK;
+  const bwi_vtu_array *tags = NULL, *names = NULL;
+  int64_t *tag = NULL, *byte = NULL;
+  unsigned char *text = NULL;
+  uint64_t tag_count, count, begin = 0, named = 0;
+  bwi_cursor place = *cursor;
+  for (size_t i = 0; i < file->array_count; i++)
+    if (file->array[i].section == IN_FIELD_DATA)
+      *(bwi_word_is(file->array[i].array.name, BWI_VTU_REGION_NAMES) ? &names : &tags) =
+          &file->array[i].array;
+  if (!tags || !names)
+    return BW_OK;
+  place.line = names->line;
+  BW_TRY(bwi_vtu_count(cursor, &file->file, tags, &tag_count));
+  BW_TRY(bwi_vtu_integers(cursor, &file->file, tags, tag_count, &tag));
+  BW_TRY(bwi_vtu_count(cursor, &file->file, names, &count));
+  BW_TRY(bwi_vtu_integers(cursor, &file->file, names, count, &byte));
+  text = BW_NEW(cursor->context, unsigned char, count);
+  BW_TRY_MEMORY(text);
+  for (uint64_t i = 0; i < count; i++) {
+    text[i] = (unsigned char)byte[i];
+    if (text[i])
+      continue;
+    if (named < tag_count && tag[named] >= INT32_MIN && tag[named] <= INT32_MAX)
+      BW_TRY(bwi_raw_name_region(raw, (int32_t)tag[named], (bwi_word){text + begin, i - begin}));
+    named++;
+    begin = i + 1;
+  }
+  if (named != tag_count)
+    BW_TRY(bwi_fail_line(&place, "%llu names for the %llu tags of regions",
+                         (unsigned long long)named, (unsigned long long)tag_count));
+done:
+  bw_free(tag);
+  bw_free(byte);
+  bw_free(text);
+  return status;
+}
+
 bw_status bwi_vtu_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
   bw_status status = BW_OK;
   vtu file = {0};
   int32_t *tet_cell = NULL;
   *format = "VTU";
   BW_TRY(read_tags(cursor, &file));
+  BW_TRY(read_names(cursor, &file, raw));
   int64_t max = 0;
   for (size_t i = 0; i < file.piece_count; i++) {
     int64_t first_point = (int64_t)raw->point_count, cells = file.piece[i].cells;

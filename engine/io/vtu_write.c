@@ -174,6 +174,28 @@ static void print_fields(bw_writer *writer, const bwi_vtu_cells *g, bw_field_pla
  * then all on cells, which is the order of the offsets. */
 enum { POINTS, CONNECTIVITY, OFFSETS, TYPES, TAG, FIELDS };
 
+/* As text, so that a reader needs no offset: VTK has strings as bytes that end with 0. */
+static void print_regions(bw_writer *writer, const bwi_vtu_cells *g) {
+  if (g->region_count == 0)
+    return;
+  bw_writer_print(writer,
+                  "<FieldData>\n<DataArray type=\"Int32\" Name=\"%s\" NumberOfTuples=\"%d\" "
+                  "format=\"ascii\">\n",
+                  BWI_VTU_REGION_TAGS, g->region_count);
+  for (int32_t i = 0; i < g->region_count; i++)
+    bw_writer_print(writer, "%d ", g->regions[i].tag);
+  bw_writer_print(writer,
+                  "\n</DataArray>\n<DataArray type=\"String\" Name=\"%s\" NumberOfTuples=\"%d\" "
+                  "format=\"ascii\">\n",
+                  BWI_VTU_REGION_NAMES, g->region_count);
+  for (int32_t i = 0; i < g->region_count; i++) {
+    for (const char *c = g->regions[i].name.text; *c; c++)
+      bw_writer_print(writer, "%d ", (unsigned char)*c);
+    bw_writer_print(writer, "0\n");
+  }
+  bw_writer_print(writer, "</DataArray>\n</FieldData>\n");
+}
+
 static void print_header(bw_writer *writer, const bwi_vtu_cells *g, const packed *part) {
   size_t offset = 0;
   const bool big = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
@@ -181,9 +203,11 @@ static void print_header(bw_writer *writer, const bwi_vtu_cells *g, const packed
                   "<?xml version=\"1.0\"?>\n"
                   "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"%s\" "
                   "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n"
-                  "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%lld\" NumberOfCells=\"%lld\">\n"
-                  "<Points>\n",
-                  big ? "BigEndian" : "LittleEndian", (long long)g->points, (long long)g->cells);
+                  "<UnstructuredGrid>\n",
+                  big ? "BigEndian" : "LittleEndian");
+  print_regions(writer, g);
+  bw_writer_print(writer, "<Piece NumberOfPoints=\"%lld\" NumberOfCells=\"%lld\">\n<Points>\n",
+                  (long long)g->points, (long long)g->cells);
   print_array(writer, "Float64", "Points", 3, &offset, part + POINTS);
   bw_writer_print(writer, "</Points>\n<Cells>\n");
   print_array(writer, "Int32", "connectivity", 1, &offset, part + CONNECTIVITY);
@@ -257,7 +281,9 @@ bw_status bwi_vtu_write(bw_context *context, const bw_mesh *mesh, const char *pa
                      tag,
                      "region",
                      field_count,
-                     fields};
+                     fields,
+                     mesh->region_count,
+                     mesh->regions};
   status = bwi_vtu_write_cells(context, &g, path);
   bw_free(tag);
   return status;
@@ -265,9 +291,18 @@ bw_status bwi_vtu_write(bw_context *context, const bw_mesh *mesh, const char *pa
 
 bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *surface, const char *path,
                                int field_count, const bw_field *fields) {
-  bwi_vtu_cells g = {
-      surface->point_count, surface->triangle_count, surface->point, 3,           5,
-      surface->triangle,    surface->group,          "group",        field_count, fields};
+  bwi_vtu_cells g = {surface->point_count,
+                     surface->triangle_count,
+                     surface->point,
+                     3,
+                     5,
+                     surface->triangle,
+                     surface->group,
+                     "group",
+                     field_count,
+                     fields,
+                     0,
+                     NULL};
   return bwi_vtu_write_cells(context, &g, path);
 }
 
@@ -301,8 +336,9 @@ bw_status bw_plane_write_vtu(bw_context *context, const bw_plane_mesh *mesh, con
     list[i].array = space[i];
   }
   bool six = t->nodes->order == 2;
-  bwi_vtu_cells g = {nodes,      t->element_count, point,    six ? 6 : 3, six ? 22 : 5,
-                     t->element, t->region,        "region", field_count, list};
+  bwi_vtu_cells g = {
+      nodes,    t->element_count, point, six ? 6 : 3, six ? 22 : 5, t->element, t->region,
+      "region", field_count,      list,  0,           NULL};
   status = bwi_vtu_write_cells(context, &g, path);
 done:
   for (int i = 0; space && i < field_count; i++)

@@ -92,4 +92,89 @@ describe("regions of a mesh", function()
     check.raises("at least one part", bw.mesh.fill_parts, {})
     check.raises("edge_length", bw.mesh.fill_parts, strip, {edge_lenght = 1})
   end)
+
+  it("keep their names in VTU files and pieces", function()
+    local mesh = assert(bw.mesh.box {max = {2, 1, 1}, cells = {4, 2, 2}}:split("x < 1", 'left <&> "\u{e4}"'))
+    for _, ending in ipairs {".vtu", ".pvtu"} do
+      local path = os.tmpname()
+      os.remove(path)
+      assert(mesh:write(path .. ending))
+      local back = assert(bw.mesh.read(path .. ending))
+      assert.equal(2, #back.regions)
+      for i = 1, 2 do
+        assert.equal(mesh.regions[i].name, back.regions[i].name)
+        assert.equal(mesh.regions[i].tag, back.regions[i].tag)
+        check.near(1, back.regions[i].volume, 1e-12)
+      end
+      os.remove(path .. ending)
+      os.remove(path .. "_0.vtu")
+    end
+  end)
+
+  local function base64(bytes)
+    local digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
+    return (bytes:gsub("..?.?", function(part)
+      local a, b, c = part:byte(1, 3)
+      local bits, out = a << 16 | (b or 0) << 8 | (c or 0), {}
+      for k = 1, 4 do
+        local digit = bits >> 24 - 6 * k & 63
+        out[k] = k > #part + 1 and "=" or digits:sub(digit + 1, digit + 1)
+      end
+      return table.concat(out)
+    end))
+  end
+
+  --- A zlib stream of one stored block.
+  local function stored(bytes)
+    local a, b = 1, 0
+    for k = 1, #bytes do
+      a = (a + bytes:byte(k)) % 65521
+      b = (b + a) % 65521
+    end
+    return "\x78\x01\x01" .. ("<I2I2"):pack(#bytes, ~#bytes & 0xffff) .. bytes .. (">I4"):pack(b << 16 | a)
+  end
+
+  local function read_vtu(attributes, format, tags, names)
+    local path = os.tmpname()
+    os.remove(path)
+    path = path .. ".vtu"
+    local file = assert(io.open(path, "wb"))
+    file:write(([[<VTKFile type="UnstructuredGrid" byte_order="LittleEndian" %s><UnstructuredGrid><FieldData>
+<DataArray type="String" Name="region_names" NumberOfTuples="1" format="%s">%s</DataArray>
+<DataArray type="Int32" Name="region_tags" NumberOfTuples="1" format="%s">%s</DataArray>
+</FieldData><Piece NumberOfPoints="4" NumberOfCells="1">
+<Points>
+<DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>
+<Cells><DataArray type="Int32" Name="connectivity" format="ascii">0 1 2 3</DataArray>
+<DataArray type="Int32" Name="offsets" format="ascii">4</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">10</DataArray></Cells>
+<CellData><DataArray type="Int32" Name="region" format="ascii">7</DataArray></CellData>
+</Piece></UnstructuredGrid></VTKFile>
+]]):format(attributes, format, names, format, tags))
+    file:close()
+    local mesh, message = bw.mesh.read(path)
+    os.remove(path)
+    return mesh, message
+  end
+
+  it("have names in VTU files that others wrote", function()
+    local packed = 'header_type="UInt32" compressor="vtkZLibDataCompressor"'
+    local tags, names = ("<i4"):pack(7), "bone\0"
+    local function block(bytes)
+      return base64(("<I4I4I4I4"):pack(1, 1000, #bytes, #stored(bytes))) .. base64(stored(bytes))
+    end
+    local ways = {{"", "ascii", "7", "98 111 110 101 0"},
+      {"", "binary", base64(("<s4"):pack(tags)), base64(("<s4"):pack(names))},
+      {packed, "binary", block(tags), block(names)}}
+    for _, way in ipairs(ways) do
+      assert.equal("bone", assert(read_vtu(table.unpack(way))).regions[1].name)
+    end
+    local mesh, message = read_vtu("", "ascii", "7 8", "98 0")
+    assert.is_nil(mesh)
+    assert.matches("1 names for the 2 tags of regions", message)
+    local damaged = base64(("<I4I4I4I4"):pack(1 << 31, 1 << 31, 1, 9))
+    mesh, message = read_vtu(packed, "binary", block(tags), damaged)
+    assert.is_nil(mesh)
+    assert.matches("region_names", message)
+  end)
 end)
