@@ -75,6 +75,14 @@ local function source(self, weak, origins, i)
     volume = found.volume or self.mesh.volumes[found.target], label = labels[found.origin]:format(found.target)}
 end
 
+-- Whether stress over strength is known everywhere. Of several materials each has its own.
+local function has_strength(material)
+  for _, part in ipairs(material.parts or {material}) do
+    if not part.strength then return false end
+  end
+  return true
+end
+
 local function region_list(self, weak, loads, origins)
   local total, centre = self.mesh.volume, centres(self.mesh)
   local list = {}
@@ -83,7 +91,7 @@ local function region_list(self, weak, loads, origins)
     region.volume_fraction = region.volume / total
     region.max_principal, region.element = loads.peaks[i], loads.peak_elements[i]
     region.at = centre(loads.peak_elements[i])
-    if self.material.strength then
+    if has_strength(self.material) then
       region.utilisation = loads.utilisations[i]
       if loads.utilised_elements[i] > 0 then region.utilised_at = centre(loads.utilised_elements[i]) end
     end
@@ -106,11 +114,11 @@ local function system_of(part, opts)
   return system
 end
 
--- What counts as worst: the utilisation where strengths differ with the direction, else the stress;
+-- What counts as worst: the utilisation where strengths are known, else the stress;
 -- for displacement as the target, the displacement.
 local function find_worst(self, loads)
   if self.options.target == "displacement" then return (loads.displacements:argmax()) end
-  local used = self.material.strength and loads.utilisations:max() or 0
+  local used = has_strength(self.material) and loads.utilisations:max() or 0
   return (used > 0 and loads.utilisations or loads.peaks):argmax()
 end
 
@@ -124,7 +132,7 @@ local function summarise(self, loads, origins)
   self.max_displacement = loads.displacements:max()
   self.solve_error = worst.max_principal > 0 and loads.solve_errors[self.region] / worst.max_principal or 0
   self.reports.solver = self.system.report
-  if self.material.strength then
+  if has_strength(self.material) then
     self.strength = self.material.strength
     self.utilisation = loads.utilisations:max()
   end
@@ -383,6 +391,8 @@ function worst_case:__tostring()
   end
   local tail = self.utilisation and shown.percent(self.utilisation) .. " of the strength"
     or "the strength is not known"
+  local used_at = self.material.parts and self.regions[self.region].utilised_at
+  if used_at then tail = ("%s of the material at %s"):format(tail, core.point(used_at)) end
   if self.upper_bound then
     tail = ("%s; at most %s on this mesh%s"):format(tail, core.quantity(self.upper_bound, "Pa"),
       self.bounded and " " .. self.bounded or "")

@@ -79,7 +79,7 @@ function bw.worst_case(part, options) end
 ---@field max_principal number (Pa) magnitude of the largest principal stress of an element
 ---@field at bw.Vector (m) centre of that element
 ---@field element integer (index from 1) that element
----@field region integer (index from 1) of `regions`: the one whose load causes it
+---@field region integer (index from 1) of `regions`: the one whose load causes it. By stress over strength where strengths are known, each element's by its own material, else by stress
 ---@field origin "mode"|"element"|"ascent"|"bound"|"patch" what the worst load was found from: a weak region of a mode, an element of the screening, an ascent, the search of the upper bound, a patch of the boundary
 ---@field upper_bound number? (Pa) with `certify`: no load within the limits stresses any element of this mesh more
 ---@field bounded string? with `certify`: where the bound is not for exactly the loads that were asked for, for which

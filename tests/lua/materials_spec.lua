@@ -187,4 +187,24 @@ describe("materials by region", function()
     check.raises("did you mean 'low'", static.interface_traction, static, "lov", "high")
     check.raises("two different regions expected", static.interface_traction, static, "low", "low")
   end)
+
+  it("rank worst loads by stress over the strength of each", function()
+    local mesh = bar(1, 1)
+    local function worst_of(strength)
+      local other = bw.material.isotropic {young = 1e9, density = 1000, strength = strength}
+      local part = bw.model {mesh = mesh, materials = {low = soft, high = other}}
+      return assert(bw.worst_case(part, {modes = 6, force = 100, pressure = 1e5}))
+    end
+    local worst = worst_of(1e3)
+    local best = 0
+    for _, region in ipairs(worst.regions) do best = math.max(best, region.utilisation) end
+    assert.equal(best, worst.utilisation)
+    local found = worst.regions[worst.region]
+    assert.equal(best, found.utilisation)
+    assert.is_true(found.utilised_at[1] > 1)
+    check.near(worst_of(1e6).utilisation * 1e6, worst_of(nil).max_principal, 1e-12)
+    assert.matches(" of the strength of the material at %(", tostring(worst))
+    assert.is_nil(worst_of(nil).utilisation)
+    assert.matches("the strength is not known", tostring(worst_of(nil)))
+  end)
 end)
