@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Static solutions and modes of models whose bodies are joined. */
+/* Static solutions and modes of models with bonds, attached masses and springs. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -28,6 +28,31 @@ static void clear_equations(equations *q) {
   bw_free(q->stiffness);
 }
 
+/* Adds masses (block 1) or springs (9) to a matrix. The nodes of a facet are those of an element:
+ * the pattern has their blocks. */
+static void add_attachments(const bw_model *model, const bw_block_pattern *pattern, int block,
+                            double *values) {
+  for (int a = 0; a < model->attachment_count; a++) {
+    const bw_attachment *attachment = &model->attachment[a];
+    int32_t parts = bwi_attachment_parts(attachment);
+    for (int32_t p = 0; p < parts; p++) {
+      const int32_t *node;
+      double share[36];
+      int count = bwi_attachment_part(attachment, p, &node, share);
+      for (int i = 0; i < count; i++)
+        for (int64_t b = pattern->start[node[i]]; b < pattern->start[node[i] + 1]; b++)
+          for (int j = 0; j < count; j++) {
+            if (pattern->column[b] != node[j])
+              continue;
+            if (block == 1)
+              values[b] += attachment->mass * share[count * i + j];
+            for (int k = 0; block == 9 && k < 3; k++)
+              values[9 * b + 4 * k] += attachment->stiffness[k] * share[count * i + j];
+          }
+    }
+  }
+}
+
 static bw_status operator_of(bw_context *context, const equations *q, const double *values,
                              int block, const char *name, bw_operator **out) {
   bw_sparse_matrix *matrix = NULL;
@@ -51,6 +76,7 @@ static bw_status open_equations(bw_context *context, const bw_model *model, equa
   q->stiffness = BW_NEW(context, double, 9 * q->pattern->block_count);
   BW_TRY_MEMORY(q->stiffness);
   BW_TRY(bw_stiffness(context, q->pattern, model->mesh, model->material, q->stiffness));
+  add_attachments(model, q->pattern, 9, q->stiffness);
   BW_TRY(operator_of(context, q, q->stiffness, 9, "stiffness of the joined bodies", &q->k));
 done:
   return status;
@@ -60,10 +86,12 @@ done:
 
 static bw_status fail_free(bw_context *context, const equations *q) {
   const double *centre = q->reduction.dof_map->body_centre + 3 * (int64_t)q->rigid_body;
-  bw_fail(context, BW_UNCONSTRAINED,
-          "supports and bonds leave %d rigid-body mode%s unconstrained, in which the body around "
-          "(%g, %g, %g) m moves: add supports or bonds; inertia relief is for models without bonds",
-          q->rigid_count, q->rigid_count == 1 ? "" : "s", centre[0], centre[1], centre[2]);
+  bw_fail(
+      context, BW_UNCONSTRAINED,
+      "supports, bonds and springs leave %d rigid-body mode%s unconstrained, in which the body "
+      "around (%g, %g, %g) m moves: add supports, bonds or springs; inertia relief is for models "
+      "without bonds and attachments",
+      q->rigid_count, q->rigid_count == 1 ? "" : "s", centre[0], centre[1], centre[2]);
   bw_detail_number(context, "motions", q->rigid_count);
   return BW_UNCONSTRAINED;
 }
@@ -74,7 +102,7 @@ static bw_status sum_bonds(bw_context *context, const bwi_reduction *r, bw_stati
   const double *force = result->reaction;
   if (model->bond_count == 0)
     return BW_OK;
-  bw_bond_force *bonds = result->bond = BW_NEW0(context, bw_bond_force, model->bond_count);
+  bw_joint_force *bonds = result->bond = BW_NEW0(context, bw_joint_force, model->bond_count);
   if (!bonds)
     return BW_MEMORY;
   result->bond_count = model->bond_count;
@@ -101,6 +129,51 @@ static bw_status sum_bonds(bw_context *context, const bwi_reduction *r, bw_stati
         bonds[b].moment[c] += m[c];
       }
     }
+  }
+  return BW_OK;
+}
+
+typedef struct sums {
+  const bw_mesh *mesh;
+  const double *displacement;
+  double work;
+  bw_joint_force *of;
+} sums;
+
+static void add_to_sums(void *data, int32_t node, const double force[3]) {
+  sums *s = data;
+  double moment[3];
+  bw_cross(s->mesh->node + 3 * (int64_t)node, force, moment);
+  s->work += bw_dot(force, s->displacement + 3 * (int64_t)node);
+  for (int c = 0; c < 3; c++) {
+    s->of->force[c] += force[c];
+    s->of->moment[c] += moment[c];
+  }
+}
+
+/* What attachments exert on the body. The energy of springs is no strain energy. */
+static bw_status sum_attachments(bw_context *context, bw_static *result) {
+  const bw_model *model = result->model;
+  double gravity[3] = {0};
+  if (model->attachment_count == 0)
+    return BW_OK;
+  result->attachment = BW_NEW0(context, bw_joint_force, model->attachment_count);
+  if (!result->attachment)
+    return BW_MEMORY;
+  result->attachment_count = model->attachment_count;
+  for (int i = 0; i < model->load_count; i++)
+    for (int c = 0; c < 3 && model->load[i].kind == BW_LOAD_GRAVITY; c++)
+      gravity[c] += model->load[i].vector[c];
+  for (int a = 0; a < model->attachment_count; a++) {
+    const bw_attachment *at = &model->attachment[a];
+    sums s = {model->mesh, result->displacement, 0, &result->attachment[a]};
+    double factor[3];
+    for (int c = 0; c < 3; c++)
+      factor[c] = at->mass > 0 ? at->mass : -at->stiffness[c];
+    bwi_attachment_apply(at, factor, at->mass > 0 ? NULL : result->displacement, gravity,
+                         add_to_sums, &s);
+    if (!(at->mass > 0))
+      result->energy += 0.5 * s.work;
   }
   return BW_OK;
 }
@@ -136,6 +209,7 @@ static bw_status solve(bw_context *context, const equations *q, const bw_solver 
     result->reaction[i] -= result->force[i];
   }
   BW_TRY(sum_bonds(context, r, result));
+  BW_TRY(sum_attachments(context, result));
   bwi_reduction_move(r, result->reaction);
   bwi_keep_states(r->dof_map, 1u << BW_DOF_PRESCRIBED, result->reaction);
 done:
@@ -208,6 +282,17 @@ done:
   return status;
 }
 
+/* Modes without a density are those of density 1, to which no mass in kg can be added. */
+static bw_status check_density(bw_context *context, const bw_model *model) {
+  for (int a = 0; a < model->attachment_count; a++)
+    if (model->attachment[a].mass > 0 && !(model->material->density > 0))
+      return bw_fail(context, BW_INVALID,
+                     "modes with attached masses need the density of the material \"%s\", which is "
+                     "not given",
+                     model->material->name);
+  return BW_OK;
+}
+
 bw_status bw_joined_modes(bw_context *context, const bw_model *model, const bw_modes_options *given,
                           bw_modes **modes) {
   bw_status status = BW_OK;
@@ -217,10 +302,12 @@ bw_status bw_joined_modes(bw_context *context, const bw_model *model, const bw_m
   bw_eigenpairs *pairs = NULL;
   double *mass = NULL;
   BW_TRY(bwi_modes_options_check(context, given, &options));
+  BW_TRY(check_density(context, model));
   BW_TRY(open_equations(context, model, &q));
   mass = BW_NEW(context, double, q.pattern->block_count);
   BW_TRY_MEMORY(mass);
   BW_TRY(bw_mass(context, q.pattern, model->mesh, model->material, mass));
+  add_attachments(model, q.pattern, 1, mass);
   BW_TRY(operator_of(context, &q, mass, 1, "mass of the joined bodies", &m));
   bw_eigen_solve_options how;
   bw_eigen_solve_options_default(&how);

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The rigid-body modes of bodies that bonds join: the motions of the single bodies, six for each,
- * that agree with the supports, and with each other at the nodes of bonds. */
+ * that agree with the supports, leave springs alone, and agree at the nodes of bonds. */
 #include <math.h>
 #include <string.h>
 
@@ -11,13 +11,16 @@
 static const double free_square = 1e-10;
 enum { SWEEPS = 60 };
 
-bw_status bwi_refuse_bonds(bw_context *context, const bw_model *model) {
-  if (model->bond_count == 0)
+bw_status bwi_refuse_joints(bw_context *context, const bw_model *model) {
+  if (!bw_model_joined(model))
     return BW_OK;
-  return bw_fail(context, BW_UNSUPPORTED,
-                 "the model has %d bond%s: it gives static solutions and modes, but not what needs "
-                 "its equations otherwise; join the bodies in one mesh for that",
-                 model->bond_count, model->bond_count == 1 ? "" : "s");
+  return bw_fail(
+      context, BW_UNSUPPORTED,
+      "the model has %d bond%s and %d attachment%s: it gives static solutions and modes, "
+      "but not what needs its equations otherwise; join the bodies in one mesh, and "
+      "leave masses and springs out for that",
+      model->bond_count, model->bond_count == 1 ? "" : "s", model->attachment_count,
+      model->attachment_count == 1 ? "" : "s");
 }
 
 typedef struct motions {
@@ -59,6 +62,25 @@ static void take_supports(const motions *m, int32_t count, const bwi_constraint 
     }
 }
 
+/* A spring leaves alone what does not move its nodes along it. */
+static void take_spring(const motions *m, const bw_attachment *spring) {
+  const bw_mesh *mesh = m->dof_map->mesh;
+  int32_t parts = bwi_attachment_parts(spring);
+  for (int32_t p = 0; p < parts; p++) {
+    const int32_t *node;
+    double share[36];
+    int count = bwi_attachment_part(spring, p, &node, share);
+    for (int i = 0; i < count; i++)
+      for (int k = 0; k < 3; k++) {
+        const double d[3] = {k == 0, k == 1, k == 2};
+        if (spring->stiffness[k] == 0)
+          continue;
+        add_motion(m, mesh->component[node[i]], mesh->node + 3 * (int64_t)node[i], d, 1, m->row);
+        take_row(m);
+      }
+  }
+}
+
 static void take_bond(const motions *m, const bw_bond *bond) {
   const bw_mesh *mesh = m->dof_map->mesh;
   const bw_sparse_matrix *f = bond->follows;
@@ -90,6 +112,8 @@ bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
   take_supports(&m, constrained, constraint);
   for (int i = 0; i < model->bond_count; i++)
     take_bond(&m, &model->bond[i]);
+  for (int i = 0; i < model->attachment_count; i++)
+    take_spring(&m, &model->attachment[i]);
   bwi_symmetric_eigen(m.count, m.count, m.square, vector, 1e-28, SWEEPS);
   for (int64_t i = 0; i < n; i++)
     largest = fmax(largest, m.square[i * n + i]);

@@ -215,7 +215,24 @@ static void describe_bond(bwi_text *out, const bw_bond *bond, int number, double
   bwi_text_add(out, "\n");
 }
 
-/* The same of bodies that bonds join. */
+static void describe_attachment(bwi_text *out, const bw_attachment *attachment, int number,
+                                double size) {
+  bwi_text_add(out, "attachment ");
+  bwi_text_integer(out, number);
+  if (attachment->mass > 0) {
+    bwi_text_add(out, ": mass ");
+    bwi_text_number(out, attachment->mass, 5, 0);
+    bwi_text_add(out, " kg; ");
+  } else {
+    bwi_text_add(out, ": spring ");
+    bwi_text_vector(out, attachment->stiffness, 5, 0);
+    bwi_text_add(out, " N/m; ");
+  }
+  describe_selection(out, attachment->on, size);
+  bwi_text_add(out, "\n");
+}
+
+/* The same of bodies with bonds and springs. */
 static bw_status describe_bonded(bw_context *context, bwi_text *out, const bw_model *model,
                                  const bw_dof_map *dof_map) {
   int count;
@@ -228,7 +245,7 @@ static bw_status describe_bonded(bw_context *context, bwi_text *out, const bw_mo
   else {
     bwi_text_integer(out, count);
     bwi_text_add(out, count == 1 ? " rigid-body mode" : " rigid-body modes");
-    bwi_text_add(out, " of the bonded bodies unconstrained\n");
+    bwi_text_add(out, " of the joined bodies unconstrained\n");
   }
   return BW_OK;
 }
@@ -247,7 +264,7 @@ static bw_status describe_free(bw_context *context, bwi_text *out, const bw_mode
   }
   if (status != BW_OK)
     goto done;
-  if (model->bond_count > 0) {
+  if (bw_model_joined(model)) {
     BW_TRY(describe_bonded(context, out, model, dof_map));
     goto done;
   }
@@ -297,6 +314,8 @@ bw_status bw_model_describe(bw_context *context, const bw_model *model, char **t
   }
   for (int i = 0; i < model->bond_count; i++)
     describe_bond(&out, &model->bond[i], i + 1, size);
+  for (int i = 0; i < model->attachment_count; i++)
+    describe_attachment(&out, &model->attachment[i], i + 1, size);
   bw_status status = describe_free(context, &out, model);
   if (status == BW_OK && out.failed)
     status = BW_MEMORY;

@@ -42,14 +42,28 @@ bw_status bwi_node_constraints(bw_context *context, const bw_model *model, int32
 bw_status bwi_bond_make(bw_context *context, const bw_selection *a, const bw_selection *b,
                         double gap, bw_bond *bond);
 void bwi_bond_clear(bw_bond *bond);
-/* Where a model has bonds: BW_UNSUPPORTED. */
-bw_status bwi_refuse_bonds(bw_context *context, const bw_model *model);
-/* The DOF map of a model as if it had no bonds: its bodies may be free one by one. */
+/* Where a model has bonds or attachments: BW_UNSUPPORTED. */
+bw_status bwi_refuse_joints(bw_context *context, const bw_model *model);
+/* The DOF map of a model as if it had no bonds and springs: its bodies may be free one by one. */
 bw_status bwi_dof_map_apart(bw_context *context, const bw_model *model, bw_dof_map **dof_map);
-/* The rigid-body modes of bodies that bonds join: how many the supports leave, and the body that
- * moves most in one of them (-1 without). A gap does not count. */
+/* The rigid-body modes of bodies that bonds join: how many supports and springs leave, and the body
+ * that moves most in one of them (-1 without). A gap does not count. */
 bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
                                  const bw_dof_map *dof_map, int *count, int32_t *body);
+
+/* ---- attachment.c ---------------------------------------------------------------------------- */
+
+/* An attachment is the sum of these parts. */
+int32_t bwi_attachment_parts(const bw_attachment *attachment);
+/* The nodes of a part, and what they share (count x count, of the whole). */
+int bwi_attachment_part(const bw_attachment *attachment, int32_t part, const int32_t **node,
+                        double share[36]);
+typedef void bwi_add_force(void *data, int32_t node, const double force[3]);
+/* Calls `add` with forces at nodes: factor, by component, times the attachment's shares of a field
+ * (node_count x 3), or where that is NULL of a constant one. */
+void bwi_attachment_apply(const bw_attachment *attachment, const double factor[3],
+                          const double *field, const double constant[3], bwi_add_force *add,
+                          void *data);
 
 /* ---- moments.c, rigid.c, rigid_modes.c ----------------------------------------------------- */
 

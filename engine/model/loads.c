@@ -106,10 +106,8 @@ static void facet_force(const bw_mesh *mesh, const surface_load *load, int32_t f
 
 /* Calls `add` with the part of a load at every node, facet by facet or element by element. Of the
  * elements marked in `only` alone, unless it is NULL. */
-typedef void add_force(void *data, int32_t node, const double force[3]);
-
 static bw_status spread(bw_context *context, const bw_model *model, const bw_load *load,
-                        const uint8_t *only, add_force *add, void *data) {
+                        const uint8_t *only, bwi_add_force *add, void *data) {
   const bw_mesh *mesh = model->mesh;
   bw_status status = BW_OK;
   switch (load->kind) {
@@ -129,6 +127,12 @@ static bw_status spread(bw_context *context, const bw_model *model, const bw_loa
         double force[3] = {mass * load->vector[0], mass * load->vector[1], mass * load->vector[2]};
         add(data, node[a], force);
       }
+    }
+    for (int i = 0; i < model->attachment_count && !only; i++) {
+      const bw_attachment *at = &model->attachment[i];
+      if (at->mass > 0)
+        bwi_attachment_apply(at, (double[3]){at->mass, at->mass, at->mass}, NULL, load->vector, add,
+                             data);
     }
     break;
   case BW_LOAD_NODAL:

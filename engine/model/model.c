@@ -24,9 +24,12 @@ static void model_destroy(void *object) {
     clear_support(&model->support[i]);
   for (int i = 0; i < model->bond_count; i++)
     bwi_bond_clear(&model->bond[i]);
+  for (int i = 0; i < model->attachment_count; i++)
+    bw_release(model->attachment[i].on);
   bw_free(model->load);
   bw_free(model->support);
   bw_free(model->bond);
+  bw_free(model->attachment);
   bw_release(model->mesh);
   bw_release(model->material);
   bw_free(model);
@@ -36,7 +39,8 @@ static size_t model_bytes(const void *object) {
   const bw_model *model = (const bw_model *)object;
   return sizeof *model + (size_t)model->load_count * sizeof *model->load +
          (size_t)model->support_count * sizeof *model->support +
-         (size_t)model->bond_count * sizeof *model->bond;
+         (size_t)model->bond_count * sizeof *model->bond +
+         (size_t)model->attachment_count * sizeof *model->attachment;
 }
 
 static const bw_kind model_kind = {"model", model_destroy, model_bytes};
@@ -304,6 +308,77 @@ void bw_model_clear_bonds(bw_model *model) {
   if (model->bond_count > 0)
     model->object.revision++;
   model->bond_count = 0;
+}
+
+/* ---- attachments ----------------------------------------------------------------------------- */
+
+/* Gravity acts on attached masses. */
+static bw_status measure_gravity(bw_context *context, bw_model *model) {
+  bw_status status = BW_OK;
+  for (int i = 0; i < model->load_count && status == BW_OK; i++)
+    if (model->load[i].kind == BW_LOAD_GRAVITY)
+      status = bwi_load_measure(context, model, &model->load[i]);
+  return status;
+}
+
+static bw_status attach(bw_context *context, bw_model *model, const bw_selection *on, double mass,
+                        const double stiffness[3], const char *what) {
+  bw_status status;
+  BW_TRY(check_selection(context, model, on, true, what));
+  double area = bw_selection_area(on);
+  if (on->facet_count > 0 && !(area > 0))
+    return bw_fail(context, BW_GEOMETRY, "the %d facets that %s is attached to have no area",
+                   on->facet_count, what);
+  bw_attachment *list = (bw_attachment *)bw_resize(
+      context, model->attachment, (size_t)model->attachment_count + 1, sizeof *model->attachment);
+  BW_TRY_MEMORY(list);
+  model->attachment = list;
+  list[model->attachment_count] =
+      (bw_attachment){.on = (const bw_selection *)bw_retain(on),
+                      .mass = mass,
+                      .stiffness = {stiffness[0], stiffness[1], stiffness[2]},
+                      .area = area};
+  model->attachment_count++;
+  model->object.revision++;
+  status = measure_gravity(context, model);
+  if (status != BW_OK)
+    bw_release(list[--model->attachment_count].on);
+done:
+  return status;
+}
+
+bw_status bw_model_attach_mass(bw_context *context, bw_model *model, const bw_selection *on,
+                               double mass) {
+  const double none[3] = {0, 0, 0};
+  if (!(mass > 0) || !isfinite(mass))
+    return bw_fail(context, BW_INVALID, "the attached mass is %g kg; it must be positive", mass);
+  return attach(context, model, on, mass, none, "a mass");
+}
+
+bw_status bw_model_attach_spring(bw_context *context, bw_model *model, const bw_selection *on,
+                                 const double stiffness[3]) {
+  bw_status status;
+  BW_TRY(check_finite(context, "spring's stiffness", stiffness));
+  for (int k = 0; k < 3; k++)
+    if (stiffness[k] < 0)
+      return bw_fail(context, BW_INVALID,
+                     "component %d of the spring's stiffness is %g N/m; it must be 0 or more",
+                     k + 1, stiffness[k]);
+  if (bw_norm(stiffness) == 0)
+    return bw_fail(context, BW_INVALID,
+                   "a spring has no stiffness: give x, y or z more than 0 N/m");
+  BW_TRY(attach(context, model, on, 0, stiffness, "a spring"));
+done:
+  return status;
+}
+
+bw_status bw_model_clear_attachments(bw_context *context, bw_model *model) {
+  for (int i = 0; i < model->attachment_count; i++)
+    bw_release(model->attachment[i].on);
+  if (model->attachment_count > 0)
+    model->object.revision++;
+  model->attachment_count = 0;
+  return measure_gravity(context, model);
 }
 
 /* ---- loads ----------------------------------------------------------------------------------- */

@@ -20,6 +20,20 @@ static const bw_selection *check_selection(lua_State *L, int argument) {
   return (const bw_selection *)lbw_check(L, argument, &lbw_selection_class);
 }
 
+static bool option_present(lua_State *L, const char *key) {
+  bool present = lbw_option_get(L, 2, key) != LUA_TNIL;
+  lua_pop(L, 1);
+  return present;
+}
+
+static const bw_selection *selection_option(lua_State *L, const char *function, const char *key) {
+  lbw_option_get(L, 2, key);
+  const bw_selection *on = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
+  if (!on)
+    lbw_option_refused(L, function, key, "an open selection");
+  return on; /* the table of options keeps it */
+}
+
 static const char *const formulations[] = {"standard", "b_bar", NULL};
 
 /* model{mesh, material or materials, formulation} */
@@ -103,14 +117,6 @@ static int model_clear_supports(lua_State *L) {
 
 /* ---- bonds ----------------------------------------------------------------------------------- */
 
-static const bw_selection *side_option(lua_State *L, const char *key) {
-  lbw_option_get(L, 2, key);
-  const bw_selection *on = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
-  if (!on)
-    lbw_option_refused(L, "bond", key, "an open selection");
-  return on; /* the table of options keeps it */
-}
-
 /* model:bond{a = selection, b = selection, gap = } */
 static int model_bond(lua_State *L) {
   double gap = -1;
@@ -122,7 +128,7 @@ static int model_bond(lua_State *L) {
   lbw_options(L, 2, "bond", list, &gap);
   if (lbw_option_get(L, 2, "gap") != LUA_TNIL && gap < 0)
     return lbw_error(L, "bond: option 'gap': 0 or more expected");
-  const bw_selection *a = side_option(L, "a"), *b = side_option(L, "b");
+  const bw_selection *a = selection_option(L, "bond", "a"), *b = selection_option(L, "bond", "b");
   return leave_self(L, bw_model_bond(lbw_enter(L), model, a, b, gap));
 }
 
@@ -130,6 +136,35 @@ static int model_clear_bonds(lua_State *L) {
   bw_model_clear_bonds(self(L));
   lua_settop(L, 1);
   return 1;
+}
+
+/* ---- attachments ----------------------------------------------------------------------------- */
+
+/* model:attach{on = selection, mass = } or model:attach{on = selection, spring = {x, y, z}} */
+static int model_attach(lua_State *L) {
+  struct attach {
+    double mass, spring[3];
+  } attach = {0};
+  static const lbw_option list[] = {{"on", LBW_OTHER, 0},
+                                    {"mass", LBW_REAL, offsetof(struct attach, mass)},
+                                    {"spring", LBW_VECTOR, offsetof(struct attach, spring)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_model *model = self(L);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  lbw_options(L, 2, "attach", list, &attach);
+  bool mass = option_present(L, "mass");
+  if (mass == option_present(L, "spring"))
+    return lbw_error(L, "attach: one of the options 'mass' and 'spring' expected");
+  const bw_selection *on = selection_option(L, "attach", "on");
+  bw_context *context = lbw_enter(L);
+  return leave_self(L, mass ? bw_model_attach_mass(context, model, on, attach.mass)
+                            : bw_model_attach_spring(context, model, on, attach.spring));
+}
+
+static int model_clear_attachments(lua_State *L) {
+  bw_model *model = self(L);
+  return leave_self(L, bw_model_clear_attachments(lbw_enter(L), model));
 }
 
 /* ---- loads ----------------------------------------------------------------------------------- */
@@ -151,12 +186,6 @@ enum load_bit {
   ABOUT = 32,
   NET_FORCE = 64
 };
-
-static bool option_present(lua_State *L, const char *key) {
-  bool present = lbw_option_get(L, 2, key) != LUA_TNIL;
-  lua_pop(L, 1);
-  return present;
-}
 
 /* model:load{on = selection, force = | traction = | pressure = | torque =, about =,
  * net_force = } or model:load{nodal = array} */
@@ -390,8 +419,8 @@ static int model_solve(lua_State *L) {
   bw_static *result = NULL;
   const bw_model *of = (const bw_model *)model->object;
   bw_context *context = lbw_enter(L);
-  bw_status status = of->bond_count > 0 ? bw_joined_statics(context, of, &options, &result)
-                                        : bw_statics(context, of, given, &options, &result);
+  bw_status status = bw_model_joined(of) ? bw_joined_statics(context, of, &options, &result)
+                                         : bw_statics(context, of, given, &options, &result);
   if (status == BW_OK && result->system && result->system != model->extra) {
     bw_release(model->extra);
     model->extra = bw_retain(result->system);
@@ -443,7 +472,7 @@ static int model_modes(lua_State *L) {
     if (status == BW_OK)
       status = bw_modes_laplacian(context, of->mesh, pattern, &opts.options, &modes);
     bw_release(pattern);
-  } else if (of->bond_count > 0)
+  } else if (bw_model_joined(of))
     status = bw_joined_modes(context, of, &opts.options, &modes);
   else {
     status = bw_modes_of_model(context, of, given, &opts.options, &system, &modes);
@@ -571,6 +600,28 @@ static int model_bonds(lua_State *L) {
   return 1;
 }
 
+static int model_attachments(lua_State *L) {
+  const bw_model *model = self(L);
+  lua_createtable(L, model->attachment_count, 0);
+  for (int i = 0; i < model->attachment_count; i++) {
+    const bw_attachment *attachment = &model->attachment[i];
+    lua_createtable(L, 0, 3);
+    lbw_push(L, &lbw_selection_class, attachment->on);
+    lua_setfield(L, -2, "on");
+    lua_pushnumber(L, attachment->area);
+    lua_setfield(L, -2, "area");
+    if (attachment->mass > 0) {
+      lua_pushnumber(L, attachment->mass);
+      lua_setfield(L, -2, "mass");
+    } else {
+      lbw_push_vector(L, attachment->stiffness);
+      lua_setfield(L, -2, "spring");
+    }
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
 static int model_tostring(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   lbw_state *state = lbw_state_of(L);
@@ -610,6 +661,8 @@ static const luaL_Reg methods[] = {{"fix", model_fix},
                                    {"clear_supports", model_clear_supports},
                                    {"bond", model_bond},
                                    {"clear_bonds", model_clear_bonds},
+                                   {"attach", model_attach},
+                                   {"clear_attachments", model_clear_attachments},
                                    {"gravity", model_gravity},
                                    {"load", model_load},
                                    {"temperature", model_temperature},
@@ -628,6 +681,7 @@ static const luaL_Reg properties[] = {{"mesh", model_mesh},
                                       {"loads", model_loads},
                                       {"supports", model_supports},
                                       {"bonds", model_bonds},
+                                      {"attachments", model_attachments},
                                       {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", model_tostring}, {NULL, NULL}};
 const lbw_class lbw_model_class = {"model", methods, properties, meta, NULL};

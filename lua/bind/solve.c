@@ -197,19 +197,27 @@ static int static_residual(lua_State *L) {
   return 1;
 }
 
-/* What the bonds transmit. */
-static int static_bonds(lua_State *L) {
-  const bw_static *result = self(L);
-  lua_createtable(L, result->bond_count, 0);
-  for (int i = 0; i < result->bond_count; i++) {
+static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of) {
+  lua_createtable(L, count, 0);
+  for (int i = 0; i < count; i++) {
     lua_createtable(L, 0, 2);
-    lbw_push_vector(L, result->bond[i].force);
+    lbw_push_vector(L, of[i].force);
     lua_setfield(L, -2, "force");
-    lbw_push_vector(L, result->bond[i].moment);
+    lbw_push_vector(L, of[i].moment);
     lua_setfield(L, -2, "moment");
     lua_rawseti(L, -2, i + 1);
   }
   return 1;
+}
+
+/* What the bonds transmit. */
+static int static_bonds(lua_State *L) {
+  return push_joint_forces(L, self(L)->bond_count, self(L)->bond);
+}
+
+/* What masses and springs exert. */
+static int static_attachments(lua_State *L) {
+  return push_joint_forces(L, self(L)->attachment_count, self(L)->attachment);
 }
 
 static int static_mesh(lua_State *L) {
@@ -353,6 +361,7 @@ static const luaL_Reg static_properties[] = {
     {"energy", static_energy},
     {"residual", static_residual},
     {"bonds", static_bonds},
+    {"attachments", static_attachments},
     {"locking", static_locking},
     {"mesh", static_mesh},
     {"material", static_material},

@@ -47,6 +47,7 @@ function bw.model(options) end
 ---@field loads bw.Load[] in the order in which they were added
 ---@field supports bw.Support[] in the order in which they were added
 ---@field bonds bw.Bond[] in the order in which they were added
+---@field attachments bw.Attachment[] in the order in which they were added
 local Model = {}
 
 ---A load of a model.
@@ -71,6 +72,13 @@ local Model = {}
 ---@field area number (m2) of side a that is bonded
 ---@field gap number (m) the largest one between what is bonded
 ---@field node_count integer (count) nodes of side a that follow
+
+---A mass or a spring of a model.
+---@class bw.Attachment
+---@field on bw.Selection what it is attached to
+---@field area number (m2) that it is spread over; 0 at single nodes
+---@field mass? number (kg) in all; nil of a spring
+---@field spring? bw.Vector (N/m) stiffness in all, along x, y and z; nil of a mass
 
 ---Fixes a selection in all directions. A selection without a facet raises, unless it is a node set. A warning states where it
 ---misses more than a tenth of a face along its border.
@@ -112,6 +120,37 @@ function Model:bond(options) end
 ---Removes all bonds.
 ---@return bw.Model self
 function Model:clear_bonds() end
+
+---Attaches a mass, or springs to the ground, to a selection: exactly one of them. It is spread evenly over the area, or over the
+---nodes of a node set without a facet. Gravity acts on a mass, and modes move it; it does not stiffen the body. Springs restrain
+---rigid-body modes as supports do. A model with attachments gives static solutions and modes. What needs its equations otherwise
+---is refused. A selection without a facet raises, unless it is a node set.
+---```lua
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:attach {on = mesh.boundary:below("x", 0), spring = {1e6, 1e6, 1e6}}
+---part:attach {on = mesh.boundary:above("x", 0.1), mass = 0.05}
+---print(assert(part:modes {count = 3}).frequencies)
+---```
+---
+---Errors: geometry (facets without area).
+---
+---Source: docs/theory/joints.md.
+---@param options bw.AttachOptions the mass or the springs
+---@return bw.Model? self the model
+---@return string? message
+---@return bw.Details? details
+function Model:attach(options) end
+
+---A mass or springs.
+---@class bw.AttachOptions
+---@field on bw.Selection what it is attached to
+---@field mass? number (kg) in all, more than 0
+---@field spring? bw.Vector (N/m) stiffness in all, along x, y and z, each 0 or more, not all 0
+
+---Removes all masses and springs.
+---@return bw.Model self
+function Model:clear_attachments() end
 
 ---Removes all supports.
 ---@return bw.Model self

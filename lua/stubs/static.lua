@@ -30,7 +30,8 @@
 ---@field element_max_principal bw.Array (Pa, element_count × 1, per element) of `element_stress`
 ---@field element_energy bw.Array (J, element_count × 1, per element) strain energy
 ---@field utilisation bw.Array (-, element_count × 1, per element) stress over strength of `element_stress`, see `material:utilisation`
----@field bonds bw.BondForce[] what each bond of the model transmits
+---@field bonds bw.JointForce[] what each bond of the model transmits
+---@field attachments bw.JointForce[] what each attachment of the model exerts on the body: the force of a spring, the weight of a mass
 ---@field energy number (J) strain energy
 ---@field residual number (-) |K u - f| / |f|
 ---@field locking string? a warning of volumetric locking, see `bw.Model`; nil where none is expected
@@ -41,10 +42,10 @@
 ---@field reused bw.Reuse? in an edit session: what was reused; nil elsewhere
 local Static = {}
 
----What a bond transmits.
----@class bw.BondForce
----@field force bw.Vector (N) on side a; side b has the opposite one
----@field moment bw.Vector (N m) the same about the origin
+---What a bond transmits to its side a (side b has the opposite), or an attachment to the body.
+---@class bw.JointForce
+---@field force bw.Vector (N) its resultant
+---@field moment bw.Vector (N m) its moment about the origin
 
 ---What the parts of a solution took.
 ---@class bw.SolveTimes

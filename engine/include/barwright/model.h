@@ -137,17 +137,31 @@ typedef struct bw_bond {
                                       all nodes; each row sums to 1 */
 } bw_bond;
 
-/* A mesh with material, supports, loads and bonds. Mutable: its object's revision grows with every
- * one added, and when its material is turned. */
+/* A mass, or a spring to the ground, of a selection: spread evenly over its area, or without facets
+ * over its nodes. */
+typedef struct bw_attachment {
+  const bw_selection *on; /* retained */
+  double mass;            /* (kg) in all; 0 for a spring */
+  double stiffness[3];    /* (N/m) in all, along x, y and z; 0 for a mass */
+  double area;            /* (m2) of the selection */
+} bw_attachment;
+
+/* A mesh with material, supports, loads, bonds and attachments. Mutable: its object's revision
+ * grows with every one added, and when its material is turned. */
 typedef struct bw_model {
   bw_object object;
   const bw_mesh *mesh;         /* retained */
   const bw_material *material; /* retained */
-  int load_count, support_count, bond_count;
-  bw_load *load;       /* load_count loads */
-  bw_support *support; /* support_count supports */
-  bw_bond *bond;       /* bond_count bonds */
+  int load_count, support_count, bond_count, attachment_count;
+  bw_load *load;             /* load_count loads */
+  bw_support *support;       /* support_count supports */
+  bw_bond *bond;             /* bond_count bonds */
+  bw_attachment *attachment; /* attachment_count masses and springs */
 } bw_model;
+/* Whether it has bonds or attachments: only the functions of joint.h know its equations. */
+static inline bool bw_model_joined(const bw_model *model) {
+  return model->bond_count > 0 || model->attachment_count > 0;
+}
 
 /* The material of a mesh with regions, part (mesh->region_count) for each of them in order. One
  * material for all where the parts are one. BW_INVALID for a mesh without regions, and for a region
@@ -224,6 +238,20 @@ BW_API bw_status bw_model_bond(bw_context *context, bw_model *model, const bw_se
                                const bw_selection *b, double gap);
 /* Removes all bonds. */
 BW_API void bw_model_clear_bonds(bw_model *model);
+/* Attaches a mass (kg), spread evenly over the area of a selection, or of a node set without facets
+ * over its nodes. It has no stiffness. Gravity acts on it, and modes move it. BW_EMPTY as for
+ * supports, BW_INVALID for a mass that is not positive, BW_GEOMETRY for facets without area.
+ * joint.h has static solutions and modes of such a model; other functions refuse one where they
+ * need its equations. */
+BW_API bw_status bw_model_attach_mass(bw_context *context, bw_model *model, const bw_selection *on,
+                                      double mass);
+/* Attaches springs to the ground in the same way: stiffness (N/m) in all, along x, y and z, 0 or
+ * more. BW_INVALID where one is negative or all are 0, BW_EMPTY as for supports, BW_GEOMETRY for
+ * facets without area. */
+BW_API bw_status bw_model_attach_spring(bw_context *context, bw_model *model,
+                                        const bw_selection *on, const double stiffness[3]);
+/* Removes all masses and springs. */
+BW_API bw_status bw_model_clear_attachments(bw_context *context, bw_model *model);
 /* A place where stresses, or fluxes of heat, are recovered: a node, as one of the materials around
  * it sees it. */
 typedef struct bw_stress_point {

@@ -8,11 +8,11 @@
 extern "C" {
 #endif
 
-/* What a bond transmits. */
-typedef struct bw_bond_force {
-  double force[3];  /* (N) on side a; side b has the opposite one */
-  double moment[3]; /* (N m) the same about the origin */
-} bw_bond_force;
+/* What a bond transmits to its side a (side b has the opposite), or an attachment to the body. */
+typedef struct bw_joint_force {
+  double force[3];  /* (N) */
+  double moment[3]; /* (N m) about the origin */
+} bw_joint_force;
 
 /* A static solution. */
 typedef struct bw_static {
@@ -24,7 +24,10 @@ typedef struct bw_static {
   double *reaction;                    /* (N, node_count x 3) K u - f at prescribed components, 0
                                           elsewhere */
   int bond_count;                      /* of the model's bonds */
-  bw_bond_force *bond;                 /* bond_count, or NULL */
+  bw_joint_force *bond;                /* bond_count, or NULL */
+  int attachment_count;                /* of the model's masses and springs */
+  bw_joint_force *attachment;          /* attachment_count, or NULL: a spring's force, a mass's
+                                          weight (which `force` contains) */
   double energy;                       /* (J) strain energy */
   double residual;                     /* (-) |K u - f| at unknowns over |f| */
   struct bw_external_report *external; /* of an external solver, or NULL */

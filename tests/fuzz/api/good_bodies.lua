@@ -125,6 +125,10 @@ add {
   ["Model:bond"] = function(p, r)
     return {a = p.Selection, b = p:variant("bw.Selection", 2), gap = r:one_of {0, 1e-3}}
   end,
+  ["Model:attach"] = function(p, r)
+    local on = p:variant("bw.Selection", 2)
+    return r:one_of {{on = on, mass = 0.1}, {on = on, spring = {1e3, 0, 1e6}}}
+  end,
   ["Model:gravity"] = function() return {0, 0, -9.81} end,
   ["Model:load"] = function(p, r)
     local on = p:variant("bw.Selection", 2)
