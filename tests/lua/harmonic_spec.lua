@@ -130,3 +130,97 @@ describe("harmonic", function()
     assert.truthy(message:find("Add supports", 1, true))
   end)
 end)
+
+describe("barwright respond", function()
+  local path = folder .. "beam.msh"
+  setup(function()
+    assert(bw.mesh.box({max = {L, b, a}, cells = {10, 1, 1}, order = 2}):write(path))
+  end)
+
+  local function answer(words)
+    local status, out, err = check.run(("respond --json --young 200GPa --poisson 0.3 --density 7800 --fix min:x "
+      .. "--strength 500MPa --damping 0.01 --to %d %s %s"):format(math.ceil(2 * bending), words, path))
+    return status, status < 2 and bw.json.decode(out) or out, err
+  end
+
+  it("has the resonance of a cantilever: frequency, displacement, stress", function()
+    local status, object = answer "--force max:x=0,0,1"
+    assert.equal(0, status)
+    assert.equal("holds", object.verdict)
+    check.near(bending, object.frequency_hz, 0.02)
+    check.near(object.displacement_frequency_hz, object.frequency_hz, 0.01)
+    check.near(object.natural_frequencies_hz[1], object.frequency_hz, 0.01)
+    -- 1/(2 ratio) times the deflection F L^3/(3 E I), of which the first mode has 97 %
+    local I = b * a ^ 3 / 12
+    local expected = 0.97 * 50 * L ^ 3 / (3 * 200e9 * I)
+    check.near(expected, object.displacement_m, 0.03) -- a support that holds the width is 1 to 2 % stiffer
+    check.near(L, object.displacement_at_m[1], 1e-9)
+    -- curvature of the first mode at the support: 2 (1.8751/L)^2 times half of the deflection of the end
+    local stress = 200e9 * a / 2 * 1.8751 ^ 2 / L ^ 2 * object.displacement_m
+    check.near(stress, object.value, 0.15)
+    assert.is_true(object.counted and object.equations_error < 1e-8)
+    assert.is_true(object.estimated_error >= 0.5)
+  end)
+
+  it("judges by the strength, but not where the error or a singular stress leaves it open", function()
+    local _, object = answer "--force max:x=0,0,1"
+    local used = object.utilisation
+    for fraction, expected in pairs {[0.6] = "holds", [0.9] = "unsure", [100] = "unsure"} do
+      local status
+      status, object = answer(("--force max:x=0,0,%.17g"):format(fraction / used))
+      assert.equal(expected, object.verdict)
+      assert.equal(expected == "holds" and 0 or 1, status)
+    end
+    assert.is_true(object.singular) -- at the border of the support
+  end)
+
+  it("shakes the supports as gravity would", function()
+    local _, shaken = answer "--base 0,0,1g"
+    local response = assert(beam():harmonic {range = {0, math.ceil(2 * bending)}, base = {0, 0, 9.80665},
+      damping = {ratio = 0.01}})
+    local real, imaginary = response:displacement(shaken.displacement_frequency_hz)
+    local amplitude = bw.array.map("sqrt(a*a + b*b)", {a = real, b = imaginary}):max()
+    check.near(amplitude, shaken.displacement_m, 1e-3)
+    check.near(response:von_mises(shaken.frequency_hz):max(), shaken.value, 1e-6)
+  end)
+
+  it("compares with a coarser mesh of a surface, says exceeds, and says where the range ends", function()
+    local surface = folder .. "neck.stl" -- the largest stress is in the neck, far from support and load
+    local neck = assert(bw.surface.implicit("max(sqrt(y*y + z*z) - 0.006 - 5.6*x*x, abs(x) - 0.05)",
+      {min = {-0.052, -0.022, -0.022}, max = {0.052, 0.022, 0.022}, cells = 40}))
+    assert(neck:write(surface, {unit = "mm"}))
+    local status, out = check.run(("respond %s --material steel --elements 600 --fix min:x --pressure max:x=1MPa "
+      .. "--from 50 --to 100 --damping 0.02 --strength 1kPa"):format(surface))
+    assert.equal(1, status)
+    assert.truthy(out:find("it exceeds the strength", 1, true), out)
+    assert.truthy(out:find("by a coarser mesh", 1, true), out)
+    assert.truthy(out:find("The error of the mesh is not in it", 1, true), out)
+    assert.truthy(out:find("an end of the range", 1, true), out)
+  end)
+
+  it("writes a curve, a plot, fields and a picture", function()
+    local words = ("--csv @r.csv --plot @r.svg --vtu @r.vtu --picture @r.png"):gsub("@", folder)
+    local status, out = check.run(("respond %s --material steel --fix min:x --force max:x=0,0,1 --to 500 "
+      .. "--damping 0.02 %s"):format(path, words))
+    assert.equal(0, status, out)
+    for _, name in ipairs {"r.csv", "r.svg", "r.vtu", "r.png"} do
+      assert.truthy(out:find(name, 1, true), out)
+      assert(io.open(folder .. name)):close()
+    end
+  end)
+
+  it("refuses what cannot be", function()
+    for words, expected in pairs {
+      ["--to 100 --damping 0.1 --fix min:x"] = "--force, --pressure or --base is missing",
+      ["--to 100 --damping 0.1 --base 0,0,1g"] = "--fix PLACE is missing",
+      ["--to 100 --fix min:x --base 0,0,1g"] = "--damping RATIO is missing",
+      ["--damping 0.1 --fix min:x --base 0,0,1g"] = "--to FREQUENCY is missing",
+      ["--to 100 --from 100 --damping 0.1 --fix min:x --base 0,0,1g"] = "below the 100 Hz of --to",
+      ["--to 100 --damping 0.1 --fix min:x --base 1g"] = "option --base: three numbers",
+      ["--to 100 --damping 0.1 --fix min:x --base 0,0,1N"] = "option --base: a number with one of the units"} do
+      local status, _, err = check.run(("respond %s %s"):format(words, path))
+      assert.equal(2, status)
+      assert.truthy(err:find(expected, 1, true), err)
+    end
+  end)
+end)

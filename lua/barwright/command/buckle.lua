@@ -107,7 +107,7 @@ return {
     {"barwright buckle shelf.stl --fix min:x --pressure max:z=2kPa --sign either --count 10",
       "of both directions"}},
   run = function(opts, out)
-    local loads, message = loads_of.read(opts)
+    local loads, message = loads_of.read(opts, "gravity")
     if not loads then return out:misuse(message) end
     local found, why, details = analyse(opts, loads, out)
     if not found then return out:fail(why, details) end

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The supports and loads that `statics` and `buckle` take on the command line.
+-- The supports and loads that `statics`, `buckle` and `respond` take on the command line.
 local core = require "barwright.core"
 local model = require "barwright.command.model"
 local places = require "barwright.command.places"
@@ -16,8 +16,9 @@ loads.options = {
     what = "gravity: an acceleration in m/s2, 0,0,-9.81 for instance"},
 }
 
---- Loads, before anything is read: {place =, force = | pressure =}.
-function loads.read(opts)
+--- Loads, before anything is read: {place =, force = | pressure =}, with `gravity` or `base`, accelerations.
+--- `own`: which of the two the command takes.
+function loads.read(opts, own)
   local list = {}
   for _, text in ipairs(opts.force) do
     local place, value = places.split(text)
@@ -33,18 +34,20 @@ function loads.read(opts)
     if not pressure then return nil, ("option --pressure: %s expected, got '%s'"):format(expected, value) end
     list[#list + 1] = {place = place, pressure = pressure}
   end
-  if opts.gravity then
-    local gravity, message = places.vector(opts.gravity, "m/s2")
-    if not gravity then return nil, "option --gravity: " .. message end
-    list.gravity = gravity
+  for _, name in ipairs {"gravity", "base"} do
+    if opts[name] then
+      local acceleration, message = places.vector(opts[name], "m/s2")
+      if not acceleration then return nil, ("option --%s: %s"):format(name, message) end
+      list[name] = acceleration
+    end
   end
   for _, place in ipairs(opts.fix) do
     local ok, message = places.check(place)
     if not ok then return nil, "option --fix: " .. message end
   end
   if #opts.fix == 0 then return nil, "option --fix PLACE is missing: a part without supports moves freely" end
-  if #list == 0 and not list.gravity then
-    return nil, "no load is given: --force, --pressure or --gravity is missing"
+  if #list == 0 and not (list.gravity or list.base) then
+    return nil, ("no load is given: --force, --pressure or --%s is missing"):format(own)
   end
   return list
 end

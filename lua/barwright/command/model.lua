@@ -3,6 +3,7 @@
 -- large it is. Failures are nil, message, details, the message beginning with the file.
 local bw = require "barwright"
 local core = require "barwright.core"
+local growth = require "barwright.singular_growth"
 local lengths = require "barwright.command.lengths"
 local shown = require "barwright.shown"
 local writable = require "barwright.writable"
@@ -139,6 +140,20 @@ function model.verdict(used, estimated)
   if used * (1 + estimated) < 1 then return "holds", "it holds" end
   if used * (1 - estimated) > 1 then return "breaks", "it breaks" end
   return "unsure", "too close to decide"
+end
+
+-- Of a uniform mesh, for the growth of the stress: the edge length of elements up to a factor.
+local function sized(found)
+  return found and {value = found.stress, edge = found.elements ^ (-1 / 3)}
+end
+
+--- The finding that there is no finite stress at a point of a part, or nil. `fine`, `coarse`: the largest stress
+--- on its mesh and on a coarser one or nil, {stress =, elements =}.
+function model.find_singular(part, read, at, fine, coarse)
+  local sound = read.surface and read.surface:check({limit = 1}).sound
+  local found = model.try(part.singular_places, part, {surface = sound and read.surface or nil})
+  return growth.check(found, at, growth.radius(growth.edge_length(part.mesh, at)),
+    growth.exponent(sized(coarse), sized(fine)))
 end
 
 --- The length of a box's diagonal.
@@ -378,7 +393,7 @@ end
 
 -- What the command is to write, reported as impossible before the work and not after it.
 local function check_outputs(opts)
-  for _, name in ipairs {"report", "picture", "vtu"} do
+  for _, name in ipairs {"report", "picture", "vtu", "csv", "plot"} do
     if opts[name] then
       local ok, message, details = writable(opts[name])
       if not ok then return nil, message, details end

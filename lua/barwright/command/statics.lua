@@ -55,19 +55,6 @@ local function of_facets(mesh, read, at)
   return facet_error(curved or mesh, at, growth.radius(growth.edge_length(mesh, at)))
 end
 
--- Of a uniform mesh, for the growth of the stress: the edge length of elements up to a factor.
-local function sized(found)
-  return found and {value = found.stress, edge = found.elements ^ (-1 / 3)}
-end
-
--- The finding that there is no finite stress at a point of the solution, or nil.
-local function find_singular(static, part, read, at, found)
-  local sound = read.surface and read.surface:check({limit = 1}).sound
-  local found_places = model.try(part.singular_places, part, {surface = sound and read.surface or nil})
-  return growth.check(found_places, at, growth.radius(growth.edge_length(static.mesh, at)),
-    growth.exponent(sized(found.coarse), sized(found.fine)))
-end
-
 -- The effective stress of the theory of critical distances at the edge of a finding, where all is known.
 local function effective(static, finding)
   local place = finding and finding.place
@@ -88,7 +75,7 @@ local function assess(static, part, read, loads, opts, accuracy, at)
     if not found.facets then return nil, message, details end
     found.estimated = math.sqrt(error_of(found.fine.stress, found.coarse and found.coarse.stress, mean) ^ 2
       + found.facets ^ 2)
-    found.singular = find_singular(static, part, read, at, found)
+    found.singular = model.find_singular(part, read, at, found.fine, found.coarse)
     return found
   end
   found.estimated, found.facets = accuracy.estimated_error, accuracy.history[#accuracy.history].facet_error
@@ -258,7 +245,7 @@ return {
   examples = {"barwright statics hook.stl --fix min:z --force max:z=0,0,-50",
     {"barwright statics shelf.stl --fix min:x --pressure max:z=2kPa --gravity 0,0,-9.81", "books on a shelf"}},
   run = function(opts, out)
-    local loads, message = loads_of.read(opts)
+    local loads, message = loads_of.read(opts, "gravity")
     if not loads then return out:misuse(message) end
     local static, answer, details = analyse(opts, loads, out)
     if not static then return out:fail(answer, details) end -- a message

@@ -1,0 +1,200 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright respond MODEL: how far a part moves, and how it is stressed, by a vibration of a range of frequencies.
+local bw = require "barwright"
+local core = require "barwright.core"
+local loads_of = require "barwright.command.loads"
+local model = require "barwright.command.model"
+local output = require "barwright.command.output"
+local places = require "barwright.command.places"
+local shown = require "barwright.shown"
+
+local map = core.array.map
+
+-- The coarser mesh has this fraction of the elements.
+local COARSER = 1 / 4
+-- Two meshes show at least this much uncertainty of the stress; one alone leaves so much open.
+local MIN_ERROR, ONE_MESH_ERROR = 0.02, 0.5
+
+-- The largest length of a displacement over a period, of each node, squared.
+local function squared_amplitude(real, imaginary)
+  return map("0.5*(p + q + hypot(p - q, s - p - q))", {p = map("norm(a)^2", {a = real}),
+    q = map("norm(a)^2", {a = imaginary}), s = map("norm(a)^2", {a = real + imaginary})})
+end
+
+-- The largest of a field over nodes and frequencies: {value =, frequency =, at =}; field(frequency) gives it.
+local function largest(response, field)
+  local best = {value = -1}
+  for _, frequency in ipairs(response.frequencies:totable()) do
+    local values, message, details = field(frequency)
+    if not values then return nil, message, details end
+    local value = values:max()
+    if value > best.value then best = {value = value, frequency = frequency, node = values:argmax()} end
+  end
+  best.at = response.mesh.nodes:rows(best.node, best.node):totable()[1]
+  return best
+end
+
+local function respond(part, opts, base)
+  return model.try(part.harmonic, part,
+    {range = {opts.from, opts.to}, damping = {ratio = opts.damping}, base = base})
+end
+
+local function largest_stress(response)
+  return largest(response, function(frequency) return response:von_mises(frequency) end)
+end
+
+-- The largest stress on a coarser mesh, with its elements; nil where there is none to compare with.
+local function on_coarser(read, opts, given, material)
+  if read.kind ~= "surface" then return nil end
+  local mesh = model.try(bw.mesh.fill, read.surface, {elements = math.max(1, math.floor(opts.elements * COARSER)),
+    order = 2})
+  local part = mesh and loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, given,
+    {say = function() end})
+  local response = part and respond(part, opts, given.base)
+  local stress = response and largest_stress(response)
+  bw.warnings() -- those of the finer mesh are shown
+  return stress and {stress = stress.value, elements = mesh.element_count}
+end
+
+local function analyse(opts, given, out)
+  if opts.threads then bw.threads(opts.threads) end
+  local mesh, material, read = model.body(setmetatable({order = 2}, {__index = opts}), out)
+  if not mesh then return nil, material, read end
+  local part, message, details = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, given, out)
+  if not part then return nil, message, details end
+  if given.base then out:say("The supports are accelerated: amplitude %s.", shown.vector(given.base, "m/s2")) end
+  local found = {material = material}
+  found.response, message, details = respond(part, opts, given.base)
+  out:warnings()
+  if not found.response then return nil, message, details end
+  found.displacement, message, details = largest(found.response, function(frequency)
+    local real, imaginary, more = found.response:displacement(frequency)
+    if not real then return nil, imaginary, more end
+    return squared_amplitude(real, imaginary)
+  end)
+  if not found.displacement then return nil, message, details end
+  found.displacement.value = math.sqrt(found.displacement.value)
+  found.stress, message, details = largest_stress(found.response)
+  if not found.stress then return nil, message, details end
+  found.coarse = on_coarser(read, opts, given, material)
+  found.singular = model.find_singular(part, read, found.stress.at,
+    {stress = found.stress.value, elements = mesh.element_count}, found.coarse)
+  return found
+end
+
+-- The verdict on a stress that is `used` of the strength, within a relative error. A stress without a finite value
+-- exceeds nothing for certain.
+local function judge(used, estimated, singular)
+  local verdict, words = model.verdict(used, estimated)
+  if verdict == "holds" then return verdict, "it stays below the strength" end
+  if verdict == "unsure" then return verdict, words end
+  if singular then return "unsure", "a stress without a finite value decides nothing" end
+  return "exceeds", "it exceeds the strength"
+end
+
+local function report(found, opts, given, out)
+  local response, displacement, stress = found.response, found.displacement, found.stress
+  local equations, strength = response.errors:max(), found.material.strength
+  local estimated = math.max(MIN_ERROR, found.coarse and math.abs(stress.value / found.coarse.stress - 1)
+    or ONE_MESH_ERROR) + equations
+  local used = type(strength) == "number" and stress.value / strength or nil
+  local verdict, words = judge(used, estimated, found.singular)
+  out:say("")
+  out:say("The displacement is largest at %s Hz: amplitude %s at %s%s.", shown.number(displacement.frequency),
+    shown.estimate(displacement.value, "m"), core.point(displacement.at),
+    given.base and ", relative to the supports" or "")
+  out:say("The von Mises stress is largest at %s Hz: amplitude %s at %s (estimated error %s, %s).",
+    shown.number(stress.frequency), shown.estimate(stress.value, "Pa"), core.point(stress.at),
+    shown.error(estimated), found.coarse and "by a coarser mesh" or "assumed, as there is one mesh only")
+  if stress.frequency == opts.to or stress.frequency == opts.from and opts.from > 0 then
+    out:say("That is an end of the range: the stress may be larger beyond it.")
+  end
+  local large = model.beyond_linear(displacement.value, response.mesh.box)
+  if large then out:say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
+  if found.singular then out:say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
+  if used then
+    out:say("The stress is %s of %s: %s.", shown.percent(used),
+      opts.strength and "the given strength" or "the strength of " .. opts.material, words)
+  else
+    out:say("The stress is not judged: %s has no strength that is one number.", opts.material)
+  end
+  local counted = response.modes.counted
+  out:say("Error of the equations: %s %.1e of the displacement, in energy, by %s (%s) and %s. The error of the "
+    .. "mesh is not in it.", counted and "at most" or "about", equations,
+    model.count(response.modes.count, "mode"), counted and "counted: none is missing" or "not counted",
+    model.count(response.residual_vectors, "residual vector"))
+  out:say "Linear theory, one damping ratio in every mode. Fatigue is not judged."
+  out:json {verdict = verdict, value = stress.value, quantity = "largest amplitude of von Mises stress, Pa",
+    frequency_hz = stress.frequency, at_m = stress.at, estimated_error = estimated,
+    displacement_m = displacement.value, displacement_frequency_hz = displacement.frequency,
+    displacement_at_m = displacement.at, equations_error = equations, counted = counted,
+    natural_frequencies_hz = bw.json.list(response.modes.frequencies:totable()),
+    residual_vectors = response.residual_vectors, utilisation = used, strength_pa = strength,
+    coarse_value = found.coarse and found.coarse.stress, singular = found.singular ~= nil,
+    beyond_linear_theory = large, damping_ratio = opts.damping, fix = bw.json.list(opts.fix),
+    material = opts.material}
+  return verdict
+end
+
+local options = {
+  model.material_option,
+  model.fix_option,
+  loads_of.options.force,
+  loads_of.options.pressure,
+  {name = "base", value = "AX,AY,AZ",
+    what = "the supports are accelerated with this amplitude, in m/s2: 0,0,1g for instance"},
+  {name = "from", value = "FREQUENCY", type = "number", unit = "Hz", default = 0, min = 0,
+    what = "the lowest frequency"},
+  {name = "to", value = "FREQUENCY", type = "number", unit = "Hz", above = 0, needed = true,
+    what = "the highest frequency"},
+  {name = "damping", value = "RATIO", type = "number", above = 0, below = 1, needed = true,
+    what = "of the critical damping, in every mode: 0.01, say, of a metal part, 0.03 of a bolted one"},
+  model.unit_option,
+  model.elements_option,
+  {name = "csv", value = "FILE.csv", type = "file", endings = {"csv"},
+    what = "write amplitude and phase over the frequency, where the displacement is largest"},
+  {name = "plot", value = "FILE.svg", type = "file", endings = {"svg"}, what = "a plot of these amplitudes"},
+  {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
+    what = "write the fields at the frequency of the largest stress, for ParaView"},
+  {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
+    what = "a picture of the deflection and the stress at that frequency"},
+  model.threads_option,
+}
+table.move(model.value_options, 1, #model.value_options, #options + 1, options)
+
+return {
+  summary = "how a part answers vibration over a range of frequencies",
+  about = "Constrains a part at places, and applies loads that vary harmonically, all in phase, or accelerates "
+    .. "the supports. It finds the largest displacement and stress over the frequencies. A surface is repaired "
+    .. "where it must be and filled with quadratic tetrahedra.\n\n" .. places.help .. "\n\n"
+    .. output.codes("the stress stays below the strength",
+      "it exceeds the strength, or the estimated error leaves it open"),
+  arguments = {model.body_argument},
+  options = options,
+  examples = {"barwright respond bracket.stl --fix min:z --base 0,0,1g --to 500 --damping 0.02 --material steel",
+    {"barwright respond arm.stl --fix min:x --force max:x=0,0,5N --from 10 --to 200 --damping 0.01 --plot arm.svg",
+      "a force at its end"}},
+  run = function(opts, out)
+    local given, message = loads_of.read(opts, "base")
+    if not given then return out:misuse(message) end
+    if opts.from >= opts.to then
+      return out:misuse(("option --from: a frequency below the %g Hz of --to expected, got %g"):format(opts.to,
+        opts.from))
+    end
+    local found, why, details = analyse(opts, given, out)
+    if not found then return out:fail(why, details) end
+    local verdict = report(found, opts, given, out)
+    local response, frequency = found.response, found.stress.frequency
+    local curve
+    if opts.csv or opts.plot then
+      curve, why, details = response:curve {at = found.displacement.at}
+      if not curve then return out:fail(why, details) end
+    end
+    local failed = out:write_files {{opts.csv, function() return curve:write(opts.csv) end},
+      {opts.plot, function() return curve:figure():write(opts.plot) end},
+      {opts.vtu, function() return response:write(opts.vtu, frequency) end},
+      {opts.picture, function() return response:picture(frequency, opts.picture) end}}
+    if failed then return failed end
+    return verdict == "holds" and 0 or 1
+  end,
+}
