@@ -126,8 +126,34 @@ static void cases_add_up(void **state) {
   free(both);
 }
 
+static void memory_failures(void **state) {
+  bw_context *context = check_context(state);
+  const double history[5] = {0, 2, -1, 3, 0}, tension[6] = {1e8}, *stress = tension;
+  bw_cycle *cycle = NULL;
+  bw_life_curve curve;
+  int64_t n = -1;
+  double damage;
+  void *none = NULL;
+  bw_life_curve_default(&curve);
+  curve.amplitude = 1e8;
+  check_ok(context, bw_set_threads(context, 1));
+  bw_fail_allocation(1, true);
+  bw_status counting = bw_rainflow(context, 5, history, &cycle, &n);
+  bw_fail_allocation(1, true);
+  bw_status damaging = bw_fatigue_damage(context, &curve, 1, 1, &stress, 5, history, &damage);
+  bw_fail_allocation(0, false);
+  assert_int_equal(counting, BW_MEMORY);
+  assert_int_equal(damaging, BW_MEMORY);
+  assert_true(cycle == NULL && n == -1); /* nothing is handed out on failure */
+  check_allocations(context, none, bw_rainflow(context, 5, history, &cycle, &n));
+  check_allocations(context, none,
+                    bw_fatigue_damage(context, &curve, 1, 1, &stress, 5, history, &damage));
+  bw_free(cycle);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(astm_example), check_test(ranges_sum_to_the_way),
-                                     check_test(constant_amplitude), check_test(cases_add_up)};
+                                     check_test(constant_amplitude), check_test(cases_add_up),
+                                     check_test(memory_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -516,6 +516,19 @@ static void memory_failures(void **state) {
   options.modes = 4;
   check_ok(context, bw_set_threads(context, 1));
   check_allocations(context, h, bw_harmonic_of_model(context, model, NULL, &options, NULL, &h));
+  const double at[2] = {10, 90}, density[2] = {1, 1};
+  double *u = numbers(3 * mesh->node_count), *mises = numbers(mesh->node_count), error;
+  void *none = NULL;
+  check_ok(context, bw_harmonic_of_model(context, model, NULL, &options, NULL, &h));
+  bw_fail_allocation(1, true);
+  bw_status status = bw_harmonic_random(context, h, 2, at, density, u, mises, &error);
+  bw_fail_allocation(0, false);
+  assert_int_equal(status, BW_MEMORY);
+  check_allocations(context, none,
+                    bw_harmonic_random(context, h, 2, at, density, u, mises, &error));
+  free(u);
+  free(mises);
+  bw_release(h);
   bw_release(model);
   bw_release(mesh);
 }
@@ -561,9 +574,9 @@ static void calculix_response(bw_context *context, const bw_model *model, int mo
   }
 }
 
-/* The same modes and no residual vectors, on tet10. CalculiX prints seven digits, and integrates
- * the mass by four points: its third frequency is 3e-5 lower than the exact mass's, the first ones
- * 1e-7. */
+/* The same modes and no residual vectors, on tet10. CalculiX prints seven digits. Its first
+ * frequencies are 1e-7 lower, the third one 3e-5; the likely cause, which is not tested, is its
+ * integration of the mass. */
 static void calculix_agrees(void **state) {
   if (system("command -v ccx > /dev/null 2>&1") != 0)
     skip();
