@@ -52,16 +52,11 @@ function model:transient(given)
   local opts = options.read("transient", given, {
     step = {type = "number", needed = true, above = 0},
     rho = {type = "number", default = 0.9, min = 0, max = 1},
-    damping = {type = "table", default = {}},
+    damping = {type = "any"}, -- read where it is used
     initial = {type = "table", default = {}},
     loads = {type = "table", default = {}},
     supports = {type = "any"},
     modes = {type = "modes"},
-  })
-  local damping = options.read("transient: option 'damping'", opts.damping, {
-    ratio = {type = "number", default = 0, min = 0},
-    mass = {type = "number", default = 0, min = 0},
-    stiffness = {type = "number", default = 0, min = 0},
   })
   local initial = options.read("transient: option 'initial'", opts.initial,
     {displacement = {type = "any"}, velocity = {type = "any"}})
@@ -70,8 +65,8 @@ function model:transient(given)
   local histories, why, about = read_histories(opts, count)
   if not histories then return nil, why, about end
   local made, message, details = core.linear_transient(self, {step = opts.step, rho = opts.rho,
-    ratio = damping.ratio, mass = damping.mass, stiffness = damping.stiffness, modes = opts.modes},
-    initial.displacement, initial.velocity, factors(histories, count, 0, opts.step))
+    damping = opts.damping, modes = opts.modes}, initial.displacement, initial.velocity,
+    factors(histories, count, 0, opts.step))
   if not made then return nil, message, details end
   histories_of[made] = histories
   return made

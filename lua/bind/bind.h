@@ -288,6 +288,8 @@ const void *lbw_object_option(lua_State *L, int index, const char *function, con
 const bw_solver *lbw_solver_option(lua_State *L, int index, const char *function);
 const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char *function);
 const bw_lp_solver *lbw_lp_option(lua_State *L, int index, const char *function);
+/* The option "damping"; what a model does not serve, the engine refuses. */
+void lbw_damping_option(lua_State *L, int index, const char *function, bw_damping *damping);
 /* Whether it works on the processes of barwright.distributed. */
 bool lbw_solver_is_external(const bw_solver *solver);
 

@@ -9,19 +9,21 @@ static const bw_harmonic *self(lua_State *L) {
   return (const bw_harmonic *)lbw_check(L, 1, &lbw_harmonic_class);
 }
 
-static void read_damping(lua_State *L, const char *function, bw_damping *damping) {
+void lbw_damping_option(lua_State *L, int index, const char *function, bw_damping *damping) {
   static const lbw_option list[] = {{"ratio", LBW_REAL, offsetof(bw_damping, ratio)},
                                     {"mass", LBW_REAL, offsetof(bw_damping, mass)},
                                     {"stiffness", LBW_REAL, offsetof(bw_damping, stiffness)},
                                     {"loss", LBW_REAL, offsetof(bw_damping, loss)},
                                     {NULL, LBW_OTHER, 0}};
-  int type = lbw_option_get(L, 2, "damping");
+  char inner[100];
+  int type = lbw_option_get(L, index, "damping");
+  snprintf(inner, sizeof inner, "%s: damping", function);
   if (type == LUA_TTABLE)
-    lbw_options(L, lua_gettop(L), function, list, damping);
+    lbw_options(L, lua_gettop(L), inner, list, damping);
   else if (type != LUA_TNIL)
     lbw_option_refused(L, function, "damping",
                        "a table with ratio, mass, stiffness or loss, such as {ratio = 0.02}");
-  lua_settop(L, 2);
+  lua_pop(L, 1);
 }
 
 /* model:harmonic{frequencies or range, modes, residual_vectors, tolerance, damping, base, solver}
@@ -43,7 +45,7 @@ static int model_harmonic(lua_State *L) {
   lua_settop(L, 2);
   bw_harmonic_options_default(&options);
   lbw_options(L, 2, "harmonic", list, &options);
-  read_damping(L, "harmonic: damping", &options.damping);
+  lbw_damping_option(L, 2, "harmonic", &options.damping);
   options.solver = lbw_eigensolver_option(L, 2, "harmonic");
   lua_settop(L, 2);
   bool has_list = lbw_option_get(L, 2, "frequencies") != LUA_TNIL;

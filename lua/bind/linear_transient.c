@@ -29,23 +29,21 @@ static const double *read_field(lua_State *L, int index, const char *what, const
   return field;
 }
 
-/* linear_transient(model, {step, rho, ratio, mass, stiffness, modes}, displacement, velocity,
+/* linear_transient(model, {step, rho, damping, modes}, displacement, velocity,
  * factors of loads, factor of supports, its velocity, its acceleration) */
 static int core_linear_transient(lua_State *L) {
-  static const lbw_option list[] = {
-      {"step", LBW_REAL, offsetof(bw_linear_transient_options, step)},
-      {"rho", LBW_REAL, offsetof(bw_linear_transient_options, rho)},
-      {"ratio", LBW_REAL, offsetof(bw_linear_transient_options, damping.ratio)},
-      {"mass", LBW_REAL, offsetof(bw_linear_transient_options, damping.mass)},
-      {"stiffness", LBW_REAL, offsetof(bw_linear_transient_options, damping.stiffness)},
-      {"modes", LBW_OTHER, 0},
-      {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {{"step", LBW_REAL, offsetof(bw_linear_transient_options, step)},
+                                    {"rho", LBW_REAL, offsetof(bw_linear_transient_options, rho)},
+                                    {"damping", LBW_OTHER, 0},
+                                    {"modes", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
   lbw_box *own = lbw_check_box(L, 1, &lbw_model_class);
   const bw_model *model = (const bw_model *)own->object;
   bw_linear_transient_options options;
   bw_linear_transient_options_default(&options);
   lua_settop(L, 8);
   lbw_options(L, 2, "transient", list, &options);
+  lbw_damping_option(L, 2, "transient", &options.damping);
   if (lbw_option_get(L, 2, "modes") != LUA_TNIL)
     options.modes = (const bw_modes *)lbw_test(L, -1, &lbw_modes_class); /* the table keeps it */
   lua_settop(L, 8);

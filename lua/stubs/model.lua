@@ -386,12 +386,12 @@ function Model:harmonic(options) end
 ---@field tolerance? number (-) as far as residual vectors reduce the error. Range: 0 to below 1. Default: 1e-8
 ---@field solver? bw.Eigensolver|"auto" the eigensolver of the modes, not SLEPc. Default: "auto"
 
----Damping; the parts add up.
+---Damping of harmonic responses and motion in time; the parts add up. What one of them does not serve is refused (unsupported).
 ---@class bw.Damping
----@field ratio? number (-) of the critical damping, in each mode; residual vectors have none. Range: 0 to below 1. Default: 0
+---@field ratio? number (-) of the critical damping, in each mode; residual vectors have none. In time with `modes` alone. Range: 0 to below 1. Default: 0
 ---@field mass? number (1/s) a of Rayleigh's damping C = a M + b K. Range: 0 or more. Default: 0
 ---@field stiffness? number (s) b of it. Range: 0 or more. Default: 0
----@field loss? number (-) loss factor h of the stiffness (1 + i h) K. Range: 0 or more. Default: 0
+---@field loss? number (-) loss factor h of the stiffness (1 + i h) K, not in time. Range: 0 or more. Default: 0
 
 ---The part in contact with rigid surfaces, or parts of its mesh with each other, without friction, for small
 ---displacements: contact pressure, resultants and the static

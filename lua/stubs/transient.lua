@@ -11,16 +11,10 @@
 ---@field step number (s) length of each step. Range: above 0. A twentieth of the shortest period of interest gives 1 % of its length.
 ---@field rho? number (-) spectral radius at infinite frequency: 1 damps no motion, 0 takes the fastest away in one step. Range: 0 to 1. Default: 0.9.
 ---@field modes? bw.Modes elastic modes of the part: the motion is their sum, with rigid-body motions and the static displacement of what they leave out. Default: none, direct integration.
----@field damping? bw.TransientDamping of mass and stiffness; with modes a ratio too. Default: none.
+---@field damping? bw.Damping by mass and stiffness, with `modes` a ratio too; a loss factor is refused. Default: none.
 ---@field initial? bw.InitialMotion where it begins. Default: at rest, undeformed.
 ---@field loads? table<integer, bw.History> factors of the loads by their number in the part. Default: 1 each, from time 0 on.
 ---@field supports? bw.History factor of all prescribed displacements; velocity and acceleration follow by differences over a step. Default: 1.
-
----Damping by C = mass M + stiffness K and by a ratio, which add up.
----@class bw.TransientDamping
----@field ratio? number (-) of the critical damping, the same in each mode; with `modes` alone. Range: 0 to below 1. Default: 0.
----@field mass? number (1/s) factor of the mass. Default: 0.
----@field stiffness? number (s) factor of the stiffness. Default: 0.
 
 ---The start of a motion, where no support prescribes it.
 ---@class bw.InitialMotion

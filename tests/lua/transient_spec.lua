@@ -100,8 +100,12 @@ describe("motion in time", function()
     check.raises("must return a finite number", part.transient, part,
       {step = 1e-4, loads = {function() return 0 / 0 end}})
     check.raises("option 'step'", part.transient, part, {})
-    check.raises("option 'damping': ", part.transient, part,
-      {step = 1e-4, damping = {loss = 1}})
+    check.fails("unsupported", "a loss factor is for harmonic motion",
+      part:transient {step = 1e-4, damping = {loss = 1}})
+    check.raises("transient: damping: unknown option 'ratios'", part.transient, part,
+      {step = 1e-4, damping = {ratios = 1}})
+    check.raises("transient: option 'damping': a table with ratio, mass, stiffness or loss", part.transient, part,
+      {step = 1e-4, damping = 0.02})
     check.raises("velocity", part.transient, part, {step = 1e-4, initial = {velocity = {{1, 2, 3}}}})
     local transient = assert(part:transient {step = 1e-4})
     check.raises("a point {x, y, z} expected", transient.run, transient, {time = 1, probes = {a = 3}})
