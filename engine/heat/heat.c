@@ -9,7 +9,9 @@ static void heat_destroy(void *object) {
   bw_heat *heat = object;
   for (int i = 0; i < heat->condition_count; i++) {
     bw_release(heat->condition[i].on);
+    bw_release(heat->condition[i].with);
     bw_release(heat->condition[i].nodal);
+    bw_free(heat->condition[i].pair);
   }
   bw_free(heat->condition);
   bw_release(heat->mesh);
@@ -19,7 +21,12 @@ static void heat_destroy(void *object) {
 
 static size_t heat_bytes(const void *object) {
   const bw_heat *heat = object;
-  return sizeof *heat + (size_t)heat->condition_count * sizeof *heat->condition;
+  size_t bytes = sizeof *heat + (size_t)heat->condition_count * sizeof *heat->condition;
+  for (int i = 0; i < heat->condition_count; i++)
+    if (heat->condition[i].pair)
+      bytes += (size_t)heat->condition[i].on->facet_count * (size_t)heat->mesh->nodes_per_facet *
+               sizeof *heat->condition[i].pair;
+  return bytes;
 }
 
 static const bw_kind heat_kind = {"heat", heat_destroy, heat_bytes};
@@ -47,8 +54,13 @@ bw_status bw_heat_create(bw_context *context, const bw_mesh *mesh, const bw_mate
   return BW_OK;
 }
 
-static const char *const kind_word[] = {
-    "a prescribed temperature", "a heat flux", "a power", "a source", "convection", "radiation"};
+static const char *const kind_word[] = {"a prescribed temperature",
+                                        "a heat flux",
+                                        "a power",
+                                        "a source",
+                                        "convection",
+                                        "radiation",
+                                        "contact"};
 
 static bw_status check_value(bw_context *context, const bw_heat_condition *c, double value) {
   if (!isfinite(value))
@@ -72,7 +84,9 @@ static bw_status check_selection(bw_context *context, const bw_heat *heat,
   if (c->kind == BW_HEAT_SOURCE)
     return bw_fail(context, BW_INVALID,
                    "a source acts in the whole body: leave the selection out, or give a flux");
-  if (c->on->mesh != heat->mesh)
+  if (c->kind == BW_HEAT_CONTACT && !c->with)
+    return bw_fail(context, BW_INVALID, "contact needs the selection that it is with");
+  if (c->on->mesh != heat->mesh || (c->with && c->with->mesh != heat->mesh))
     return bw_fail(context, BW_INVALID,
                    "%s is given on a selection of another mesh: select on the body's own mesh",
                    what);
@@ -90,7 +104,10 @@ bw_status bw_heat_add(bw_context *context, bw_heat *heat, const bw_heat_conditio
   bw_heat_condition c = *condition;
   bw_array *copy = NULL;
   c.nodal = NULL;
-  if ((unsigned)c.kind > BW_HEAT_RADIATION)
+  c.pair = NULL;
+  if (c.kind != BW_HEAT_CONTACT)
+    c.with = NULL;
+  if ((unsigned)c.kind > BW_HEAT_CONTACT)
     return bw_fail(context, BW_INVALID, "there is no condition of heat with the number %d",
                    (int)c.kind);
   BW_TRY(check_selection(context, heat, &c));
@@ -98,12 +115,19 @@ bw_status bw_heat_add(bw_context *context, bw_heat *heat, const bw_heat_conditio
   if (bwi_heat_is_film(&c) && (!isfinite(c.coefficient) || c.coefficient < 0))
     BW_TRY(bw_fail(context, BW_INVALID, "the coefficient of %s is %g; it must be 0 or more",
                    kind_word[c.kind], c.coefficient));
+  if (c.kind == BW_HEAT_CONTACT && !(c.coefficient > 0 && isfinite(c.coefficient)))
+    BW_TRY(bw_fail(context, BW_INVALID,
+                   "the conductance of contact is %g; it must be above 0: leave the condition out "
+                   "where no heat passes",
+                   c.coefficient));
   if (c.kind == BW_HEAT_RADIATION && c.coefficient > 1)
     BW_TRY(bw_fail(context, BW_INVALID, "an emissivity is between 0 and 1, not %g", c.coefficient));
   if (!isfinite(c.about) || c.about < 0)
     BW_TRY(bw_fail(context, BW_INVALID,
                    "radiation is linearised about a temperature above 0 K, not %g", c.about));
-  if (c.on)
+  if (c.kind == BW_HEAT_CONTACT)
+    BW_TRY(bwi_heat_pair(context, heat->mesh, &c));
+  else if (c.on)
     c.size = bw_selection_area(c.on);
   else {
     c.size = 0;
@@ -133,10 +157,13 @@ bw_status bw_heat_add(bw_context *context, bw_heat *heat, const bw_heat_conditio
   BW_TRY_MEMORY(list);
   heat->condition = list;
   c.on = bw_retain(c.on);
+  c.with = bw_retain(c.with);
   c.nodal = bw_retain(copy);
   list[heat->condition_count++] = c;
+  c.pair = NULL;
   heat->object.revision++;
 done:
+  bw_free(c.pair);
   bw_release(copy);
   return status;
 }
@@ -145,6 +172,9 @@ bw_status bw_heat_set_value(bw_context *context, bw_heat *heat, int index, doubl
   if (index < 0 || index >= heat->condition_count)
     return bw_fail(context, BW_INVALID, "there is no condition %d: there are %d", index + 1,
                    heat->condition_count);
+  if (heat->condition[index].kind == BW_HEAT_CONTACT)
+    return bw_fail(context, BW_INVALID, "condition %d is contact, which has no value to change",
+                   index + 1);
   bw_status status = check_value(context, &heat->condition[index], value);
   if (status == BW_OK)
     heat->condition[index].value = value;

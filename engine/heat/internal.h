@@ -37,6 +37,25 @@ void bwi_heat_film(const bw_block_pattern *pattern, const bw_mesh *mesh,
 /* Where block (i, j) is; both share an element. */
 int64_t bwi_heat_block(const bw_block_pattern *pattern, int32_t i, int32_t j);
 
+/* ---- contact.c ------------------------------------------------------------------------------- */
+
+/* Finds pair and size of contact. BW_EMPTY where no facet of `with` lies on one of `on`, BW_INVALID
+ * where one is in both. */
+bw_status bwi_heat_pair(bw_context *context, const bw_mesh *mesh, bw_heat_condition *condition);
+/* As bwi_heat_boundary: what comes into `on` goes out of `with`; *sum is of `on`. */
+void bwi_heat_contact(const bw_mesh *mesh, const bw_heat_condition *condition,
+                      const double *temperature, double *in, double *sum);
+/* What joins the two sides of contacts, which share no element: entries of the matrix. */
+typedef struct bwi_heat_cross {
+  int64_t count;
+  int32_t *row, *column; /* (index of a node, count) */
+  double *value;         /* (W/K, count) */
+} bwi_heat_cross;
+/* Adds what a contact has on each side to values (W/K, block_count), and the rest to cross. */
+bw_status bwi_heat_join(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
+                        const bw_heat_condition *condition, double *values, bwi_heat_cross *cross);
+void bwi_heat_cross_clear(bwi_heat_cross *cross);
+
 /* ---- system.c -------------------------------------------------------------------------------- */
 
 /* The equations of a body: q(T) + r = C dT/dt, with q the heat that flows into the nodes by
@@ -51,9 +70,10 @@ typedef struct bwi_heat_system {
   int32_t *prescribe; /* (index, node_count) the condition that prescribes it, or -1 */
   int32_t *node;      /* (index, unknowns) */
   double *conduction; /* (W/K, block_count), at `conducted` where it depends on the temperature */
-  double *films;      /* (W/K, block_count) of convection; or NULL */
-  double *capacity;   /* (J/K, block_count), or NULL */
-  double *volume; /* (m3, node_count) of sources and powers in the volume, one after the other */
+  double *films;      /* (W/K, block_count) of convection and contact; or NULL */
+  bwi_heat_cross cross;
+  double *capacity; /* (J/K, block_count), or NULL */
+  double *volume;   /* (m3, node_count) of sources and powers in the volume, one after the other */
   bool radiates, by_temperature;
   bw_operator *inverse; /* near that of the matrix; kept while it serves */
   int served;           /* iterations of its first solution */

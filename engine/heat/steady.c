@@ -46,7 +46,8 @@ void bwi_heat_balance(const bwi_heat_system *system, const double *remainder,
                       bw_heat_solution *solution) {
   solution->throughput = fmax(-solution->stored, 0);
   for (int c = 0; c < solution->condition_count; c++)
-    solution->throughput += fmax(solution->heat_in[c], 0);
+    if (system->heat->condition[c].kind != BW_HEAT_CONTACT) /* it goes out again */
+      solution->throughput += fmax(solution->heat_in[c], 0);
   for (int32_t i = 0; i < solution->mesh->node_count; i++) {
     int32_t by = system->prescribe[i];
     solution->reaction[i] = by >= 0 ? remainder[i] : 0;
@@ -56,7 +57,8 @@ void bwi_heat_balance(const bwi_heat_system *system, const double *remainder,
   }
   solution->imbalance = -solution->stored;
   for (int c = 0; c < solution->condition_count; c++)
-    solution->imbalance += solution->heat_in[c];
+    if (system->heat->condition[c].kind != BW_HEAT_CONTACT)
+      solution->imbalance += solution->heat_in[c];
 }
 
 /* Where the iterations begin: between the temperatures that conditions name; with radiation at the

@@ -68,12 +68,31 @@ static bw_status check_steady(bw_context *context, const bwi_heat_system *s) {
           [mesh->component[mesh->facet[(int64_t)condition->on->facet[f] * mesh->nodes_per_facet]]] =
               1;
   }
+  for (bool found = true; found;) { /* through contacts to other bodies */
+    found = false;
+    for (int c = 0; c < s->heat->condition_count; c++) {
+      const bw_heat_condition *condition = &s->heat->condition[c];
+      for (int64_t k = 0;
+           condition->pair && k < (int64_t)condition->on->facet_count * mesh->nodes_per_facet;
+           k += mesh->nodes_per_facet) {
+        int32_t facet = condition->on->facet[k / mesh->nodes_per_facet];
+        if (condition->pair[k] < 0)
+          continue;
+        uint8_t *one =
+            &steady[mesh->component[mesh->facet[(int64_t)facet * mesh->nodes_per_facet]]];
+        uint8_t *other = &steady[mesh->component[condition->pair[k]]];
+        found = found || *one != *other;
+        *one = *other = *one | *other;
+      }
+    }
+  }
   for (int32_t b = 0; b < mesh->component_count; b++)
     if (!steady[b]) {
-      status = bw_fail(context, BW_UNCONSTRAINED,
-                       "body %d of %d has no steady temperature: prescribe one, or give convection "
-                       "or radiation",
-                       b + 1, mesh->component_count);
+      status =
+          bw_fail(context, BW_UNCONSTRAINED,
+                  "body %d of %d has no steady temperature: prescribe one, or give convection, "
+                  "radiation, or contact with a body that has one",
+                  b + 1, mesh->component_count);
       bw_detail_number(context, "body", b + 1);
       goto done;
     }
@@ -192,12 +211,15 @@ bw_status bwi_heat_system_open(bw_context *context, const bw_heat *heat,
     volumes += !condition->on;
     if (condition->kind == BW_HEAT_RADIATION && !(condition->about > 0))
       s->radiates = true;
-    if (condition->kind != BW_HEAT_CONVECTION)
+    if (condition->kind != BW_HEAT_CONVECTION && condition->kind != BW_HEAT_CONTACT)
       continue;
     if (!s->films)
       s->films = BW_NEW0(context, double, s->pattern->block_count);
     BW_TRY_MEMORY(s->films);
-    bwi_heat_film(s->pattern, mesh, condition, NULL, s->films);
+    if (condition->kind == BW_HEAT_CONTACT)
+      BW_TRY(bwi_heat_join(context, s->pattern, mesh, condition, s->films, &s->cross));
+    else
+      bwi_heat_film(s->pattern, mesh, condition, NULL, s->films);
   }
   s->volume = BW_NEW(context, double, (size_t)volumes *(size_t)mesh->node_count);
   BW_TRY_MEMORY(s->volume);
@@ -221,6 +243,7 @@ void bwi_heat_system_close(bwi_heat_system *s) {
   bw_free(s->node);
   bw_free(s->conduction);
   bw_free(s->films);
+  bwi_heat_cross_clear(&s->cross);
   bw_free(s->capacity);
   bw_free(s->volume);
 }
@@ -258,7 +281,9 @@ bw_status bwi_heat_inflow(bw_context *context, bwi_heat_system *s, const double 
         heat_in[c] += size * volume[i];
       }
       volume += n;
-    } else if (condition->kind != BW_HEAT_TEMPERATURE)
+    } else if (condition->kind == BW_HEAT_CONTACT)
+      bwi_heat_contact(mesh, condition, temperature, q, &heat_in[c]);
+    else if (condition->kind != BW_HEAT_TEMPERATURE)
       BW_TRY(bwi_heat_boundary(context, mesh, condition, temperature, q, &heat_in[c]));
   }
 done:
@@ -278,6 +303,37 @@ static void make_values(bwi_heat_system *s, const bwi_heat_task *task, const dou
       bwi_heat_film(s->pattern, s->heat->mesh, &s->heat->condition[c], temperature, values);
   for (int64_t k = 0; k < blocks; k++)
     values[k] = task->part * values[k] + (task->rate > 0 ? task->rate * s->capacity[k] : 0);
+}
+
+/* Adds what joins the sides of contacts, `part` of it. */
+static bw_status join(bw_context *context, const bwi_heat_system *s, double part,
+                      bw_sparse_matrix **matrix) {
+  const bw_sparse_matrix *apart = *matrix;
+  const bwi_heat_cross *cross = &s->cross;
+  bw_status status = BW_OK;
+  bw_sparse_matrix *made = NULL;
+  int64_t used = 0, most = apart->start[s->unknowns] + cross->count;
+  int32_t *row = BW_NEW(context, int32_t, most), *column = BW_NEW(context, int32_t, most);
+  double *value = BW_NEW(context, double, most);
+  BW_TRY_MEMORY(row && column && value);
+  for (int32_t r = 0; r < s->unknowns; r++)
+    for (int64_t k = apart->start[r]; k < apart->start[r + 1]; k++, used++)
+      row[used] = r, column[used] = apart->column[k], value[used] = apart->value[k];
+  for (int64_t k = 0; k < cross->count; k++) {
+    int32_t i = s->unknown[cross->row[k]], j = s->unknown[cross->column[k]];
+    if (i < 0 || j < 0)
+      continue;
+    row[used] = i, column[used] = j, value[used++] = part * cross->value[k];
+  }
+  BW_TRY(
+      bw_sparse_matrix_create(context, s->unknowns, s->unknowns, used, row, column, value, &made));
+  bw_release(*matrix);
+  *matrix = made;
+done:
+  bw_free(row);
+  bw_free(column);
+  bw_free(value);
+  return status;
 }
 
 /* The rows and columns of the unknowns, both triangles. */
@@ -353,7 +409,7 @@ static void add_report(bwi_heat_system *s, const bw_solver_report *one, bool fre
 
 /* A x = b for the unknowns. */
 static bw_status solve_linear(bw_context *context, bwi_heat_system *s, const double *values,
-                              const double *b, double *x) {
+                              double part, const double *b, double *x) {
   bw_status status = BW_OK;
   bw_sparse_matrix *matrix = NULL;
   bw_operator *a = NULL;
@@ -366,6 +422,8 @@ static bw_status solve_linear(bw_context *context, bwi_heat_system *s, const dou
   options.preconditioner = NULL; /* it is the inverse that is kept */
   BW_TRY(bw_solver_create(context, &options, &pcg));
   BW_TRY(reduce(context, s, values, &matrix));
+  if (s->cross.count)
+    BW_TRY(join(context, s, part, &matrix));
   BW_TRY(bw_operator_of_matrix(context, matrix, "the matrix of heat", &a));
   for (;;) {
     if (fresh)
@@ -451,7 +509,7 @@ bw_status bwi_heat_solve(bw_context *context, bwi_heat_system *s, const bwi_heat
     double *b = work, *x = work + n;
     for (int32_t r = 0; r < s->unknowns; r++)
       b[r] = -remainder[s->node[r]];
-    BW_TRY(solve_linear(context, s, values, b, x));
+    BW_TRY(solve_linear(context, s, values, task->part, b, x));
     *change = correct(s, x, temperature);
     done = linear || *change <= s->options.tolerance;
     if (++*iterations >= s->options.max_iterations && !done) {

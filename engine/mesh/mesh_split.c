@@ -177,6 +177,57 @@ done:
   return status;
 }
 
+/* ---- a region with nodes of its own --------------------------------------------------------- */
+
+bw_status bw_mesh_separate(bw_context *context, const bw_mesh *mesh, int32_t region,
+                           bw_mesh **separated) {
+  bw_status status = BW_OK;
+  const int n = mesh->nodes_per_element;
+  const int64_t entries = (int64_t)mesh->element_count * n;
+  int64_t count = mesh->node_count;
+  double *node = NULL;
+  int32_t *element = NULL, *copy = NULL;
+  if (region < 0 || region >= mesh->region_count)
+    return bw_fail(context, BW_INVALID, "there is no region %d: there are %d", region + 1,
+                   mesh->region_count);
+  copy = BW_NEW0(context, int32_t, mesh->node_count);
+  element = BW_NEW(context, int32_t, entries);
+  BW_TRY_MEMORY(copy && element);
+  for (int64_t k = 0; k < entries; k++) /* 1: of the region, 2: of others, 3: of both */
+    copy[mesh->element[k]] |= mesh->region[k / n] == region ? 1 : 2;
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    if (copy[i] == 3 && count == INT32_MAX)
+      BW_TRY(bw_fail(context, BW_LIMIT,
+                     "region '%s' cannot have nodes of its own: the mesh would have more than 2^31 "
+                     "- 1 nodes",
+                     mesh->regions[region].name.text));
+    copy[i] = copy[i] == 3 ? (int32_t)count++ : i;
+  }
+  if (count == mesh->node_count) {
+    *separated = bw_retain(mesh);
+    goto done;
+  }
+  node = BW_NEW(context, double, 3 * count);
+  BW_TRY_MEMORY(node);
+  memcpy(node, mesh->node, 3 * (size_t)mesh->node_count * sizeof *node);
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (copy[i] != i)
+      memcpy(node + 3 * (int64_t)copy[i], mesh->node + 3 * (int64_t)i, 3 * sizeof *node);
+  for (int64_t k = 0; k < entries; k++)
+    element[k] = mesh->region[k / n] == region ? copy[mesh->element[k]] : mesh->element[k];
+  const bw_mesh_regions regions = bw_mesh_regions_of(mesh);
+  BW_TRY(bw_mesh_adopt(context, mesh->order, count, node, mesh->element_count, element, &regions,
+                       separated));
+  node = NULL;
+  element = NULL;
+  (*separated)->surface_moved = mesh->surface_moved;
+done:
+  bw_free(node);
+  bw_free(element);
+  bw_free(copy);
+  return status;
+}
+
 /* ---- facets between regions ----------------------------------------------------------------- */
 
 static double facet_area(const bw_mesh *mesh, const int32_t *corner) {

@@ -71,23 +71,42 @@ static void read_film(lua_State *L, const char *key, const char *coefficient,
   lua_settop(L, top);
 }
 
+/* The option contact = {with, conductance}. */
+static void read_contact(lua_State *L, bw_heat_condition *condition) {
+  static const lbw_option list[] = {
+      {"with", LBW_OTHER, 0},
+      {"conductance", LBW_REAL, offsetof(bw_heat_condition, coefficient)},
+      {NULL, LBW_OTHER, 0}};
+  int top = lua_gettop(L);
+  if (lbw_option_get(L, 2, "contact") != LUA_TTABLE)
+    lbw_option_refused(L, "load", "contact", "a table");
+  lbw_options(L, top + 1, "load: contact", list, condition);
+  if (lbw_option_get(L, top + 1, "conductance") == LUA_TNIL)
+    lbw_option_missing(L, "load: contact", "conductance", "");
+  condition->with = (const bw_selection *)lbw_object_option(
+      L, top + 1, "load: contact", "with", &lbw_selection_class, "an open selection");
+  if (!condition->with)
+    lbw_option_missing(L, "load: contact", "with", "");
+  lua_settop(L, top);
+}
+
 /* heat:load{on, heat_flux = | power = | source = | convection = {coefficient, temperature} |
- * radiation = {emissivity, temperature, about}} */
+ * radiation = {emissivity, temperature, about} | contact = {with, conductance}} */
 static int heat_load(lua_State *L) {
-  static const char *const kinds[] = {NULL,     "heat_flux",  "power",
-                                      "source", "convection", "radiation"};
+  static const char *const kinds[] = {NULL,         "heat_flux", "power",  "source",
+                                      "convection", "radiation", "contact"};
   double value[4] = {0};
   static const lbw_option list[] = {{"on", LBW_OTHER, 0},         {"heat_flux", LBW_REAL, 8},
                                     {"power", LBW_REAL, 16},      {"source", LBW_OTHER, 0},
                                     {"convection", LBW_OTHER, 0}, {"radiation", LBW_OTHER, 0},
-                                    {NULL, LBW_OTHER, 0}};
+                                    {"contact", LBW_OTHER, 0},    {NULL, LBW_OTHER, 0}};
   bw_heat *heat = self(L);
   bw_heat_condition condition = {0};
   int given = 0;
   lbw_check_type(L, 2, LUA_TTABLE);
   lua_settop(L, 2);
   lbw_options(L, 2, "load", list, value);
-  for (int k = BW_HEAT_FLUX; k <= BW_HEAT_RADIATION; k++) {
+  for (int k = BW_HEAT_FLUX; k <= BW_HEAT_CONTACT; k++) {
     if (lbw_option_get(L, 2, kinds[k]) != LUA_TNIL) {
       condition.kind = (bw_heat_kind)k;
       given++;
@@ -95,14 +114,16 @@ static int heat_load(lua_State *L) {
     lua_settop(L, 2);
   }
   if (given != 1)
-    return lbw_error(L, "load: one of the options 'heat_flux', 'power', 'source', 'convection' and "
-                        "'radiation' expected");
+    return lbw_error(L, "load: one of the options 'heat_flux', 'power', 'source', 'convection', "
+                        "'radiation' and 'contact' expected");
   condition.on = (const bw_selection *)lbw_object_option(L, 2, "load", "on", &lbw_selection_class,
                                                          "an open selection");
   if (condition.kind == BW_HEAT_CONVECTION)
     read_film(L, "convection", "coefficient", &condition);
   else if (condition.kind == BW_HEAT_RADIATION)
     read_film(L, "radiation", "emissivity", &condition);
+  else if (condition.kind == BW_HEAT_CONTACT)
+    read_contact(L, &condition);
   else if (condition.kind != BW_HEAT_SOURCE)
     condition.value = value[condition.kind];
   else if (lbw_option_get(L, 2, "source") == LUA_TNUMBER)
@@ -197,8 +218,8 @@ static int heat_conditions(lua_State *L) {
 }
 
 static const char *const spoken[] = {
-    "prescribed temperature", "heat flux", "power", "source", "convection", "radiation"};
-static const char *const unit[] = {"K", "W/m2", "W", "W/m3", "K", "K"};
+    "prescribed temperature", "heat flux", "power", "source", "convection", "radiation", "contact"};
+static const char *const unit[] = {"K", "W/m2", "W", "W/m3", "K", "K", "W/(m2 K)"};
 
 static int heat_tostring(lua_State *L) {
   const bw_heat *heat = self(L);
@@ -210,9 +231,10 @@ static int heat_tostring(lua_State *L) {
   luaL_addstring(&buffer, text);
   for (int i = 0; i < heat->condition_count; i++) {
     const bw_heat_condition *c = &heat->condition[i];
-    snprintf(text, sizeof text, "\n  %d: %s %s%s on %s", i + 1, spoken[c->kind],
-             lbw_quantity(c->value, unit[c->kind]).text, c->nodal ? " times a field" : "",
-             lbw_quantity(c->size, c->on ? "m2" : "m3").text);
+    snprintf(
+        text, sizeof text, "\n  %d: %s %s%s on %s", i + 1, spoken[c->kind],
+        lbw_quantity(c->kind == BW_HEAT_CONTACT ? c->coefficient : c->value, unit[c->kind]).text,
+        c->nodal ? " times a field" : "", lbw_quantity(c->size, c->on ? "m2" : "m3").text);
     luaL_addstring(&buffer, text);
     if (c->kind == BW_HEAT_CONVECTION || c->kind == BW_HEAT_RADIATION) {
       snprintf(text, sizeof text, ", %s %s",

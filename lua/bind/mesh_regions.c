@@ -203,6 +203,16 @@ int lbw_mesh_split(lua_State *L) {
   return lbw_leave(L, status, 2);
 }
 
+/* mesh:separated(name) */
+int lbw_mesh_separated(lua_State *L) {
+  const bw_mesh *mesh = self(L);
+  int32_t region = lbw_check_region(L, 2, mesh);
+  lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
+  bw_mesh *out = NULL;
+  bw_status status = bw_mesh_separate(lbw_enter(L), mesh, region, &out);
+  return lbw_leave_object(L, box, out, status);
+}
+
 typedef struct found {
   const bw_mesh *mesh;
   bw_mesh_interface interface;

@@ -57,7 +57,8 @@ function Heat:prescribe(selection, temperature) end
 
 ---Adds a condition.
 ---
----Errors: `empty` for a selection without a facet, `geometry` for facets without area.
+---Errors: `geometry` for facets without area. A selection without a facet raises. So does contact where no facets match node
+---by node, or where one is in both selections.
 ---@param options bw.HeatLoad one of its kinds
 ---@return bw.Heat? heat itself
 ---@return string? message
@@ -72,6 +73,7 @@ function Heat:load(options) end
 ---@field source? number|bw.Array (W/m3, node_count × 1) in the whole body; one for all, or one for each node
 ---@field convection? bw.HeatConvection a flux in proportion to a difference of temperatures
 ---@field radiation? bw.HeatRadiation a flux by the fourth power of temperatures
+---@field contact? bw.HeatContact a flux in proportion to the jump of the temperature from another surface at the same place
 
 ---Convection, a flux coefficient (temperature − T) into the body.
 ---@class bw.HeatConvection
@@ -84,10 +86,17 @@ function Heat:load(options) end
 ---@field temperature number (K) of what is around, 0 or more
 ---@field about? number (K) about which it is linearised; 0: it is not. Default: 0
 
+---Contact that resists heat, a flux conductance (T' − T) from the other surface, where it is T'. Facets of the two surfaces lie
+---on each other node by node, as `mesh:separated` makes them; those without a partner have no contact. `tostring(heat)` tells
+---the area in contact. The contact of forces, `Model:contact`, is another thing: pressures do not change the conductance.
+---@class bw.HeatContact
+---@field with bw.Selection the other surface, without a facet of `on`
+---@field conductance number (W/(m2 K)) the reciprocal of the thermal resistance of an area. Range: above 0.
+
 ---Gives a condition another value: its temperature, flux, power or source, or the temperature of fluid or surroundings. A
 ---field of an array is multiplied by it.
 ---
----Errors: none; a number that is outside its range raises.
+---Errors: none; a number that is outside its range raises, and so does contact, which has no value.
 ---@param condition integer (index from 1) in the order in which they were added
 ---@param value number (any) in the unit of the condition
 ---@return bw.Heat? heat itself
@@ -148,7 +157,7 @@ function Heat:transient(options) end
 ---@field flux bw.Array (W/m2, n × 3, per node) means over the elements around each, of one material; on an interface the larger one of its sides
 ---@field element_flux bw.Array (W/m2, n × 3, per element) means over each
 ---@field reaction bw.Array (W, n, per node) heat into the body where temperatures are prescribed
----@field heat_in bw.Array (W, n, per condition) heat into the body; in time its mean over the last step
+---@field heat_in bw.Array (W, n, per condition) heat into the body, of contact from the other surface, which is no part of the balance; in time its mean over the last step
 ---@field stored number (W) that the body takes up; 0 of a steady state
 ---@field imbalance number (W) what goes in, less what is stored: rounding, or the tolerance of the solver
 ---@field iterations integer (count) of radiation and conductivity; 1 of a linear problem

@@ -334,6 +334,21 @@ function Mesh:split(where, name) end
 ---@return bw.MeshInterface interface no facet where the regions do not touch
 function Mesh:interface(a, b) end
 
+---The same mesh whose region has nodes of its own: those that it shares with other regions are doubled. It is a body of its
+---own then, which touches the others. A region that is not there raises.
+---
+---Errors: limit (more than 2^31 - 1 nodes).
+---```lua
+---local mesh = assert(bw.mesh.box {max = {2, 1, 1}, cells = {4, 2, 2}})
+---mesh = assert(mesh:split({max = {0.5, 1, 1}}, "left"))
+---print(mesh.component_count, mesh:separated("left").component_count) -- 1 2
+---```
+---@param region string its name
+---@return bw.Mesh? mesh with these nodes
+---@return string? message
+---@return bw.Details? details
+function Mesh:separated(region) end
+
 ---The facets between two regions.
 ---@class bw.MeshInterface
 ---@field facets bw.Array (index from 1, n × 3 or × 6) corners, counter-clockwise seen from region b, then mid-edge nodes

@@ -69,6 +69,112 @@ describe("heat", function()
       {mesh = mesh, materials = {covr = cover}})
   end)
 
+  it("contact resists heat: layers in series, by all solvers and in time", function()
+    for order = 1, 2 do
+      local joined = bw.mesh.box {max = {0.1, 0.01, 0.02}, cells = {10, 2, 3}, order = order}
+        :split({min = {0.06, -1, -1}, max = {1, 1, 1}}, "cover")
+      local mesh = joined:separated "cover"
+      assert.equal(2, mesh.component_count)
+      assert.equal(joined.node_count + (order == 1 and 12 or 35), mesh.node_count)
+      check.near(joined.volume, mesh.volume, 1e-18)
+      local cover = bw.material.isotropic {young = 1e9, poisson = 0.3, conductivity = 5, density = 1000,
+        heat_capacity = 500}
+      local heat = bw.heat {mesh = mesh, materials = {rest = metal, cover = cover}}
+      local low, high = mesh.boundary:below("x", 0), mesh.boundary:above("x", 0.1)
+      heat:prescribe(low, 400):load {on = high, convection = {coefficient = 100, temperature = 300}}
+      heat:load {on = mesh.boundary:region "rest",
+        contact = {with = mesh.boundary:region "cover", conductance = 200}}
+      assert.matches("contact 200 W/%(m2 K%) on 2 cm2", tostring(heat))
+      -- areas and resistances in series
+      local flux = 100 / (0.06 / 35 + 1 / 200 + 0.04 / 5 + 1 / 100)
+      local ways = {bw.solver.cholesky(), bw.solver.pcg {preconditioner = bw.solver.jacobi(), tolerance = 1e-12}}
+      if order == 2 then
+        ways[3] = bw.solver.pcg {preconditioner = bw.solver.two_level(), tolerance = 1e-12}
+      end
+      for _, way in ipairs(ways) do
+        local solution = assert(heat:solve {solver = way})
+        local near, far = -math.huge, math.huge -- the sides of the jump
+        for i, x in ipairs(mesh.nodes:totable()) do
+          if math.abs(x[1] - 0.06) < 1e-9 then
+            near, far = math.max(near, solution.temperature[i]), math.min(far, solution.temperature[i])
+          end
+        end
+        check.near(400 - flux * 0.06 / 35, near, 1e-6)
+        check.near(flux / 200, near - far, 1e-6)
+        check.near(-flux * 2e-4, solution.heat_in[3], 1e-8) -- out of the first side
+        assert.is_true(math.abs(solution.imbalance) < 1e-8)
+        assert.is_true(solution:error_estimate() < 1e-6)
+      end
+      local transient = assert(heat:transient {initial = 300, scheme = "bdf2"})
+      local now = assert(transient:run {time = 1e5, step = 1e3})
+      check.near(-flux * 2e-4, now.heat_in[3], 1e-6)
+      check.raises("condition 3 is contact, which has no value", heat.set, heat, 3, 1)
+    end
+  end)
+
+  it("contact takes heat from body to body, and is refused where nothing touches", function()
+    local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 1, 1}, order = 2}
+      :split({min = {0.06, -1, -1}, max = {1, 1, 1}}, "cover")
+    local function body(separated)
+      return bw.heat {mesh = separated, material = metal}, separated.boundary
+    end
+    local heat, boundary = body(mesh:separated "cover")
+    heat:prescribe(boundary:below("x", 0), 300)
+    check.fails("unconstrained", "body 2 of 2 has no steady temperature", heat:solve())
+    local contact = {with = boundary:region "rest", conductance = 50}
+    local high = boundary:above("x", 0.1)
+    assert(heat:load {on = boundary:region "cover", contact = contact}:load {on = high, power = 1})
+    local solution = assert(heat:solve())
+    check.near(1 / (50 * 1e-4) + 300 + 0.1 / 35 / 1e-4, solution.temperature:max(), 1e-6)
+    check.near(-1, solution.heat_in[2], 1e-9)
+    check.raises("lies node by node on a facet of the other", heat.load, heat, {on = high, contact = contact})
+    check.raises("is in both selections", heat.load, heat, {on = boundary, contact = contact})
+    heat, boundary = body(mesh) -- one body, whose regions share their nodes
+    contact.with = boundary:region "rest"
+    local cover = boundary:region "cover"
+    check.raises("lies node by node", heat.load, heat, {on = cover, contact = contact})
+    check.raises("must be above 0", heat.load, heat, {on = boundary, contact = {with = boundary, conductance = 0}})
+    check.raises("'with'", heat.load, heat, {on = boundary, contact = {conductance = 1}})
+    check.raises("'conductance'", heat.load, heat, {on = boundary, contact = {with = boundary}})
+    local separated = mesh:separated "cover"
+    assert.equal(separated.node_count, separated:separated("cover").node_count)
+  end)
+
+  it("contact that hardly resists is none, where three jagged regions meet", function()
+    for order = 1, 2 do
+      local joined = bw.mesh.box {max = {1, 1.1, 0.9}, cells = {4, 5, 4}, order = order}
+        :split("x + 0.3 * sin(9 * y) - 0.2 * z < 0.4", "left"):split("y + 0.4 * x - 0.3 * z > 0.8", "top")
+      local mesh = joined:separated("left"):separated "top"
+      assert.equal(joined.element_count, mesh.element_count)
+      assert.equal(#joined.regions, mesh.component_count)
+      local function solution(of)
+        local heat = bw.heat {mesh = of, material = metal}
+        heat:prescribe(of.boundary:below("x", 0), 300):load {source = 2e4}
+        heat:load {on = of.boundary:above("y", 1.1), convection = {coefficient = 20, temperature = 280}}
+        local area = 0
+        if of == mesh then
+          local side = {}
+          for i, region in ipairs(of.regions) do side[i] = of.boundary:region(region.name) end
+          for _, pair in ipairs {{1, 2}, {1, 3}, {2, 3}} do
+            heat:load {on = side[pair[1]], contact = {with = side[pair[2]], conductance = 1e10}}
+            area = area + joined:interface(of.regions[pair[1]].name, of.regions[pair[2]].name).area
+          end
+          local stated = 0
+          for number, unit in tostring(heat):gmatch "contact [^\n]* on ([%d.]+) (c?m2)" do
+            stated = stated + number * (unit == "m2" and 1 or 1e-4)
+          end
+          check.near(area, stated, 1e-3 * area)
+        end
+        return assert(heat:solve {solver = bw.solver.cholesky()})
+      end
+      local one, other = solution(joined), solution(mesh)
+      check.near(one.temperature:max(), other.temperature:max(), 1e-5)
+      check.near(one.temperature:min(), other.temperature:min(), 1e-5)
+      check.near(one.heat_in[1], other.heat_in[1], 1e-4)
+      assert.is_true(math.abs(other.imbalance) < 1e-3)
+    end
+  end)
+
   it("a tolerance that no step reaches is a failure, not misuse", function()
     local heat, mesh = bar(metal, 1)
     heat:prescribe(mesh.boundary:below("x", 0), 300)

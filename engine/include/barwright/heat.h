@@ -15,22 +15,31 @@ typedef enum bw_heat_kind {
   BW_HEAT_POWER,       /* a total power, spread evenly over area or volume: value (W) */
   BW_HEAT_SOURCE,      /* a source in the whole body: value (W/m3) */
   BW_HEAT_CONVECTION,  /* a flux coefficient (value - T) into the body: value (K) of the ambient */
-  BW_HEAT_RADIATION    /* a flux emissivity sigma (value^4 - T^4): value (K) of what is around, from
+  BW_HEAT_RADIATION,   /* a flux emissivity sigma (value^4 - T^4): value (K) of what is around, from
                           absolute zero, as all temperatures of such a body */
+  BW_HEAT_CONTACT /* a flux coefficient (T' - T) from the surface `with` at the same place, where
+                     it is T': no value */
 } bw_heat_kind;
 /* The constant of Stefan and Boltzmann (W/(m2 K4)), exact by the SI of 2019. */
 #define BW_STEFAN_BOLTZMANN 5.670374419e-8
 
 /* A condition of heat. */
 typedef struct bw_heat_condition {
-  bw_heat_kind kind;      /* by which the others are read */
-  const bw_selection *on; /* retained; NULL, the whole volume, of a source or power */
-  double value;           /* (any) in the unit of the kind */
-  double coefficient;     /* (W/(m2 K)) of convection, 0 or more; (-) the emissivity, 0 to 1 */
-  double about;           /* (K) radiation is linearised about it; default 0: it is not */
-  const bw_array *nodal;  /* node_count x 1 (-), a copy: by which the value of a temperature or a
-                             source is multiplied at each node; or NULL: 1 */
-  double size;            /* (m2) of the selection, or (m3) of the volume; set when it is added */
+  bw_heat_kind kind;        /* by which the others are read */
+  const bw_selection *on;   /* retained; NULL, the whole volume, of a source or power */
+  double value;             /* (any) in the unit of the kind */
+  const bw_selection *with; /* of contact, retained: facets that lie on those of `on`, node by node,
+                               as bw_mesh_separate makes them; others of either have no contact */
+  double coefficient; /* (W/(m2 K)) of convection, 0 or more; of contact its conductance, above 0;
+                         (-) the emissivity, 0 to 1 */
+  double about;       /* (K) radiation is linearised about it; default 0: it is not */
+  const bw_array *nodal; /* node_count x 1 (-), a copy: by which the value of a temperature or a
+                            source is multiplied at each node; or NULL: 1 */
+  double size; /* (m2) of the selection, of its part in contact, or (m3) of the volume; set when it
+                  is added */
+  int32_t *pair; /* (index, on->facet_count x nodes_per_facet) of contact: the node of `with` at the
+                    place of each node of a facet, -1 first without contact; set when it is
+                    added, lives as long as the body */
 } bw_heat_condition;
 
 /* A mesh with a material and conditions of heat. Mutable: its object's revision grows with each
@@ -47,11 +56,13 @@ typedef struct bw_heat {
 BW_API bw_status bw_heat_create(bw_context *context, const bw_mesh *mesh,
                                 const bw_material *material, bw_heat **heat);
 /* Adds a condition. Where several prescribe the temperature of a node, the last one holds.
- * BW_INVALID for numbers outside their ranges, BW_EMPTY for a selection without a facet, but for a
- * temperature on a node set; BW_GEOMETRY for facets without area. */
+ * BW_INVALID for numbers outside their ranges and for a facet on both sides of contact, BW_EMPTY
+ * for a selection without a facet, but for a temperature on a node set, and for contact of surfaces
+ * without facets at the same places; BW_GEOMETRY for facets without area. */
 BW_API bw_status bw_heat_add(bw_context *context, bw_heat *heat,
                              const bw_heat_condition *condition);
-/* Gives condition `index` another value (any). BW_INVALID for one that is not finite. */
+/* Gives condition `index` another value (any). BW_INVALID for one that is not finite,
+ * and for contact. */
 BW_API bw_status bw_heat_set_value(bw_context *context, bw_heat *heat, int index, double value);
 
 /* How the equations are solved. */
@@ -76,7 +87,8 @@ typedef struct bw_heat_solution {
   double *temperature;         /* (K, node_count) */
   double *reaction; /* (W, node_count) heat into the body where temperatures are prescribed */
   int condition_count;
-  double *heat_in;  /* (W, condition_count) into the body by each condition */
+  double *heat_in;  /* (W, condition_count) into the body by each condition; by contact from `with`
+                       to `on`, which the balance leaves out */
   double stored;    /* (W) that the body takes up; 0 of a steady one */
   double imbalance; /* (W) what goes in, less what is stored */
   double

@@ -357,6 +357,11 @@ typedef struct bw_split_log {
  * largest tag is in use, or the status of `inside`. `log` may be NULL. */
 BW_API bw_status bw_mesh_split(bw_context *context, const bw_mesh *mesh, const char *name,
                                bw_inside *inside, void *data, bw_mesh **split, bw_split_log *log);
+/* The same mesh whose region (an index into mesh->regions) has nodes of its own: those that it
+ * shares with others are doubled, so that it is a body of its own that touches them. BW_INVALID for
+ * a region that is not there, BW_LIMIT for more than 2^31 - 1 nodes. */
+BW_API bw_status bw_mesh_separate(bw_context *context, const bw_mesh *mesh, int32_t region,
+                                  bw_mesh **separated);
 /* Which of `count` points, at (m, count x 3), a closed surface holds: inside (count) gets 0 or 1.
  * Points on it count as inside. BW_GEOMETRY for a surface that is not closed. */
 BW_API bw_status bw_surface_contains(bw_context *context, const bw_surface *surface, int64_t count,

@@ -394,6 +394,50 @@ static void test_memory(void **state) {
   bw_release(two_level);
 }
 
+static bw_status left_half(void *data, int64_t count, const double *at, uint8_t *inside) {
+  (void)data;
+  for (int64_t i = 0; i < count; i++)
+    inside[i] = at[3 * i] < 0.5;
+  return BW_OK;
+}
+
+/* Contact when memory ends: the separated mesh, the condition, and the solution. */
+static void test_contact_memory(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *whole = body_box(context, 1, 1, 1, 2, 1, 1, 2), *split = NULL, *mesh = NULL;
+  check_ok(context, bw_mesh_split(context, whole, "left", left_half, NULL, &split, NULL));
+  check_fails(context, BW_INVALID, "no region 3", bw_mesh_separate(context, split, 2, &mesh));
+  check_allocations(context, mesh, bw_mesh_separate(context, split, 1, &mesh));
+  check_ok(context, bw_mesh_separate(context, split, 1, &mesh));
+  bw_heat *heat = heat_body(context, mesh, heat_material(context, 1, 0, 0));
+  bw_selection *side[2] = {NULL, NULL};
+  for (int32_t r = 0; r < 2; r++)
+    check_ok(context, bw_select_region(context, heat->mesh, r, &side[r]));
+  const bw_heat_condition contact = {
+      .kind = BW_HEAT_CONTACT, .on = side[0], .with = side[1], .coefficient = 10};
+  bw_status status = BW_MEMORY;
+  for (int64_t n = 1; status != BW_OK; n++) {
+    bw_fail_allocation(n, true);
+    status = bw_heat_add(context, heat, &contact);
+    bw_fail_allocation(0, false);
+    assert_true(status == BW_OK || status == BW_MEMORY);
+    assert_int_equal(heat->condition_count, status == BW_OK);
+  }
+  heat_on_plane(context, heat, 0, 0,
+                (bw_heat_condition){.kind = BW_HEAT_TEMPERATURE, .value = 300});
+  heat_on_plane(context, heat, 0, 1, (bw_heat_condition){.kind = BW_HEAT_POWER, .value = 10});
+  bw_heat_solution *solution = NULL;
+  check_allocations(context, solution, bw_heat_steady(context, heat, NULL, &solution));
+  check_ok(context, bw_heat_steady(context, heat, NULL, &solution));
+  check_near(heat_at(solution, 1, 0, 0), 311, 1e-9); /* 10 W over 1 m2, both resist: 10, and 1 */
+  bw_release(solution);
+  bw_release(side[0]);
+  bw_release(side[1]);
+  bw_release(heat);
+  bw_release(split);
+  bw_release(whole);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(test_slab),
                                      check_test(test_orthotropic),
@@ -406,6 +450,7 @@ int main(void) {
                                      check_test(test_conductivity_by_temperature),
                                      check_test(test_balance_and_solvers),
                                      check_test(test_misuse),
-                                     check_test(test_memory)};
+                                     check_test(test_memory),
+                                     check_test(test_contact_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
