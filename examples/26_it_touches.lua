@@ -1,0 +1,53 @@
+-- SPDX-License-Identifier: MIT
+-- Lesson 26: it touches.
+--   build/barwright examples/26_it_touches.lua [FOLDER]
+--
+-- A plastic shelf of 200 x 60 x 6 mm is held at its left end. A steel peg of 10 mm radius lies across below it,
+-- 0.5 mm away. Something on the shelf weighs 3 kg.
+local bw = require "barwright"
+local folder = arg and arg[1]
+
+local L, b, h, away = 0.2, 0.06, 0.006, 0.5e-3
+local mesh = bw.mesh.box {max = {L, b, h}, cells = {60, 8, 3}, order = 2}
+local part = bw.model {mesh = mesh, material = bw.material.pla}
+part:fix(mesh.boundary:below("x", 0))
+part:load {on = mesh.boundary:above("z", h), force = {0, 0, -30}}
+
+-- Without the peg the shelf sinks farther than the peg is away.
+local free = assert(part:solve())
+print(free)
+print(("without the peg the shelf sinks %.2f mm"):format(-1e3 * free.displacement:column(3):min()))
+
+-- What may touch what: the underside and a rigid cylinder. Where they touch is part of the answer.
+local peg = bw.rigid.cylinder {point = {0.15, 0, -0.01 - away}, axis = {0, 1, 0}, radius = 0.01}
+local foot = mesh.boundary:below("z", 0)
+local contact = assert(part:contact {{on = foot, with = peg}})
+print(contact)
+local touch = contact.pairs[1]
+print(("the peg carries %.1f N of 30 N; %d of %d corners touch"):format(touch.force[3], touch.active,
+  touch.candidates))
+print(("with the peg it sinks %.2f mm"):format(-1e3 * contact.static.displacement:column(3):min()))
+assert(touch.force[3] > 0 and touch.force[3] < 30)
+
+-- The force is trusted. The largest pressure is that of the mesh: facets of 3 mm are wider than the contact.
+
+-- The root and the peg carry the load together.
+local root = contact.static:reaction_on(mesh.boundary:below("x", 0))
+print(("the root carries %.1f N"):format(root[3]))
+assert(math.abs(root[3] + touch.force[3] - 30) < 1e-3)
+
+-- A shelf that lies on two pegs needs no support, if nothing pushes it sideways.
+local loose = bw.model {mesh = mesh, material = bw.material.pla}
+loose:load {on = mesh.boundary:above("z", h), force = {0, 0, -30}}
+local pegs = {}
+for i, x in ipairs {0.04, 0.16} do
+  pegs[i] = {on = foot, with = bw.rigid.cylinder {point = {x, 0, -0.01}, axis = {0, 1, 0}, radius = 0.01}}
+end
+local lying = assert(loose:contact(pegs))
+print(lying)
+assert(math.abs(lying.pairs[1].force[3] - 15) < 0.1)
+if folder then
+  assert(contact:picture(folder .. "/contact.png"))
+  assert(contact:write(folder .. "/contact.vtu"))
+end
+-- Next: `with` may be facets of another part of the mesh, with an interference = 20e-6 for a press fit.
