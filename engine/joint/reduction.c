@@ -305,11 +305,11 @@ bw_status bwi_reduce_matrix(bw_context *context, const bwi_reduction *r,
                             const bw_block_pattern *pattern, const double *values, int block,
                             bw_sparse_matrix **reduced) {
   bw_status status = BW_OK;
-  int64_t rows = r->unknown_count, room = rows * bw_threads(context);
+  int64_t rows = r->unknown_count, size = rows * bw_threads(context);
   product p = {.reduction = r, .pattern = pattern, .values = values, .block = block};
-  p.sum = BW_NEW0(context, double, room);
-  p.touched = BW_NEW(context, int32_t, room);
-  p.mark = BW_NEW0(context, uint8_t, room);
+  p.sum = BW_NEW0(context, double, size);
+  p.touched = BW_NEW(context, int32_t, size);
+  p.mark = BW_NEW0(context, uint8_t, size);
   p.start = BW_NEW0(context, int64_t, rows + 1);
   BW_TRY_MEMORY(p.sum && p.touched && p.mark && p.start);
   BW_TRY(bw_parallel(context, rows, ROWS_PER_CHUNK, product_rows, &p));
