@@ -1,0 +1,110 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Contact without friction: the closed forms of Hertz and of Lame.
+local bw = require "barwright"
+local grids = require "grids"
+
+local scenario, expect = bw.scenario, bw.scenario.expect
+
+scenario.about {title = "Contact",
+  text = [[Contact without friction beside the closed forms of Hertz (Johnson 1985) and Lamé
+([theory](theory/contact.md)).]]}
+
+local pi, sqrt, exp, cos, sin = math.pi, math.sqrt, math.exp, math.cos, math.sin
+local E, nu = 200e9, 0.3
+local steel = bw.material.isotropic {young = E, poisson = nu}
+local modulus = E / (1 - nu ^ 2)
+
+--- Cells of one size to `fine`, which are the fraction `share`, then larger ones to `size`.
+local function graded(size, fine, share)
+  return function(s)
+    if s <= share then return fine * s / share end
+    return fine + (size - fine) * (exp(4.5 * (s - share) / (1 - share)) - 1) / (exp(4.5) - 1)
+  end
+end
+
+--- A quarter of what lies below z = 0, or a half of it in plane strain with a width, fixed below.
+local function half_space(cells, grade, width)
+  local grid = grids.mapped(cells, 2, function(u, v, w)
+    return {grade(u), width and width * v or grade(v), -grade(1 - w)}
+  end)
+  local part = bw.model {mesh = grid.mesh, material = steel}
+  part:slide(grid:face(1, 0), {1, 0, 0}):slide(grid:face(2, 0), {0, 1, 0}):fix(grid:face(3, 0))
+  if width then part:slide(grid:face(2, 1), {0, 1, 0}) end
+  return part, grid:face(3, 1)
+end
+
+scenario("Hertz, sphere on a half-space", function(t)
+  local radius, depth = 0.05, 2e-5
+  local a, force = sqrt(radius * depth), 4 / 3 * modulus * sqrt(radius) * depth ^ 1.5
+  local part, top = half_space({16, 16, 16}, graded(40 * a, 1.2 * a, 0.5))
+  local ball = bw.rigid.sphere {centre = {0, 0, radius - depth}, radius = radius}
+  local pair = t:require(part:contact {{on = top, with = ball}}).pairs[1]
+  local source = "Johnson 1985, 4.2"
+  expect((-4 * pair.force[3] / force) ^ (2 / 3) * depth, "approach", "m")
+    :near(depth, {relative = 0.02, source = source})
+  expect(pair.pressure, "largest pressure", "Pa")
+    :near(2 * modulus / pi * sqrt(depth / radius), {relative = 0.02, source = source})
+  expect(sqrt(4 * pair.area / pi), "radius of the contact", "m"):near(a, {relative = 0.02, source = source})
+end)
+
+scenario("Hertz, cylinder on a half-space", function(t)
+  local radius, guess = 0.05, 1e-3
+  local width = 0.3 * guess
+  local part, top = half_space({44, 1, 44}, graded(40 * guess, 1.3 * guess, 0.7), width)
+  local roller = bw.rigid.cylinder {point = {0, 0, radius - 6e-5}, axis = {0, 1, 0}, radius = radius}
+  local pair = t:require(part:contact {{on = top, with = roller}}).pairs[1]
+  local force, source = -2 * pair.force[3] / width, "Johnson 1985, 4.1"
+  local a = sqrt(4 * force * radius / (pi * modulus))
+  expect(pair.area / width, "half-width of the contact", "m"):near(a, {relative = 0.02, source = source})
+  expect(pair.pressure, "largest pressure", "Pa"):near(2 * force / (pi * a), {relative = 0.02, source = source})
+end)
+
+--- The meshes as one, whose bodies share no node; how many nodes the first has.
+local function both(a, b)
+  local nodes, elements = a.nodes:totable(), a.elements:totable()
+  local first = #nodes
+  table.move(b.nodes:totable(), 1, b.node_count, first + 1, nodes)
+  for _, e in ipairs(b.elements:totable()) do
+    for k = 1, #e do e[k] = e[k] + first end
+    elements[#elements + 1] = e
+  end
+  return assert(bw.mesh.new {nodes = nodes, elements = elements, order = a.order}), first
+end
+
+--- The boundary where test(x, y, z, of_first) holds at nodes.
+local function where(mesh, first, test)
+  local mask = {}
+  for i, p in ipairs(mesh.nodes:totable()) do mask[i] = test(p[1], p[2], p[3], i <= first) and 1 or 0 end
+  return assert(mesh.boundary:where(bw.array.new(mask)))
+end
+
+scenario("Press fit of two rings", function(t)
+  local a, b, c, thick, interference = 0.02, 0.03, 0.05, 0.004, 2e-5
+  local function ring(cells, from, to)
+    return grids.mapped(cells, 2, function(u, v, w)
+      local r, angle = from + (to - from) * u, pi / 2 * v
+      return {r * cos(angle), r * sin(angle), thick * w}
+    end).mesh
+  end
+  local mesh, first = both(ring({4, 11, 1}, a, b), ring({6, 14, 1}, b, c))
+  local part = bw.model {mesh = mesh, material = steel}
+  for axis = 1, 3 do
+    local normal = {axis == 1 and 1 or 0, axis == 2 and 1 or 0, axis == 3 and 1 or 0}
+    part:slide(mesh.boundary:below(axis, 1e-9), normal)
+    if axis == 3 then part:slide(mesh.boundary:above(axis, thick), normal) end
+  end
+  local face = {}
+  for side = 1, 2 do
+    face[side] = where(mesh, first, function(x, y, _, inner)
+      return math.abs(sqrt(x * x + y * y) - b) < 1e-9 and inner == (side == 1)
+    end)
+  end
+  local contact = t:require(part:contact {{on = face[1], with = face[2], interference = interference}})
+  local sum = (b * b + a * a) / (b * b - a * a) + (c * c + b * b) / (c * c - b * b)
+  local exact = modulus * interference / (b * sum)
+  for _, what in ipairs {"max", "min"} do
+    local pressure = contact.pressure:gather(face[1].nodes)
+    expect(pressure[what](pressure), what == "max" and "largest pressure" or "smallest pressure", "Pa")
+      :near(exact, {relative = 0.01, source = "Lamé; Timoshenko and Goodier 1970, 28"})
+  end
+end)
