@@ -209,8 +209,8 @@ local function by_calculix(mesh, conductivities, fixed, source, flux, film)
   return bw.array.new(found)
 end
 
--- With straight edges our integrals are exact. With a film the two programs differ by 0.2 to 0.5 %. A coarser quadrature
--- of the film in CalculiX would explain it; we have not shown that it is the cause.
+-- With straight edges our integrals are exact. With a film the two programs differ by 0.2 to 0.5 %. A coarser
+-- quadrature of the film in CalculiX would explain it; we have not shown that it is the cause.
 scenario("Two materials beside CalculiX", function(t)
   if not os.execute "command -v ccx >/dev/null 2>&1" then t:skip "ccx is not installed" end
   local conductivities, materials = {rest = 45, cover = 0.6}, {}
