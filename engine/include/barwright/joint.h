@@ -14,8 +14,9 @@ extern "C" {
  * for the displacements u = T x + g that bonds and supports allow. By a factor, or as
  * options->solver says of sparse matrices (bw_linear_solve); of the other options only `tolerance`
  * is looked at. result->system is NULL. BW_UNCONSTRAINED where supports, bonds and springs leave
- * rigid-body modes, BW_INVALID for a node that follows others in two bonds, or follows nodes that
- * follow others; and those of bw_linear_solve. `options` may be NULL. */
+ * rigid-body modes, BW_SINGULAR for springs too soft beside the body, BW_INVALID for a node that
+ * follows others in two bonds, or follows nodes that follow others; and those of bw_linear_solve.
+ * `options` may be NULL. */
 BW_API bw_status bw_joined_statics(bw_context *context, const bw_model *model,
                                    const bw_statics_options *options, bw_static **result);
 /* Its lowest modes: those of T^T K T and T^T M T. Rigid-body modes are left out. BW_INVALID as

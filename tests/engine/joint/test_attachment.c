@@ -216,6 +216,21 @@ static void refuses(void **state) {
   close_body(&b);
 }
 
+/* Springs so soft that rounding of the body's stiffness hides them give no displacement. */
+static void soft_springs(void **state) {
+  bw_context *context = check_context(state);
+  body b = make_body(context, 1, 1, 1, 1);
+  bw_static *result = NULL;
+  check_ok(context, bw_model_gravity(context, b.model, (double[3]){0, 0, -10}));
+  for (int k = 0; k < 2; k++) { /* the elimination fails, or the residual is large */
+    check_ok(context, bw_model_clear_attachments(context, b.model));
+    attach_spring(context, &b, 2, 0, k ? 1e-2 : 1e-4);
+    check_fails(context, BW_SINGULAR, "nearly singular",
+                bw_joined_statics(context, b.model, NULL, &result));
+  }
+  close_body(&b);
+}
+
 /* With each allocation failing in turn. */
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
@@ -236,6 +251,7 @@ int main(void) {
       check_test(springs_carry_a_load),
       check_test(shares_sum_to_the_whole),
       check_test(refuses),
+      check_test(soft_springs),
       check_test(memory_failures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
