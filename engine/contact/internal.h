@@ -4,6 +4,7 @@
 #define BWI_CONTACT_INTERNAL_H
 
 #include "barwright/contact.h"
+#include "barwright/statics.h"
 
 /* ---- rigid_surface.c ------------------------------------------------------------------------- */
 
@@ -101,5 +102,61 @@ typedef struct bwi_rigid_start {
   bool held;      /* there is none */
 } bwi_rigid_start;
 bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *start);
+
+/* ---- contact.c ------------------------------------------------------------------------------- */
+
+/* The state of a solution: u = u_0 + G B^T p + R a. */
+typedef struct bwi_contact_problem {
+  const bw_model *model;
+  const bw_contact_options *options;
+  bw_system *system;
+  bw_static *start; /* u_0 */
+  bwi_contact_rows rows;
+  int count, motions;
+  bool curved;
+  double young;    /* of the first element, to tell sizes */
+  double *load;    /* (motions) R^T f */
+  double *a;       /* (motions) */
+  double *q;       /* (count) gaps of u_0 */
+  double *e;       /* (count x motions) */
+  double *p;       /* (count) */
+  double *w;       /* (count) gaps */
+  double *now;     /* (node_count x 3) u */
+  int working;     /* candidates in the working set, */
+  int32_t *member; /* (count) which, */
+  int32_t *place;  /* (count) their place in it, or -1, */
+  uint8_t *active; /* (count) by place, */
+  double *column;  /* (capacity x count) and their columns of S */
+  int capacity;
+  double elastic; /* the largest mean displacement that pressure causes at a candidate */
+  double epsilon;
+  double *h; /* (motions x motions) */
+  int iterations, changes, solves;
+} bwi_contact_problem;
+static inline int64_t bwi_contact_size(const bwi_contact_problem *problem) {
+  return 3 * (int64_t)problem->model->mesh->node_count;
+}
+/* Of the elastic displacement: penetration that is none. */
+#define BWI_CONTACT_SMALL_GAP 1e-8
+/* Of the load: what springs on motions may carry in the end. */
+#define BWI_CONTACT_BALANCED 1e-6
+
+/* ---- working_set.c --------------------------------------------------------------------------- */
+
+/* Solves the problem on the working set: pressures, motions, and the gaps of all candidates. */
+bw_status bwi_contact_solve_working(bw_context *context, bwi_contact_problem *problem,
+                                    const double *centre);
+/* Takes in the deepest of those outside that penetrate by more than `slack` (m); *added: how many.
+ * BW_INVALID where supports prevent a pair from opening, BW_LIMIT for too many candidates. */
+bw_status bwi_contact_take_deepest(bw_context *context, bwi_contact_problem *problem, double slack,
+                                   int *added);
+/* Columns about the present normals, of the candidates with pressure alone. */
+bw_status bwi_contact_renew(bw_context *context, bwi_contact_problem *problem);
+
+/* ---- contact_result.c ------------------------------------------------------------------------ */
+
+/* What the solved problem says: a new object, and warnings. */
+bw_status bwi_contact_take_result(bw_context *context, bwi_contact_problem *problem,
+                                  bw_contact **contact);
 
 #endif

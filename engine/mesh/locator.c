@@ -2,7 +2,7 @@
 /* Which element holds a point: a tree of boxes over the straight-edged elements, which are sorted
  * along a Morton curve through their centroids. One search serves both questions: an element that
  * holds the point has the distance 0. */
-#include "barwright/mesh.h"
+#include "mesh/locator.h"
 #include "base/box_tree.h"
 
 #include <math.h>
@@ -143,10 +143,9 @@ static double on_segment(const double *p, const double *a, const double *b, doub
   return square;
 }
 
-/* The place on the triangle nearest to p: the foot of the normal when it falls inside, else on one
- * of the sides. Returns the squared distance. */
-static double on_triangle(const double *p, const double *a, const double *b, const double *c,
-                          double weight[3]) {
+/* The foot of the normal when it falls inside, else a place on one of the sides. */
+double bwi_triangle_weights(const double *p, const double *a, const double *b, const double *c,
+                            double weight[3]) {
   const double *corner[3] = {a, b, c};
   double u[3], v[3], w[3], n[3], part[3];
   for (int k = 0; k < 3; k++) {
@@ -214,7 +213,7 @@ static double on_element(const double *p, const double *x[4], double weight[4]) 
     if (weight[opposite[k]] >= 0) /* p is on the inner side of this face */
       continue;
     const int *f = bw_tet_face[k];
-    double distance = on_triangle(p, x[f[0]], x[f[1]], x[f[2]], on_face);
+    double distance = bwi_triangle_weights(p, x[f[0]], x[f[1]], x[f[2]], on_face);
     if (distance < best) {
       best = distance;
       found[opposite[k]] = 0;

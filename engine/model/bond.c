@@ -45,7 +45,7 @@ typedef struct bonding {
   bw_context *context;
   const bw_mesh *mesh;
   const bw_selection *a, *b;
-  double gap, largest, nearest;
+  double gap, largest;
   bwi_box_tree tree;
   side_facet facet;
   int points;
@@ -181,7 +181,6 @@ static bw_status add_overlap(bonding *d, int32_t facet) {
       barycentric_of((const double(*)[2])corner, p, other_at);
       for (int k = 0; k < 3; k++)
         distance += other_at[k] * height[k];
-      d->nearest = fmin(d->nearest, fabs(distance));
       if (fabs(distance) > d->gap)
         continue;
       d->largest = fmax(d->largest, fabs(distance));
@@ -210,15 +209,12 @@ done:
  */
 
 static void box_of(const void *data, int32_t facet, double *min, double *max) {
-  const bonding *d = data;
-  for (int k = 0; k < 3; k++) {
-    min[k] = INFINITY;
-    max[k] = -INFINITY;
-    for (int c = 0; c < 3; c++) {
-      min[k] = fmin(min[k], corner_of(d->mesh, facet, c)[k]);
-      max[k] = fmax(max[k], corner_of(d->mesh, facet, c)[k]);
-    }
-  }
+  bwi_boundary_box(((const bonding *)data)->mesh, facet, min, max);
+}
+
+static double distance_to(void *data, int32_t facet, const double *p) {
+  double weight[3];
+  return bwi_boundary_nearest(((const bonding *)data)->mesh, facet, p, weight);
 }
 
 static bool apart(const double *box, const double *min, const double *max, double gap) {
@@ -363,34 +359,22 @@ static bw_status check_sides(bw_context *context, const bw_selection *a, const b
   return BW_OK;
 }
 
-/* How far the sides are apart: along normals where facets lie over each other, else by nodes. */
+/* How far the nodes of side a are from side b. */
 static bw_status fail_apart(bonding *d) {
-  bw_status status = BW_OK;
-  double nearest = INFINITY, gap = d->gap;
+  double nearest = INFINITY, square;
   for (int32_t i = 0; i < d->a->node_count; i++)
-    for (int32_t k = 0; k < d->b->node_count; k++) {
-      const double *x = d->mesh->node + 3 * (int64_t)d->a->node[i],
-                   *y = d->mesh->node + 3 * (int64_t)d->b->node[k];
-      double z[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
-      nearest = fmin(nearest, bw_norm(z));
-    }
-  d->gap = nearest;
-  for (int32_t f = 0; f < d->a->facet_count; f++) {
-    double box[6];
-    open_facet(d, d->a->facet[f], &d->facet);
-    box_of(d, d->a->facet[f], box, box + 3);
-    BW_TRY(add_below(d, 0, box, box + 3));
-  }
-  nearest = fmin(nearest, d->nearest);
-  status = bw_fail(d->context, BW_GEOMETRY,
-                   "the sides of the bond do not touch: they are %.4g m apart, and the bond closes "
-                   "gaps up to %.4g m between facets that face each other; give a larger gap, or "
-                   "other selections",
-                   nearest, gap);
+    if (bwi_box_tree_nearest(&d->tree, d->mesh->node + 3 * (int64_t)d->a->node[i], distance_to, d,
+                             &square) >= 0)
+      nearest = fmin(nearest, sqrt(square));
+  bw_fail(
+      d->context, BW_GEOMETRY,
+      "the sides of the bond do not touch: they are %.4g m apart at the nearest node of side a, "
+      "and the bond closes gaps up to %.4g m between facets that face each other; give a larger "
+      "gap, or other selections",
+      nearest, d->gap);
   bw_detail_number(d->context, "distance", nearest);
-  bw_detail_number(d->context, "gap", gap);
-done:
-  return status;
+  bw_detail_number(d->context, "gap", d->gap);
+  return BW_GEOMETRY;
 }
 
 static bw_status fail_cover(const bonding *d, int32_t node) {
@@ -479,8 +463,7 @@ static double mean_edge(const bw_selection *on) {
 bw_status bwi_bond_make(bw_context *context, const bw_selection *a, const bw_selection *b,
                         double gap, bw_bond *bond) {
   bw_status status = BW_OK;
-  bonding d = {
-      .context = context, .mesh = a->mesh, .a = a, .b = b, .gap = gap, .nearest = INFINITY};
+  bonding d = {.context = context, .mesh = a->mesh, .a = a, .b = b, .gap = gap};
   *bond = (bw_bond){.a = a, .b = b, .asked_gap = gap};
   if (d.gap < 0)
     d.gap = closed_gap * fmin(mean_edge(a), mean_edge(b));

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "mesh/locator.h"
 #include "model/internal.h"
 
 static const int32_t *nodes_of(const bw_mesh *mesh, int32_t facet) {
@@ -49,6 +50,24 @@ void bwi_boundary_normal_at(const bw_mesh *mesh, int32_t facet, int k, double no
   else
     barycentric[k - 3] = barycentric[(k - 2) % 3] = 0.5;
   bwi_boundary_normal(mesh, facet, barycentric, normal);
+}
+
+void bwi_boundary_box(const bw_mesh *mesh, int32_t facet, double *min, double *max) {
+  const int32_t *node = nodes_of(mesh, facet);
+  for (int i = 0; i < 3; i++) {
+    min[i] = INFINITY;
+    max[i] = -INFINITY;
+    for (int k = 0; k < 3; k++) {
+      min[i] = fmin(min[i], mesh->node[3 * (size_t)node[k] + (size_t)i]);
+      max[i] = fmax(max[i], mesh->node[3 * (size_t)node[k] + (size_t)i]);
+    }
+  }
+}
+
+double bwi_boundary_nearest(const bw_mesh *mesh, int32_t facet, const double *p, double weight[3]) {
+  const int32_t *node = nodes_of(mesh, facet);
+  return bwi_triangle_weights(p, mesh->node + 3 * (size_t)node[0], mesh->node + 3 * (size_t)node[1],
+                              mesh->node + 3 * (size_t)node[2], weight);
 }
 
 static bool is_straight(const bw_mesh *mesh, const int32_t *node) {

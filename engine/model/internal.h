@@ -139,6 +139,12 @@ void bwi_boundary_normal_at(const bw_mesh *mesh, int32_t facet, int k, double no
 /* All mid-edge nodes at the midpoints of their edges (true for order 1). */
 bool bwi_boundary_is_straight(const bw_mesh *mesh, int32_t facet);
 
+/* The box of a boundary facet's corners. */
+void bwi_boundary_box(const bw_mesh *mesh, int32_t facet, double *min, double *max);
+/* The barycentric coordinates of the place nearest to p on the triangle of a boundary facet's
+ * corners; returns the squared distance (m2). */
+double bwi_boundary_nearest(const bw_mesh *mesh, int32_t facet, const double *p, double weight[3]);
+
 /* Integration points of a facet: at most BW_QUADRATURE_POINTS. */
 typedef struct bwi_boundary_point {
   double shape[6]; /* of the facet's nodes */

@@ -421,7 +421,7 @@ static void refused(void **state) {
   check_ok(context, bw_rigid_plane(context, (double[3]){0, 0, 1e-3}, axis[2], &with));
   pair.with = with;
   check_ok(context, bw_model_fix(context, model, foot));
-  check_fails(context, BW_INVALID, "supports hold the body",
+  check_fails(context, BW_INVALID, "supports constrain the body",
               bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
   bw_release(with);
   bw_release(top);

@@ -1,0 +1,257 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What a solved contact says: pressures, forces, gaps, undetermined motions, and warnings. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "contact/internal.h"
+#include "linear/blas.h"
+#include "model/internal.h"
+#include "statics/internal.h"
+
+static const double undecided = 1e-9; /* of the stiffest motion */
+static const double large_rotation = 0.05;
+static const double rounding = 1e-12; /* of the largest coordinate: penetration that is none */
+static const double coarse = 0.25; /* of the elastic displacement: penetration that is too much */
+
+static void contact_destroy(void *object) {
+  bw_contact *contact = object;
+  for (int i = 0; i < contact->pair_count && contact->pair; i++) {
+    bw_release(contact->pair[i].on);
+    bw_release(contact->pair[i].with);
+    bw_release(contact->pair[i].against);
+  }
+  bw_release(contact->model);
+  bw_release(contact->solution);
+  bw_free(contact->pair);
+  bw_free(contact->state);
+  bw_free(contact->pressure);
+  bw_free(contact->gap);
+  bw_free(contact->free_text);
+  bw_free(contact);
+}
+
+static size_t contact_bytes(const void *object) {
+  const bw_contact *contact = object;
+  return sizeof *contact + 2 * (size_t)contact->model->mesh->node_count * sizeof(double) +
+         (size_t)contact->pair_count * (sizeof *contact->pair + sizeof *contact->state);
+}
+
+static const bw_kind contact_kind = {"contact", contact_destroy, contact_bytes};
+
+/* The static solution of the model with the forces of contact, at the place that contact gives. */
+static bw_status take_solution(bw_context *context, bwi_contact_problem *c, bw_contact *out) {
+  bw_status status = BW_OK;
+  const bw_dof_map *dof_map = c->system->dof_map;
+  bw_statics_options options = {.tolerance = 10 * BWI_CONTACT_BALANCED};
+  bw_model *loaded = NULL;
+  bw_array *force = NULL;
+  double *a = BW_NEW(context, double, c->motions);
+  bool closed = false;
+  BW_TRY_MEMORY(a);
+  for (int i = 0; i < c->count; i++)
+    closed = closed || c->p[i] > 0;
+  BW_TRY(bw_model_moved(context, c->model, c->model->mesh, &loaded));
+  BW_TRY(bw_array_create(context, BW_F64, c->model->mesh->node_count, 3, &force));
+  bwi_contact_rows_force(&c->rows, c->p, force->data);
+  if (closed)
+    BW_TRY(bw_model_nodal_forces(context, loaded, force));
+  BW_TRY(bw_statics(context, loaded, c->system, &options, &out->solution));
+  if (c->motions > 0) { /* which differ by a rigid-body motion */
+    double *u = out->solution->displacement;
+    for (int64_t i = 0; i < bwi_contact_size(c); i++)
+      c->now[i] -= u[i];
+    bw_rigid_modes_measure(dof_map, c->now, a);
+    bw_rigid_modes_add(dof_map, a, u);
+  }
+  memcpy(c->now, out->solution->displacement, (size_t)bwi_contact_size(c) * sizeof *c->now);
+done:
+  bw_release(force);
+  bw_release(loaded);
+  bw_free(a);
+  return status;
+}
+
+static void take_pressure(const bwi_contact_problem *c, bw_contact *out) {
+  const bw_mesh *mesh = c->model->mesh;
+  for (int i = 0; i < c->count; i++)
+    out->pressure[c->rows.node[i]] += c->p[i];
+  for (int pair = 0; pair < out->pair_count; pair++) {
+    const bw_selection *on = out->pair[pair].on;
+    for (int32_t f = 0; f < on->facet_count; f++) {
+      const int32_t *node = mesh->facet + (int64_t)on->facet[f] * mesh->nodes_per_facet;
+      for (int k = 3; k < mesh->nodes_per_facet; k++)
+        out->pressure[node[k]] =
+            (out->pressure[node[k - 3]] + out->pressure[node[(k - 2) % 3]]) / 2;
+    }
+  }
+}
+
+static void take_gaps(const bwi_contact_problem *c, bw_contact *out) {
+  const bw_mesh *mesh = c->model->mesh;
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    out->gap[i] = INFINITY;
+  for (int pair = 0; pair < out->pair_count; pair++) {
+    const bw_selection *on = out->pair[pair].on;
+    out->state[pair].gap = INFINITY;
+    for (int k = 0; k < c->count && !out->pair[pair].with; k++)
+      if (c->rows.of[k] == pair) {
+        double gap = c->p[k] > 0 ? 0 : c->w[k] / c->rows.area[k];
+        out->gap[c->rows.node[k]] = fmin(out->gap[c->rows.node[k]], gap);
+        out->state[pair].gap = fmin(out->state[pair].gap, gap);
+      }
+    if (!out->pair[pair].with)
+      continue;
+    for (int32_t f = 0; f < on->facet_count * mesh->nodes_per_facet; f++) {
+      int32_t facet = on->facet[f / mesh->nodes_per_facet];
+      int32_t i = mesh->facet[(int64_t)facet * mesh->nodes_per_facet + f % mesh->nodes_per_facet];
+      double x[3], normal[3];
+      for (int k = 0; k < 3; k++)
+        x[k] = mesh->node[3 * (int64_t)i + k] + c->now[3 * (int64_t)i + k];
+      double gap = bwi_rigid_gap(out->pair[pair].with, x, normal) - out->pair[pair].interference;
+      out->gap[i] = fmin(out->gap[i], gap);
+      out->state[pair].gap = fmin(out->state[pair].gap, gap);
+    }
+  }
+}
+
+static void take_states(const bwi_contact_problem *c, double *force, bw_contact *out) {
+  const bw_mesh *mesh = c->model->mesh;
+  double size = 0;
+  for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++)
+    size = fmax(size, fabs(mesh->node[i]));
+  for (int pair = 0; pair < out->pair_count; pair++) {
+    bw_contact_state *state = &out->state[pair];
+    state->node = -1;
+    for (int i = 0; i < c->count; i++) {
+      if (c->rows.of[i] != pair)
+        continue;
+      state->candidates++;
+      state->active += c->p[i] > 0;
+      state->area += c->p[i] > 0 ? c->rows.area[i] : 0;
+      if (c->p[i] > state->pressure) {
+        state->pressure = c->p[i];
+        state->node = c->rows.node[i];
+      }
+    }
+    if (state->active > 0)
+      state->gap = 0;
+    for (int64_t k = 0; k < c->rows.point_count; k++)
+      if (c->rows.point[k].pair == pair)
+        state->penetration = fmax(state->penetration, -c->rows.point[k].gap);
+    if (state->penetration < fmax(BWI_CONTACT_SMALL_GAP * c->elastic, rounding * size))
+      state->penetration = 0;
+    bwi_contact_rows_pair_force(&c->rows, pair, c->p, force);
+    for (int64_t i = 0; i < mesh->node_count; i++) {
+      double moment[3];
+      bw_cross(mesh->node + 3 * i, force + 3 * i, moment);
+      for (int k = 0; k < 3; k++) {
+        state->force[k] += force[3 * i + k];
+        state->moment[k] += moment[k];
+      }
+    }
+  }
+}
+
+/* The motions in the null space of H. */
+static bw_status take_undetermined(bw_context *context, const bwi_contact_problem *c,
+                                   bw_contact *out) {
+  bw_status status = BW_OK;
+  int m = c->motions, length = 8 * m + 8, info = 0;
+  double *value = BW_NEW(context, double, m), *work = BW_NEW(context, double, length);
+  out->free_text = BW_NEW0(context, char, (size_t)m * 300 + 1);
+  BW_TRY_MEMORY(value && work && out->free_text);
+  if (m > 0) {
+    bwi_blas_enter();
+    dsyev_("V", "U", &m, c->h, &m, value, work, &length, &info);
+    bwi_blas_leave();
+    if (info != 0)
+      BW_TRY(bw_fail(context, BW_INTERNAL, "dsyev failed on %d motions (%d)", m, info));
+  }
+  for (int k = 0; k < m && value[k] <= undecided * value[m - 1]; k++) {
+    char *end = out->free_text + strlen(out->free_text);
+    if (out->free_count++)
+      *end++ = '\n';
+    bwi_describe_motion(c->system->dof_map, c->h + (size_t)k * (size_t)m, end, 299);
+  }
+done:
+  bw_free(value);
+  bw_free(work);
+  return status;
+}
+
+static void warn(bw_context *context, const bwi_contact_problem *c, const bw_contact *out) {
+  const bw_dof_map *dof_map = c->system->dof_map;
+  for (int i = 0; i < out->pair_count; i++) {
+    if (out->state[i].active == 0 && out->state[i].penetration > 0)
+      bw_warn(context,
+              "contact pair %d is undecided: points penetrate by up to %.3g m, though its gap is "
+              "open in the mean: its facets are too large for what it touches. Refine them",
+              i + 1, out->state[i].penetration);
+    else if (out->state[i].active == 0)
+      bw_warn(context, "contact pair %d stays open: its smallest gap is %.3g m", i + 1,
+              out->state[i].gap);
+    else if (out->state[i].penetration > coarse * c->elastic)
+      bw_warn(context,
+              "contact pair %d penetrates by up to %.3g m between corners, and its pressure moves "
+              "them by %.3g m: its facets are too large for what it touches. Refine them",
+              i + 1, out->state[i].penetration, c->elastic);
+  }
+  if (out->free_count > 0) {
+    char text[400];
+    size_t length = strcspn(out->free_text, "\n");
+    snprintf(text, sizeof text, "%.*s", (int)length, out->free_text);
+    bw_warn(
+        context,
+        "nothing decides the position along %d motions, such as the %s: stresses and pressure do "
+        "not depend on it",
+        out->free_count, text);
+  }
+  for (int32_t b = 0; b < dof_map->mesh->component_count; b++) {
+    double rotation[3] = {0};
+    for (int32_t m = dof_map->rigid_mode_start[b]; m < dof_map->rigid_mode_start[b + 1]; m++)
+      for (int k = 0; k < 3; k++)
+        rotation[k] += c->a[m] * dof_map->rigid_mode[m].rotation[k];
+    if (bw_norm(rotation) > large_rotation)
+      bw_warn(context, "body %d rotates by %.2g rad on its contact: rotations are taken as small",
+              b + 1, bw_norm(rotation));
+  }
+}
+
+bw_status bwi_contact_take_result(bw_context *context, bwi_contact_problem *c,
+                                  bw_contact **contact) {
+  bw_status status = BW_OK;
+  int64_t nodes = c->model->mesh->node_count;
+  double *force = NULL;
+  bw_contact *out = BW_NEW0(context, bw_contact, 1);
+  BW_TRY_MEMORY(out);
+  bw_object_init(out, &contact_kind);
+  out->model = bw_retain(c->model);
+  force = BW_NEW(context, double, 3 * nodes);
+  out->pair = BW_NEW0(context, bw_contact_pair, c->rows.pair_count);
+  out->state = BW_NEW0(context, bw_contact_state, c->rows.pair_count);
+  out->pressure = BW_NEW0(context, double, nodes);
+  out->gap = BW_NEW(context, double, nodes);
+  BW_TRY_MEMORY(force && out->pair && out->state && out->pressure && out->gap);
+  out->pair_count = c->rows.pair_count;
+  for (int i = 0; i < out->pair_count; i++)
+    out->pair[i] =
+        (bw_contact_pair){bw_retain(c->rows.pair[i].on), bw_retain(c->rows.pair[i].with),
+                          bw_retain(c->rows.pair[i].against), c->rows.pair[i].interference};
+  BW_TRY(take_solution(context, c, out));
+  BW_TRY(take_undetermined(context, c, out));
+  take_pressure(c, out);
+  take_gaps(c, out);
+  take_states(c, force, out);
+  out->iterations = c->iterations;
+  out->changes = c->changes;
+  out->solves = c->solves;
+  out->report = c->system->report;
+  warn(context, c, out);
+  *contact = out;
+done:
+  bw_free(force);
+  if (status != BW_OK)
+    bw_release(out);
+  return status;
+}
