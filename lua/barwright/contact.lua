@@ -14,7 +14,7 @@ end
 --- The deformed part coloured by its contact pressure; options of static:picture.
 function contact:picture(path, given)
   local opts = options.copied(given)
-  opts.field, opts.unit = self.pressure, opts.unit or "contact pressure, Pa"
+  opts.field, opts.unit, opts.scale = self.pressure, opts.unit or "contact pressure, MPa", opts.scale or 1e-6
   return self.static:picture(path, opts)
 end
 

@@ -58,7 +58,7 @@ local function report(found, opts, out)
   for i, factor in ipairs(factors) do
     out:say("  %2d  %10s   about %s too large in size", i, shown.number(factor), shown.error(errors[i]))
   end
-  out:say("With an error of at least %s, %s.", shown.error(MIN_ERROR), words)
+  out:say("With these errors, or %s where that is more, %s.", shown.error(MIN_ERROR), words)
   local material, used = found.static.material, nil
   if material.strength and buckling.factor then
     used = found.static.utilisation:max() * buckling.factor

@@ -16,6 +16,7 @@ local units = {
   s = {s = 1, ms = 1e-3, min = 60, h = 3600, d = 86400},
   Hz = {Hz = 1, kHz = 1e3},
   K = {K = 1},
+  W = {W = 1, mW = 1e-3, kW = 1e3},
   bytes = {B = 1, K = 1024, M = 1024 ^ 2, G = 1024 ^ 3, T = 1024 ^ 4, KB = 1e3, MB = 1e6, GB = 1e9, TB = 1e12,
     KiB = 1024, MiB = 1024 ^ 2, GiB = 1024 ^ 3, TiB = 1024 ^ 4},
   ["kg/m3"] = {["kg/m3"] = 1, ["g/cm3"] = 1e3},
