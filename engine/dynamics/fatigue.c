@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "barwright/analysis.h"
 #include "barwright/dynamics.h"
 #include "dynamics/internal.h"
 
@@ -184,5 +185,60 @@ done:
   bw_free(d.tensor);
   bw_free(d.history);
   bw_free(d.cycle);
+  return status;
+}
+
+/* ---- static solutions ------------------------------------------------------------------------ */
+
+/* Points of two materials of one mesh are the same where their regions meet at the same nodes. */
+static bool same_points(const bw_stress_points *a, const bw_stress_points *b) {
+  bool same = a->count == b->count && !a->point == !b->point;
+  for (int32_t i = 0; same && a->point && i < a->count; i++)
+    same = a->point[i].node == b->point[i].node;
+  return same;
+}
+
+bw_status bw_static_damage(bw_context *context, const bw_life_curve *curve, int case_count,
+                           const bw_static *const *result, int64_t steps, const double *factor,
+                           double *damage) {
+  bw_status status = BW_OK;
+  const bw_mesh *mesh = result[0]->model->mesh;
+  bw_stress_points points = {0}, own = {0};
+  double *stress = NULL, *of_point = NULL;
+  const double **of_case = BW_NEW(context, const double *, case_count);
+  BW_TRY_MEMORY(of_case);
+  BW_TRY(bw_stress_points_create(context, mesh, result[0]->model->material, &points));
+  stress = BW_NEW(context, double, 6 * (int64_t)points.count * case_count);
+  of_point = BW_NEW(context, double, points.count);
+  BW_TRY_MEMORY(stress && of_point);
+  for (int c = 0; c < case_count; c++) {
+    const bw_model *model = result[c]->model;
+    double *to = stress + 6 * (int64_t)points.count * c;
+    if (model->mesh != mesh)
+      BW_TRY(
+          bw_fail(context, BW_INVALID, "load case %d is on another mesh than load case 1", c + 1));
+    BW_TRY(bw_stress_points_create(context, mesh, model->material, &own));
+    if (!same_points(&points, &own))
+      BW_TRY(bw_fail(context, BW_INVALID,
+                     "load case %d has other regions of one material than load case 1: solve both "
+                     "with the same materials",
+                     c + 1));
+    BW_TRY(bw_static_point_stress(context, result[c], &own, to));
+    bw_stress_points_clear(&own);
+    of_case[c] = to;
+  }
+  BW_TRY(bw_fatigue_damage(context, curve, points.count, case_count, of_case, steps, factor,
+                           of_point));
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    damage[i] = 0;
+    for (int32_t k = i; k >= 0; k = points.point ? points.point[k].next : -1)
+      damage[i] = fmax(damage[i], of_point[k]);
+  }
+done:
+  bw_stress_points_clear(&points);
+  bw_stress_points_clear(&own);
+  bw_free(of_case);
+  bw_free(stress);
+  bw_free(of_point);
   return status;
 }

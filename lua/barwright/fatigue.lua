@@ -38,7 +38,7 @@ function fatigue.create(given)
     loads = {type = "table", needed = true},
     curve = {type = "table", needed = true},
   })
-  local first, stresses, rows, length = nil, {}, {}, nil
+  local first, solutions, rows, length = nil, {}, {}, nil
   if #opts.loads < 1 or #opts.loads > 1000 then
     raise(("fatigue: option 'loads': 1 to 1000 loads expected, got %d"):format(#opts.loads))
   end
@@ -53,13 +53,13 @@ function fatigue.create(given)
     end
     local history = read_history(i, one.history, length)
     length = #history
-    stresses[i] = one.static.stress
+    solutions[i] = one.static
     for t, value in ipairs(history) do
       rows[t] = rows[t] or {}
       rows[t][i] = value
     end
   end
-  local damage, message, details = core.fatigue_damage(stresses, rows, opts.curve)
+  local damage, message, details = core.fatigue_damage(solutions, rows, opts.curve)
   if not damage then return nil, message, details end
   local node = damage:argmax()
   local worst = damage[node]

@@ -24,7 +24,7 @@ static int core_rainflow(lua_State *L) {
   return lbw_leave_object(L, box, array, status);
 }
 
-/* fatigue_damage({stress of each case}, {{factor of each case} at each step}, curve) */
+/* fatigue_damage({static solution of each case}, {{factor of each case} at each step}, curve) */
 static int core_fatigue_damage(lua_State *L) {
   static const lbw_option list[] = {{"amplitude", LBW_REAL, offsetof(bw_life_curve, amplitude)},
                                     {"cycles", LBW_REAL, offsetof(bw_life_curve, cycles)},
@@ -33,24 +33,25 @@ static int core_fatigue_damage(lua_State *L) {
                                     {"strength", LBW_REAL, offsetof(bw_life_curve, strength)},
                                     {NULL, LBW_OTHER, 0}};
   bw_life_curve curve;
-  int64_t steps, rows = 0, places = 0;
+  int64_t steps;
   lua_settop(L, 3);
   bw_life_curve_default(&curve);
   lbw_options(L, 3, "fatigue: curve", list, &curve);
   int cases = (int)lua_rawlen(L, 1);
-  const double **stress =
-      (const double **)lua_newuserdatauv(L, (size_t)cases * sizeof *stress + 1, 0);
-  luaL_checkstack(L, 2 * cases + 10, NULL);
+  const bw_static **result =
+      (const bw_static **)lua_newuserdatauv(L, (size_t)cases * sizeof *result + 1, 0);
   for (int c = 0; c < cases; c++) {
     lua_rawgeti(L, 1, c + 1);
-    stress[c] =
-        lbw_to_doubles(L, lua_gettop(L), "fatigue: stress", 6, &rows); /* kept on the stack */
-    places = rows;
+    result[c] =
+        (const bw_static *)lbw_check(L, lua_gettop(L), &lbw_static_class); /* the table keeps it */
+    lua_pop(L, 1);
   }
   const double *factor = lbw_to_doubles(L, 2, "fatigue: histories", cases, &steps);
-  double *damage = (double *)lbw_push_array(L, BW_F64, places, 1)->data;
-  return lbw_leave(
-      L, bw_fatigue_damage(lbw_enter(L), &curve, places, cases, stress, steps, factor, damage), 1);
+  if (cases < 1)
+    return lbw_error(L, "fatigue: at least one load expected");
+  double *damage = (double *)lbw_push_array(L, BW_F64, result[0]->model->mesh->node_count, 1)->data;
+  return lbw_leave(L, bw_static_damage(lbw_enter(L), &curve, cases, result, steps, factor, damage),
+                   1);
 }
 
 void lbw_open_fatigue(lua_State *L) {

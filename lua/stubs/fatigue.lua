@@ -26,7 +26,7 @@ local bw = {}
 function bw.rainflow(history) end
 
 ---The damage of one pass of a load history, at each node, by the signed von Mises stress. The stress is the sum of static solutions
----of unit loads, each times its history. Numbers outside their ranges raise, and so do histories of different lengths.
+---of unit loads, each times its history. Where materials meet, the largest damage of one of them counts. Numbers outside their ranges raise, and so do histories of different lengths.
 ---
 ---Errors: only those that every function may give.
 ---

@@ -38,6 +38,32 @@ describe("fatigue", function()
     assert(fatigue:picture(folder .. "damage.png"))
   end)
 
+  -- By linearity two loads of one history do the damage of their sum, also where stiff and soft material meet:
+  -- along the interface the stiff one is stressed more, across it the soft one.
+  it("sums the stresses of each material by themselves", function()
+    local box = bw.mesh.box {max = {0.02, 0.02, 0.02}, cells = {2, 2, 2}, order = 2}
+    local parts = assert(box:split({min = {0, 0, 0}, max = {0.02, 0.01, 0.02}}, "stiff"))
+    local stiff = bw.material.isotropic {young = 200e9, poisson = 0.45}
+    local soft = bw.material.isotropic {young = 100e9, poisson = 0}
+    local materials = {}
+    for _, region in ipairs(parts.regions) do
+      materials[region.name] = region.name == "stiff" and stiff or soft
+    end
+    local function of(along, across)
+      local part = bw.model {mesh = parts, materials = materials}
+      part:fix(parts.boundary:below("x", 0)):fix(parts.boundary:below("y", 0))
+      if along then part:load {on = parts.boundary:above("x", 0.02), force = {20000, 0, 0}} end
+      if across then part:load {on = parts.boundary:above("y", 0.02), force = {0, 30000, 0}} end
+      return assert(part:solve())
+    end
+    local curve, history = {amplitude = 200e6}, {1, -1, 0.4, 1}
+    local sum = assert(bw.fatigue {loads = {{static = of(true, true), history = history}}, curve = curve})
+    local two = assert(bw.fatigue {loads = {{static = of(true), history = history},
+      {static = of(false, true), history = history}}, curve = curve})
+    local quotient = bw.array.map("abs(a - b) / b", {a = two.damage, b = sum.damage})
+    assert.is_true(quotient:max() < 1e-6)
+  end)
+
   it("refuses misuse in a sentence", function()
     local static = pulled {1, 0, 0}
     local function of(loads, curve) return function() bw.fatigue {loads = loads, curve = curve} end end

@@ -3,6 +3,7 @@
 #define BARWRIGHT_DYNAMICS_H
 
 #include "barwright/eigen.h"
+#include "barwright/statics.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -134,6 +135,13 @@ BW_API void bw_life_curve_default(bw_life_curve *curve);
 BW_API bw_status bw_fatigue_damage(bw_context *context, const bw_life_curve *curve,
                                    int64_t place_count, int case_count, const double *const *stress,
                                    int64_t steps, const double *factor, double *damage);
+/* The same of case_count static solutions on one mesh, with a factor (-, steps x case_count) each:
+ * damage (-, node_count) at its nodes. Where materials meet, stresses of each are summed by
+ * themselves, and the largest damage counts. BW_INVALID also for solutions on other meshes or with
+ * other regions of one material, and BW_LIMIT as bw_stress_points_create. */
+BW_API bw_status bw_static_damage(bw_context *context, const bw_life_curve *curve, int case_count,
+                                  const bw_static *const *result, int64_t steps,
+                                  const double *factor, double *damage);
 
 #ifdef __cplusplus
 }
