@@ -93,9 +93,11 @@ bw_status bw_harmonic_coordinates(bw_context *context, const bw_harmonic *h, dou
       continue;
     if (!(sqrt(square) > rounding * lambda))
       return bw_fail(context, BW_SINGULAR,
-                     "%g Hz is the frequency of mode %d, which nothing damps: its response has no "
-                     "limit. Give a damping",
-                     frequency, k + 1);
+                     "%g Hz is the frequency of %s %d, which nothing damps: its response has no "
+                     "limit. %s",
+                     frequency, k < h->modes->count ? "mode" : "residual vector",
+                     k < h->modes->count ? k + 1 : k - h->modes->count + 1,
+                     k < h->modes->count ? "Give a damping" : "Take more modes");
     q[0] = h->load[k] * d.re / square;
     q[1] = -h->load[k] * d.im / square;
     energy += lambda * (q[0] * q[0] + q[1] * q[1]);

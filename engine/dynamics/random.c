@@ -10,7 +10,8 @@
 #include "dynamics/internal.h"
 #include "linear/blas.h"
 
-enum { POINTS = 4, LEVELS = 40 }; /* of a half panel; of panels that double away from a peak */
+/* Of a half panel; of panels that double away from a peak; of finite numbers above 0 at most. */
+enum { POINTS = 4, LEVELS = 40, DOUBLINGS = 2100 };
 
 static const double pi = 3.14159265358979323846;
 /* Gauss's points and weights of degree 15 on -1 to 1, the positive half. */
@@ -60,23 +61,34 @@ static bw_status check_spectrum(bw_context *context, const bw_harmonic *h, const
   return BW_OK;
 }
 
-/* The ends of panels: the points, and around each mode steps that double from its half width. */
+/* The ends of panels: the points; doublings behind each, which resolve a power of the frequency;
+ * and around each vector's pole steps that double from its half width, or from its distance to the
+ * spectrum where that is more. */
 static bw_status choose_ends(bw_context *context, const bw_harmonic *h, const spectrum *s,
                              double **ends, int *count) {
   bw_status status = BW_OK;
   int n = 0, modes = h->modes->count;
   double first = s->frequency[0], last = s->frequency[s->count - 1];
-  double *end = BW_NEW(context, double, s->count + modes * (2 * LEVELS + 1));
+  double *end = BW_NEW(context, double, s->count + DOUBLINGS + h->count * (2 * LEVELS + 1));
   BW_TRY_MEMORY(end);
-  for (int k = 0; k < s->count; k++)
-    end[n++] = s->frequency[k];
-  for (int i = 0; i < modes; i++) {
-    double f = h->modes->frequency[i], width = f * bwi_half_width(&h->damping, 2 * pi * f);
-    if (f >= first && f <= last && !(width > 0) && h->load[i] != 0)
+  for (int k = 0; k < s->count; k++) {
+    double from = s->frequency[k], to = k + 1 < s->count ? s->frequency[k + 1] : 0;
+    end[n++] = from;
+    for (double f = 2 * from; f > 0 && f < to; f *= 2)
+      end[n++] = f;
+  }
+  for (int i = 0; i < h->count; i++) {
+    bw_damping damping = h->damping;
+    damping.ratio = i < modes ? damping.ratio : 0;
+    double f = sqrt(h->eigenvalue[i]) / (2 * pi);
+    double width = f * bwi_half_width(&damping, 2 * pi * f);
+    double outside = fmax(fmax(first - f, f - last), 0);
+    if (outside == 0 && !(width > 0) && h->load[i] != 0)
       BW_TRY(bw_fail(context, BW_SINGULAR,
-                     "nothing damps mode %d at %g Hz: its random response has no limit. Give a "
-                     "damping",
-                     i + 1, f));
+                     "nothing damps %s %d at %g Hz: its random response has no limit. %s",
+                     i < modes ? "mode" : "residual vector", i < modes ? i + 1 : i - modes + 1, f,
+                     i < modes ? "Give a damping" : "Take more modes"));
+    width = fmax(width, outside);
     for (int k = 0; k <= 2 * LEVELS && width > 0; k++) {
       double at = f + (k == 0 ? 0 : k % 2 ? 1 : -1) * width * ldexp(1, (k - 1) / 2);
       if (at > first && at < last)

@@ -503,6 +503,64 @@ static void random_by_sums(void **state) {
   bw_release(mesh);
 }
 
+/* The largest root mean square of displacement by a density f^slope of two points, and of many. */
+static double largest_rms(bw_context *context, const bw_harmonic *h, double from, double to,
+                          double slope, int count) {
+  int size = 3 * h->model->mesh->node_count;
+  double *at = numbers(count), *density = numbers(count), *u = numbers(size), largest = 0;
+  for (int k = 0; k < count; k++) {
+    at[k] = k + 1 < count ? from * pow(to / from, k / (count - 1.0)) : to;
+    density[k] = pow(at[k], slope);
+  }
+  check_ok(context, bw_harmonic_random(context, h, count, at, density, u, NULL, NULL));
+  for (int i = 0; i < size; i++)
+    largest = fmax(largest, u[i]);
+  free(at);
+  free(density);
+  free(u);
+  return largest;
+}
+
+/* The quadrature resolves steep densities, and undamped modes beside the spectrum: more points on
+ * the same lines change nothing. */
+static void random_far_from_peaks(void **state) {
+  bw_context *context = check_context(state);
+  const double force[3] = {-100, 20, 30};
+  bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 3, 1, 1, 2);
+  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_harmonic_options options;
+  bw_harmonic_options_default(&options);
+  options.to = 1000;
+  options.damping.ratio = 0.02;
+  bw_harmonic *h = answered(context, model, &options);
+  for (int n = -8; n <= 4; n++)
+    check_near(largest_rms(context, h, 1, 1000, n, 2) / largest_rms(context, h, 1, 1000, n, 300), 1,
+               1e-6);
+  h->damping.ratio = 0;
+  double f = h->modes->frequency[0], f2 = h->modes->frequency[1];
+  assert_true(f < 1000);
+  check_near(largest_rms(context, h, 1, 0.99 * f, 0, 2) /
+                 largest_rms(context, h, 1, 0.99 * f, 0, 2000),
+             1, 1e-6);
+  check_near(largest_rms(context, h, 1.01 * f, 0.99 * f2, 0, 2) /
+                 largest_rms(context, h, 1.01 * f, 0.99 * f2, 0, 2000),
+             1, 1e-6);
+  bw_release(h);
+  /* modes that only residual vectors stand for have no damping by a ratio */
+  options.modes = 1;
+  options.to = 4000;
+  options.damping.ratio = 0.02;
+  h = answered(context, model, &options);
+  const double at[2] = {1, 4000}, density[2] = {1, 1};
+  double *u = numbers(3 * mesh->node_count);
+  check_fails(context, BW_SINGULAR, "nothing damps residual vector",
+              bw_harmonic_random(context, h, 2, at, density, u, NULL, NULL));
+  free(u);
+  bw_release(h);
+  bw_release(model);
+  bw_release(mesh);
+}
+
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-1, 0, 0};
@@ -609,10 +667,12 @@ static void calculix_agrees(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(against_dense),    check_test(single_mode),
-                                     check_test(statics_and_base), check_test(peaks_are_met),
-                                     check_test(same_bits),        check_test(refused),
-                                     check_test(memory_failures),  check_test(random_single_mode),
-                                     check_test(random_by_sums),   check_test(calculix_agrees)};
+  const struct CMUnitTest tests[] = {
+      check_test(against_dense),    check_test(single_mode),
+      check_test(statics_and_base), check_test(peaks_are_met),
+      check_test(same_bits),        check_test(refused),
+      check_test(memory_failures),  check_test(random_single_mode),
+      check_test(random_by_sums),   check_test(random_far_from_peaks),
+      check_test(calculix_agrees)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
