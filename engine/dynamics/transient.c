@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/dense.h"
 #include "dynamics/transient_modes.h"
 #include "linear/blas.h"
 #include "linear/pcg_space.h"
@@ -235,13 +236,6 @@ static bw_status by_stiffness(bw_context *context, const inner *s, const double 
   return bw_block_multiply(context, s->system->pattern, s->system->stiffness, 9, 3, 1, x, y);
 }
 
-static double dot(int64_t size, const double *x, const double *y) {
-  double sum = 0;
-  for (int64_t i = 0; i < size; i++)
-    sum += x[i] * y[i];
-  return sum;
-}
-
 static void add_forces(const inner *s, const bw_transient_factors *f, double *force) {
   memset(force, 0, (size_t)s->size * sizeof *force);
   for (int k = 0; k < s->loads; k++) {
@@ -331,8 +325,8 @@ static bw_status take_stock(bw_context *context, inner *s, const double *force, 
     now->reaction[i] = inertia[i] + damping[i] + elastic[i] - force[i];
   }
   bwi_keep_states(s->system->dof_map, HELD, now->reaction);
-  now->strain = 0.5 * dot(s->size, now->u, elastic);
-  now->kinetic = 0.5 * dot(s->size, now->v, momentum);
+  now->strain = 0.5 * bwi_dot(s->size, now->u, elastic);
+  now->kinetic = 0.5 * bwi_dot(s->size, now->v, momentum);
 done:
   return status;
 }
@@ -519,6 +513,12 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
     work += 0.5 * (force[i] + t->reaction[i] + next_force[i] + next->reaction[i]) * change;
     damped += 0.5 * (s->block[DAMPING_V][i] + s->block[NEXT_DAMPING_V][i]) * change;
   }
+  if (!isfinite(next->kinetic + next->strain + work + damped))
+    BW_TRY(bw_fail(
+        context, BW_INVALID,
+        "the motion at %g s has no finite energy: give a shorter step than %g s, or smaller "
+        "loads",
+        t->step * (double)(t->steps + 1), t->step));
   advance(t);
   if (s->modal)
     bwi_modal_motion_accept(s->modal);

@@ -6,6 +6,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/dense.h"
+
+/* Of modes, and of what they may leave out of the start without a warning. */
+static const double residual_limit = 1e-4, left_out_limit = 1e-2;
+
 typedef struct bwi_modal_motion {
   int64_t size;
   int count, loads; /* vectors of the basis; loads of the model */
@@ -37,13 +42,6 @@ size_t bwi_modal_motion_bytes(const motion *m) {
   return sizeof *m + sizeof(double) * (size_t)(m->size * (m->count + m->loads + 1));
 }
 
-static double dot(int64_t size, const double *x, const double *y) {
-  double sum = 0;
-  for (int64_t i = 0; i < size; i++)
-    sum += x[i] * y[i];
-  return sum;
-}
-
 static void add(int64_t size, double factor, const double *x, double *y) {
   for (int64_t i = 0; i < size && factor != 0; i++)
     y[i] += factor * x[i];
@@ -55,19 +53,27 @@ static bw_status by_mass(bw_context *context, const bw_system *system, const dou
 
 /* ---- the basis ------------------------------------------------------------------------------- */
 
-static bw_status check_modes(bw_context *context, const bw_model *model, const bw_system *system,
+/* Of modal mass 1, held where the model is, and K x = w^2 M x: the residual in the norm of K^-1,
+ * where w is the size of each side. `work`: 3 x size. */
+static bw_status check_modes(bw_context *context, const bw_model *model, bw_system *system,
                              const bw_modes *modes, double *work) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *product = work + size, *answer = product + size;
   bool fits = modes->mesh == model->mesh && modes->components == 3 && modes->count > 0;
   for (int k = 0; fits && k < modes->count; k++) {
     const double *shape = modes->shape + k * size;
-    BW_TRY(by_mass(context, system, shape, work));
-    fits = fabs(dot(size, shape, work) - 1) < 1e-6;
-    double whole = dot(size, shape, shape);
+    double square = modes->eigenvalue[k];
     memcpy(work, shape, (size_t)size * sizeof *work);
     bwi_keep_states(system->dof_map, 1u << BW_DOF_PRESCRIBED, work);
-    fits = fits && dot(size, work, work) <= 1e-16 * whole;
+    fits = bwi_dot(size, work, work) <= 1e-16 * bwi_dot(size, shape, shape);
+    BW_TRY(by_mass(context, system, shape, work));
+    fits = fits && fabs(bwi_dot(size, shape, work) - 1) < 1e-6;
+    BW_TRY(bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1, shape, product));
+    add(size, -square, work, product);
+    bwi_keep_states(system->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, product);
+    BW_TRY(bw_system_solve(context, system, 1, product, answer));
+    fits = fits && bwi_dot(size, product, answer) <= residual_limit * residual_limit * square;
   }
   if (!fits)
     status =
@@ -92,9 +98,9 @@ static bw_status make_basis(bw_context *context, const bw_system *system, const 
     for (int j = 0; j <= k; j++) {
       BW_TRY(by_mass(context, system, r, work));
       if (j < k)
-        add(m->size, -dot(m->size, m->basis + j * m->size, work), m->basis + j * m->size, r);
+        add(m->size, -bwi_dot(m->size, m->basis + j * m->size, work), m->basis + j * m->size, r);
     }
-    double scale = 1 / sqrt(dot(m->size, r, work));
+    double scale = 1 / sqrt(bwi_dot(m->size, r, work));
     for (int64_t i = 0; i < m->size; i++)
       r[i] *= scale;
   }
@@ -154,7 +160,7 @@ static bw_status make_loads(bw_context *context, bw_system *system, const double
     double *u = m->residual + l * m->size, *part = m->part + (int64_t)l * m->count;
     BW_TRY(bw_system_solve(context, system, 1, f, u));
     for (int k = 0; k < m->count; k++) {
-      part[k] = dot(m->size, m->basis + k * m->size, f);
+      part[k] = bwi_dot(m->size, m->basis + k * m->size, f);
       if (m->square[k] > 0)
         add(m->size, -part[k] / m->square[k], m->basis + k * m->size, u);
     }
@@ -169,7 +175,7 @@ static bw_status make_loads(bw_context *context, bw_system *system, const double
     add(m->size, 1, prescribed, m->support);
     BW_TRY(by_mass(context, system, m->support, work));
     for (int k = 0; k < m->count; k++)
-      part[k] = -dot(m->size, m->basis + k * m->size, work);
+      part[k] = -bwi_dot(m->size, m->basis + k * m->size, work);
   }
 done:
   return status;
@@ -197,7 +203,7 @@ bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model, bw
   m->loads = model->load_count;
   m->mass_damping = d->mass;
   m->step = options->step;
-  work = BW_NEW(context, double, m->size);
+  work = BW_NEW(context, double, 3 * m->size);
   m->basis = BW_NEW0(context, double, m->size * m->count);
   m->residual = BW_NEW(context, double, m->size * m->loads);
   m->part = BW_NEW0(context, double, (int64_t)m->count *(m->loads + 1));
@@ -263,6 +269,34 @@ static void expand(const motion *m, const bw_transient_factors *f, const bwi_mot
   }
 }
 
+/* A warning where the start is not what was given. */
+static bw_status compare_start(bw_context *context, const motion *m, const bw_system *system,
+                               const double *given, const double *taken, const char *what) {
+  bw_status status = BW_OK;
+  double *off = NULL, *product = NULL;
+  if (!given)
+    return BW_OK;
+  off = BW_NEW(context, double, m->size);
+  product = BW_NEW(context, double, m->size);
+  BW_TRY_MEMORY(off && product);
+  BW_TRY(by_mass(context, system, given, product));
+  double whole = sqrt(bwi_dot(m->size, given, product));
+  for (int64_t i = 0; i < m->size; i++)
+    off[i] = given[i] - taken[i];
+  bwi_keep_states(system->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, off);
+  BW_TRY(by_mass(context, system, off, product));
+  double left = sqrt(fmax(bwi_dot(m->size, off, product), 0));
+  if (whole > 0 && left > left_out_limit * whole)
+    bw_warn(context,
+            "the modes and the static part of the loads leave out %.3g %% of the %s at the start, "
+            "in the norm of the mass: take more modes, or integrate directly",
+            100 * left / whole, what);
+done:
+  bw_free(off);
+  bw_free(product);
+  return status;
+}
+
 bw_status bwi_modal_motion_start(bw_context *context, motion *m, const bw_system *system,
                                  const bw_linear_transient_options *options,
                                  const bw_transient_factors *f, const bwi_motion_fields *out) {
@@ -277,10 +311,12 @@ bw_status bwi_modal_motion_start(bw_context *context, motion *m, const bw_system
       add(m->size, which ? -f->support_velocity : -f->support, m->support, relative);
     BW_TRY(by_mass(context, system, relative, product));
     for (int k = 0; k < m->count; k++)
-      to[k] = dot(m->size, m->basis + k * m->size, product);
+      to[k] = bwi_dot(m->size, m->basis + k * m->size, product);
   }
   modal_forces(m, f);
   expand(m, f, out);
+  BW_TRY(compare_start(context, m, system, options->displacement, out->u, "displacement"));
+  BW_TRY(compare_start(context, m, system, options->velocity, out->v, "velocity"));
 done:
   return status;
 }

@@ -18,7 +18,8 @@ typedef struct bwi_motion_fields {
 bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model, bw_system *system,
                                   const bw_linear_transient_options *options, const double *load,
                                   const double *prescribed, struct bwi_modal_motion **motion);
-/* The state at the start, from the fields u and v of the options. */
+/* The state at the start, from the fields u and v of the options, with a warning where it is not
+ * what they say. */
 bw_status bwi_modal_motion_start(bw_context *context, struct bwi_modal_motion *motion,
                                  const bw_system *system,
                                  const bw_linear_transient_options *options,

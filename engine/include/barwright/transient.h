@@ -57,7 +57,9 @@ typedef struct bw_linear_transient {
  * 371-375, equations 14 to 25, or by modal superposition, exact for loads that are linear within a
  * step. `given` (may be NULL): equations of the model, whose matrices and
  * elimination order serve again. `now` (may be NULL: all loads 1, supports at their values and at
- * rest): factors at the start. The model must not change afterwards. initial + work = kinetic +
+ * rest): factors at the start. A warning says what modes leave out of the displacement and the
+ * velocity at the start, where that is above 1 % in the norm of the mass. The static part of a load
+ * that acts then is there at once. The model must not change afterwards. initial + work = kinetic +
  * strain + damped, but for what the scheme itself takes away. BW_INVALID for numbers outside their
  * ranges, a material without density and modes of another model, BW_UNSUPPORTED for temperature
  * loads and other damping; BW_MEMORY, before it is allocated, for a factor larger than what is
@@ -69,7 +71,8 @@ BW_API bw_status bw_linear_transient_create(bw_context *context, const bw_model 
                                             const bw_transient_factors *now,
                                             bw_linear_transient **transient);
 /* One step, to the time at which the factors are `next` (NULL as above). BW_INVALID where supports
- * or loads were added since the start, and for factors that are not finite: it stays as it was. */
+ * or loads were added since the start, for factors that are not finite, and where the energies
+ * would not be, as for steps of an absurd length: it stays as it was. */
 BW_API bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *transient,
                                           const bw_transient_factors *next);
 /* The present displacement as the static solution of the loads less the forces of inertia and of
