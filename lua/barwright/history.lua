@@ -46,14 +46,15 @@ local function read_rows(path)
   local text, why = read_file(path)
   if not text then return nil, why, {status = "io", file = path} end
   local rows, number, headings = {}, 0, false
-  for line in text:gmatch "([^\n]*)\n?" do
+  for line in text:gsub("^\xEF\xBB\xBF", ""):gmatch "([^\n]*)\n?" do
     number = number + 1
     local plain = line:gsub("\r$", ""):gsub("#.*", "")
     if plain:find "%S" then
-      local first, second = plain:match "^%s*([^,;%s]*)%s*[,;%s]%s*([^,;%s]*)"
+      local first, second, rest = plain:match "^%s*([^,;%s]*)%s*[,;%s]%s*([^,;%s]*)%s*(.*)$"
       local row = {tonumber(first or plain), tonumber(second)}
       local wrong = fault(row, rows[#rows])
-      if wrong and #rows == 0 and not headings and not tonumber(first) then
+        or rest ~= "" and "two columns, with decimal points, expected; there is more on the line"
+      if wrong and #rows == 0 and not headings and first ~= "" and not tonumber(first) then
         headings = true
       elseif wrong then
         return nil, ("%s: line %d: %s"):format(path, number, wrong),

@@ -180,7 +180,10 @@ function transient:run(given)
     if not series then return nil, why, about end
   end
   local first, h = self.time, self.step_length
-  local last = self.steps + math.max(0, math.tointeger(math.ceil((opts.time - first) / h - 1e-9)) or math.huge)
+  if opts.time < first - 1e-9 * h then
+    raise(("run: the time %g s is before now, %g s: a later one expected"):format(opts.time, first))
+  end
+  local last = self.steps + (math.tointeger(math.ceil((opts.time - first) / h - 1e-9)) or math.huge)
   if last - self.steps > 1e8 then
     raise(("run: %.3g steps of %g s to %g s: at most 1e8 expected"):format(last - self.steps, h, opts.time))
   end

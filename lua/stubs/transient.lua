@@ -22,7 +22,7 @@
 ---@field velocity? bw.Array (m/s, node_count × 3) Default: 0.
 
 ---A value that changes in time: a number, a function of time (s), rows {time, value} of ascending times, or the path of a CSV
----file with such rows behind comments (`#`) and a line of headings. Rows are linear between and constant outside.
+---file with such rows of two columns behind comments (`#`) and a line of headings. Rows are linear between and constant outside.
 ---@alias bw.History number|(fun(time: number): number)|number[][]|string
 
 ---A part in motion; `print` shows its energies.
@@ -57,7 +57,8 @@ function LinearTransient:close() end
 
 ---Takes one step.
 ---
----Errors: `memory` where there is none left. Loads or supports added since the start raise.
+---Errors: `memory` where there is none left. Loads or supports added since the start raise, and so does a step so long that the
+---energies are not finite.
 ---@return bw.LinearTransient? transient itself
 ---@return string? message
 ---@return bw.Details? details
@@ -83,7 +84,7 @@ function LinearTransient:run(options) end
 
 ---How far a motion is followed, and what is recorded.
 ---@class bw.TransientRunOptions
----@field time number (s) of the end, from the start of the transient; the last step ends there or behind. Range: above 0.
+---@field time number (s) of the end, from the start of the transient; the last step ends there or behind. A time before the present one raises. Range: above 0.
 ---@field probes? table<string, bw.Vector> (m) points by name: the boundary node nearest to each is recorded
 ---@field stress_every? integer (count) steps from one evaluation of the von Mises stress to the next. Default: none.
 ---@field write? string path of a `.pvd` file: states are written beside it as `.vtu`

@@ -55,6 +55,10 @@ describe("motion in time", function()
   it("histories as numbers, functions, rows and files are the same", function()
     local part = bar()
     local path = folder .. "load.csv"
+    check.write(path, "\xEF\xBB\xBF0,0.5\n1,1\n") -- a mark of the order of bytes, as spreadsheets write it
+    local marked = assert(part:transient {step = 1e-4, loads = {path}})
+    local half = assert(part:transient {step = 1e-4, loads = {{{0, 0.5}, {1, 1}}}})
+    check.near(half.acceleration:norm(), marked.acceleration:norm(), 1e-12)
     check.write(path, "# measured\ntime,force\n0,0\n0.001,1\n0.003, -0.5 # turned\n\n0.01;2\n")
     local rows = {{0, 0}, {0.001, 1}, {0.003, -0.5}, {0.01, 2}}
     local function by_hand(t)
@@ -89,7 +93,10 @@ describe("motion in time", function()
       ["0 1\nx 2\n"] = "line 2: a time is missing",
       ["time,force\nmore,words\n0,1\n"] = "line 2: a time is missing",
       ["time,force\n"] = "no row with a time and a value",
-      ["1,2\n7\n"] = "line 2: a value is missing"} do
+      ["1,2\n7\n"] = "line 2: a value is missing",
+      ["0;0,5\n1;0,7\n"] = "line 1: two columns, with decimal points, expected",
+      ["t,f\n0,1,2\n"] = "line 2: two columns",
+      [",1\n1,2\n"] = "line 1: a time is missing"} do
       check.write(path, text)
       check.fails("format", what, part:transient {step = 1e-4, loads = {path}})
     end
@@ -110,6 +117,8 @@ describe("motion in time", function()
     local transient = assert(part:transient {step = 1e-4})
     check.raises("a point {x, y, z} expected", transient.run, transient, {time = 1, probes = {a = 3}})
     check.raises("at most 1e8 expected", transient.run, transient, {time = 1e9})
+    assert(transient:run {time = 3e-4})
+    check.raises("run: the time 0.0002 s is before now, 0.0003 s", transient.run, transient, {time = 2e-4})
     check.raises("the path of a .pvd file", transient.run, transient, {time = 1, write = "a.vtu"})
     part:gravity {0, 0, -1}
     check.raises("begin a new transient", transient.step, transient)
