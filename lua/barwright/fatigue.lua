@@ -86,9 +86,14 @@ function fatigue:picture(path, given)
 end
 
 function fatigue:__tostring()
-  if self.passes == math.huge then return "fatigue: no damage; life curves scatter" end
-  return ("fatigue: %s passes of the history until damage 1, at node %d, %s; life curves scatter by factors of 2 "
-    .. "to 10"):format(shown.number(self.passes), self.node, core.point(self.at))
+  local unknown = "; error of the stress unknown; life curves scatter"
+  if self.passes == math.huge then return "fatigue: no damage" .. unknown end
+  local place = ("at node %d, %s"):format(self.node, core.point(self.at))
+  if self.passes == 0 then
+    return ("fatigue: the mean stress reaches the strength %s: not one pass%s"):format(place, unknown)
+  end
+  return ("fatigue: %s passes of the history until damage 1, %s%s by factors of 2 to 10"):format(
+    shown.number(self.passes), place, unknown)
 end
 
 arguments.methods("fatigue", fatigue, fatigue, {write = "path: string, options?: options",

@@ -91,8 +91,8 @@ function curve:__tostring()
     local f, a = self:peak(name)
     parts[i] = ("%s %s at %s Hz"):format(name, core.quantity(a, "m"), shown.number(f))
   end
-  return ("displacement of node %d over %d frequencies, largest: %s"):format(self.node, #self.frequencies,
-    table.concat(parts, ", "))
+  return ("displacement of node %d over %d frequencies, largest: %s; error of the mesh unknown"):format(self.node,
+    #self.frequencies, table.concat(parts, ", "))
 end
 
 arguments.methods("harmonic_curve", curve, curve, {peak = "axis: string", write = "path: string", figure = ""})
@@ -111,7 +111,7 @@ function harmonic:random(given)
   local displacement, von_mises, error_or_details = root_mean_squares(self, opts.psd)
   if not displacement then return nil, von_mises, error_or_details end
   return setmetatable({displacement = displacement, von_mises = von_mises, error = error_or_details,
-    mesh = self.mesh}, random)
+    counted = self.modes.counted, mesh = self.mesh}, random)
 end
 
 --- Root mean squares of displacement and von Mises stress, as .vtu (or what the ending says).
@@ -134,9 +134,13 @@ function random:picture(path, given)
 end
 
 function random:__tostring()
-  return ("random response: largest root mean squares %s and %s of von Mises stress, 3 times that %s; error on "
-    .. "this mesh %.1e of the displacement, in energy"):format(core.quantity(self.displacement:max(), "m"),
-    core.quantity(self.von_mises:max(), "Pa"), core.quantity(3 * self.von_mises:max(), "Pa"), self.error)
+  local equations = self.error < math.huge and ("%s %.1e of the displacement, in energy"):format(
+    self.counted and "at most" or "about", self.error) or "unknown"
+  return ("random response: largest root mean squares %s and %s of von Mises stress, 3 times that %s; modes %s; "
+    .. "error of the equations %s; errors of the quadrature and of the mesh unknown"):format(
+    core.quantity(self.displacement:max(), "m"), core.quantity(self.von_mises:max(), "Pa"),
+    core.quantity(3 * self.von_mises:max(), "Pa"), self.counted and "counted: none is missing" or "not counted",
+    equations)
 end
 
 arguments.methods("random_response", random, random, {write = "path: string, options?: options",

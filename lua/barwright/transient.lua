@@ -11,7 +11,7 @@ local raise = core.raise
 
 local model, transient = core.classes.model.methods, core.classes.linear_transient.methods
 
--- By transient: {loads = {functions}, supports = function}
+-- By transient: {loads = {functions}, supports = function, by_modes = boolean}
 local histories_of = setmetatable({}, {__mode = "k"})
 
 local function read_histories(opts, count)
@@ -68,6 +68,7 @@ function model:transient(given)
     damping = opts.damping, modes = opts.modes}, initial.displacement, initial.velocity,
     factors(histories, count, 0, opts.step))
   if not made then return nil, message, details end
+  histories.by_modes = opts.modes ~= nil
   histories_of[made] = histories
   return made
 end
@@ -84,6 +85,9 @@ end
 
 local recording = {}
 recording.__index = recording
+
+-- Recordings of superposed modes.
+local superposed = setmetatable({}, {__mode = "k"})
 
 local energies = {"kinetic_energy", "strain_energy", "work", "damping_energy", "lost_energy"}
 local fields = {"displacement", "velocity", "acceleration"}
@@ -206,6 +210,7 @@ function transient:run(given)
     if opts.each then opts.each(self) end
   end
   local out = setmetatable({energy = {}, probes = rows.probes, time = core.array.new(rows.time)}, recording)
+  superposed[out] = histories_of[self].by_modes
   for _, name in ipairs(energies) do out.energy[name] = core.array.new(rows[name]) end
   out.energy.initial_energy = self.initial_energy
   for _, probe in pairs(out.probes) do
@@ -236,9 +241,12 @@ function recording:write(path)
     for _, field in ipairs(fields) do
       for c = 1, 3 do
         columns[#columns + 1] = self.probes[name][field]:column(c)
-        heads[#heads + 1] = ("%s_%s_%s_%s"):format(name, field, ("xyz"):sub(c, c), units[field])
+        heads[#heads + 1] = ("%s_%s_%s_%s"):format(tostring(name), field, ("xyz"):sub(c, c), units[field])
       end
     end
+  end
+  for k, head in ipairs(heads) do
+    if head:find '[,"\r\n]' then heads[k] = '"' .. head:gsub('"', '""') .. '"' end
   end
   local lines = {table.concat(heads, ",")}
   for i = 1, #self.time do
@@ -259,8 +267,9 @@ function recording:__tostring()
     damping_energy = "taken by damping", lost_energy = "taken by the scheme"}
   lines[#lines + 1] = ("  %-28s %.6g J"):format("at the start", e.initial_energy)
   for _, name in ipairs(energies) do lines[#lines + 1] = ("  %-28s %.6g J"):format(said[name], e[name][n]) end
-  lines[#lines + 1] = ("  the scheme took %.2g %% of the largest energy; a large part asks for shorter steps")
-    :format(scale > 0 and 100 * e.lost_energy[n] / scale or 0)
+  lines[#lines + 1] = ("  the scheme took %.2g %% of the largest energy; %s"):format(
+    scale > 0 and 100 * e.lost_energy[n] / scale or 0, superposed[self]
+    and "by modes that is the rule of the work: compare with more modes" or "a large part asks for shorter steps")
   for _, name in ipairs(sorted_names(self.probes)) do
     local probe, most, at = self.probes[name], 0, 1
     for i = 1, n do
@@ -268,7 +277,8 @@ function recording:__tostring()
       local length = math.sqrt(u[1] ^ 2 + u[2] ^ 2 + u[3] ^ 2)
       if length > most then most, at = length, i end
     end
-    lines[#lines + 1] = ("  %s: largest displacement %.6g m at %.6g s"):format(name, most, self.time[at])
+    lines[#lines + 1] = ("  %s: largest displacement %.6g m at %.6g s; error of the mesh unknown"):format(
+      tostring(name), most, self.time[at])
   end
   local peak = self.stress and self.stress.peak
   if peak then

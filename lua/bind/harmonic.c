@@ -120,8 +120,8 @@ static int harmonic_at_node(lua_State *L) {
     count = h->frequency_count;
   else
     frequency = lbw_to_doubles(L, 3, "at_node: frequencies", 1, &count);
-  if (count > 1000000)
-    return lbw_error(L, "at_node: at most 1000000 frequencies expected");
+  if (count < 1 || count > 1000000)
+    return lbw_error(L, "at_node: 1 to 1000000 frequencies expected");
   double *out = (double *)lbw_push_array(L, BW_F64, count, 6)->data;
   return lbw_leave(L, bw_harmonic_curve(lbw_enter(L), h, (int32_t)node, (int)count, frequency, out),
                    1);
@@ -182,15 +182,17 @@ static int harmonic_tostring(lua_State *L) {
   const bw_harmonic *h = (const bw_harmonic *)lbw_check(L, 1, &lbw_harmonic_class);
   int modes = h->modes->count;
   double largest = 0;
-  char text[300];
+  char text[300], error[80] = "unknown";
   for (int k = 0; k < h->frequency_count; k++)
     largest = fmax(largest, h->error[k]);
+  if (isfinite(largest))
+    snprintf(error, sizeof error, "%s %.1e of the displacement, in energy",
+             h->modes->counted ? "at most" : "about", largest);
   snprintf(text, sizeof text,
            "harmonic response at %d frequencies, %.4g to %.4g Hz, by %d modes (%s) and %d residual "
-           "vectors; error on this mesh at most %.1e of the displacement, in energy",
+           "vectors; error of the equations %s; error of the mesh unknown",
            h->frequency_count, h->frequency[0], h->frequency[h->frequency_count - 1], modes,
-           h->modes->counted ? "counted: none is missing" : "not counted", h->count - modes,
-           largest);
+           h->modes->counted ? "counted: none is missing" : "not counted", h->count - modes, error);
   lua_pushstring(L, text);
   return 1;
 }

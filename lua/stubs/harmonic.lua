@@ -196,7 +196,8 @@ function HarmonicCurve:figure() end
 ---@class bw.RandomResponse
 ---@field displacement bw.Array (m, node_count × 3, per node) root mean square of each component
 ---@field von_mises bw.Array (Pa, node_count × 1, per node) root of the mean square of von Mises stress
----@field error number (-) of the displacement, in energy, over the displacement: a bound on this mesh where the modes are counted
+---@field error number (-) of the displacement, in energy, over the displacement: a bound on this mesh where the modes are counted, but for the quadrature
+---@field counted boolean whether no mode is missing for certain
 ---@field mesh bw.Mesh of the model
 local RandomResponse = {}
 

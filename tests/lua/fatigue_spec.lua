@@ -34,6 +34,10 @@ describe("fatigue", function()
     check.near(32e6, halves.passes, 1e-6)
     local none = bw.fatigue {loads = {{static = static, history = {1, 1}}}, curve = curve}
     assert.equal(math.huge, none.passes)
+    local broken = bw.fatigue {loads = {{static = static, history = {1, 2, 1}}},
+      curve = {amplitude = 2e8, strength = 1e8}}
+    assert.truthy(tostring(broken):find("the mean stress reaches the strength at node", 1, true))
+    assert.truthy(tostring(broken):find("error of the stress unknown", 1, true))
     assert(fatigue:write(folder .. "damage.vtu"))
     assert(fatigue:picture(folder .. "damage.png"))
   end)
