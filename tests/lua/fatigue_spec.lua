@@ -48,7 +48,7 @@ describe("fatigue", function()
     local box = bw.mesh.box {max = {0.02, 0.02, 0.02}, cells = {2, 2, 2}, order = 2}
     local parts = assert(box:split({min = {0, 0, 0}, max = {0.02, 0.01, 0.02}}, "stiff"))
     local stiff = bw.material.isotropic {young = 200e9, poisson = 0.45}
-    local soft = bw.material.isotropic {young = 100e9, poisson = 0}
+    local soft = bw.material.isotropic {young = 100e9, poisson = 0, density = 1000}
     local materials = {}
     for _, region in ipairs(parts.regions) do
       materials[region.name] = region.name == "stiff" and stiff or soft
@@ -64,6 +64,9 @@ describe("fatigue", function()
     local sum = assert(bw.fatigue {loads = {{static = of(true, true), history = history}}, curve = curve})
     local two = assert(bw.fatigue {loads = {{static = of(true), history = history},
       {static = of(false, true), history = history}}, curve = curve})
+    local plain = bw.model {mesh = parts, material = soft}:fix(parts.boundary:below("y", 0)):gravity {0, 0, -9.81}
+    check.raises("load case 2 has other regions of one material", bw.fatigue, {loads = {
+      {static = of(true), history = history}, {static = plain:solve(), history = history}}, curve = curve})
     local quotient = bw.array.map("abs(a - b) / b", {a = two.damage, b = sum.damage})
     assert.is_true(quotient:max() < 1e-6)
   end)

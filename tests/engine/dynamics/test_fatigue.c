@@ -2,6 +2,7 @@
 /* Rainflow counting and damage against ASTM's example and closed forms. */
 #include "bodies.h"
 
+#include "barwright/analysis.h"
 #include "barwright/dynamics.h"
 
 static double counted(const bw_cycle *cycle, int64_t n, double range) {
@@ -151,9 +152,55 @@ static void memory_failures(void **state) {
   bw_free(cycle);
 }
 
+/* Static solutions: those of another mesh are refused, and nothing is left behind without memory.
+ */
+static void static_solutions(void **state) {
+  bw_context *context = check_context(state);
+  const double history[5] = {0, 2, -1, 3, 0}, g[3] = {0, 0, -1e6}, origin[3] = {0}, axis[3] = {1};
+  const bw_static *cases[2] = {NULL, NULL};
+  bw_static *rest[2] = {NULL, NULL};
+  void *none = NULL;
+  bw_life_curve curve;
+  bw_life_curve_default(&curve);
+  curve.amplitude = 1e8;
+  check_ok(context, bw_set_threads(context, 1));
+  for (int k = 0; k < 2; k++) {
+    bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 3, 1, 1, 2);
+    bw_material *material = body_material(context);
+    bw_selection *held = NULL;
+    bw_model *model = NULL;
+    check_ok(context, bw_select_plane(context, mesh, origin, axis, 1e-9, &held));
+    check_ok(context, bw_model_create(context, mesh, material, &model));
+    check_ok(context, bw_model_fix(context, model, held));
+    check_ok(context, bw_model_gravity(context, model, g));
+    check_ok(context, bw_statics(context, model, NULL, NULL, &rest[k]));
+    cases[k] = rest[k];
+    bw_release(held);
+    bw_release(model);
+    bw_release(material);
+    bw_release(mesh);
+  }
+  int nodes = rest[0]->model->mesh->node_count;
+  double *damage = numbers(nodes), *expected = numbers(nodes), *stress = numbers(6 * nodes);
+  const double twice[10] = {0, 0, 2, 2, -1, -1, 3, 3, 0, 0}, *of_nodes = stress;
+  check_fails(context, BW_INVALID, "another mesh",
+              bw_static_damage(context, &curve, 2, cases, 5, twice, damage));
+  check_ok(context, bw_static_damage(context, &curve, 1, cases, 5, history, damage));
+  check_ok(context, bw_static_stress(context, cases[0], true, stress));
+  check_ok(context, bw_fatigue_damage(context, &curve, nodes, 1, &of_nodes, 5, history, expected));
+  for (int i = 0; i < nodes; i++)
+    check_near(damage[i], expected[i], 1e-12 * expected[i]);
+  check_allocations(context, none, bw_static_damage(context, &curve, 1, cases, 5, history, damage));
+  free(damage);
+  free(expected);
+  free(stress);
+  bw_release(rest[0]);
+  bw_release(rest[1]);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(astm_example), check_test(ranges_sum_to_the_way),
-                                     check_test(constant_amplitude), check_test(cases_add_up),
-                                     check_test(memory_failures)};
+  const struct CMUnitTest tests[] = {
+      check_test(astm_example), check_test(ranges_sum_to_the_way), check_test(constant_amplitude),
+      check_test(cases_add_up), check_test(memory_failures),       check_test(static_solutions)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
