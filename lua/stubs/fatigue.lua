@@ -71,7 +71,7 @@ function bw.fatigue(options) end
 ---```
 ---@class bw.Fatigue
 ---@field damage bw.Array (-, node_count × 1, per node) of one pass
----@field passes number (-) until the damage is 1 somewhere; infinite without damage
+---@field passes number (-) until the damage is 1 somewhere; infinite without damage, 0 where the mean stress reaches the strength
 ---@field node integer (index from 1) where the damage is largest
 ---@field at number[] (m, 3) the place of that node
 ---@field mesh bw.Mesh of the solutions
