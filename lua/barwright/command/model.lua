@@ -391,6 +391,26 @@ function model.report_accuracy(accuracy, out)
     reason = accuracy.reason, steps = steps}
 end
 
+-- A coarser mesh for comparison has this fraction of the elements.
+local COARSER = 1 / 4
+-- Two meshes of quadratic elements show at least this much uncertainty; one alone leaves so much open.
+local MIN_ERROR, ONE_MESH_ERROR = 0.02, 0.5
+
+--- What measure(mesh) finds on a coarser mesh; nil where there is none to compare with.
+function model.on_coarser(read, opts, order, measure)
+  if read.kind ~= "surface" then return nil end
+  local elements = math.max(1, math.floor(opts.elements * COARSER))
+  local mesh = model.try(bw.mesh.fill, read.surface, {elements = elements, order = order})
+  local found = mesh and measure(mesh)
+  bw.warnings() -- those of the finer mesh are shown
+  return found
+end
+
+--- The relative error of a value that is `coarse` on the coarser mesh; `mean` is another estimate of it.
+function model.error_of(value, coarse, mean)
+  return math.max(coarse and math.abs(value / coarse - 1) or ONE_MESH_ERROR, mean or 0, MIN_ERROR)
+end
+
 -- What the command is to write, reported as impossible before the work and not after it.
 local function check_outputs(opts)
   for _, name in ipairs {"report", "picture", "vtu", "csv", "plot"} do

@@ -10,11 +10,6 @@ local shown = require "barwright.shown"
 
 local map = core.array.map
 
--- The coarser mesh has this fraction of the elements.
-local COARSER = 1 / 4
--- Two meshes show at least this much uncertainty of the stress; one alone leaves so much open.
-local MIN_ERROR, ONE_MESH_ERROR = 0.02, 0.5
-
 -- The largest length of a displacement over a period, of each node, squared.
 local function squared_amplitude(real, imaginary)
   return map("0.5*(p + q + hypot(p - q, s - p - q))", {p = map("norm(a)^2", {a = real}),
@@ -43,17 +38,26 @@ local function largest_stress(response)
   return largest(response, function(frequency) return response:von_mises(frequency) end)
 end
 
--- The largest stress on a coarser mesh, with its elements; nil where there is none to compare with.
+local function largest_displacement(response)
+  local found, message, details = largest(response, function(frequency)
+    local real, imaginary, more = response:displacement(frequency)
+    if not real then return nil, imaginary, more end
+    return squared_amplitude(real, imaginary)
+  end)
+  if not found then return nil, message, details end
+  found.value = math.sqrt(found.value)
+  return found
+end
+
+-- Largest stress and displacement on a coarser mesh, and its elements; nil where there is none to compare with.
 local function on_coarser(read, opts, given, material)
-  if read.kind ~= "surface" then return nil end
-  local mesh = model.try(bw.mesh.fill, read.surface, {elements = math.max(1, math.floor(opts.elements * COARSER)),
-    order = 2})
-  local part = mesh and loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, given,
-    {say = function() end})
-  local response = part and respond(part, opts, given.base)
-  local stress = response and largest_stress(response)
-  bw.warnings() -- those of the finer mesh are shown
-  return stress and {stress = stress.value, elements = mesh.element_count}
+  return model.on_coarser(read, opts, 2, function(mesh)
+    local part = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, given, {say = function() end})
+    local response = part and respond(part, opts, given.base)
+    local stress, displacement = response and largest_stress(response), response and largest_displacement(response)
+    return stress and displacement and {stress = stress.value, displacement = displacement.value,
+      elements = mesh.element_count}
+  end)
 end
 
 local function analyse(opts, given, out)
@@ -67,13 +71,8 @@ local function analyse(opts, given, out)
   found.response, message, details = respond(part, opts, given.base)
   out:warnings()
   if not found.response then return nil, message, details end
-  found.displacement, message, details = largest(found.response, function(frequency)
-    local real, imaginary, more = found.response:displacement(frequency)
-    if not real then return nil, imaginary, more end
-    return squared_amplitude(real, imaginary)
-  end)
+  found.displacement, message, details = largest_displacement(found.response)
   if not found.displacement then return nil, message, details end
-  found.displacement.value = math.sqrt(found.displacement.value)
   found.stress, message, details = largest_stress(found.response)
   if not found.stress then return nil, message, details end
   found.coarse = on_coarser(read, opts, given, material)
@@ -95,17 +94,18 @@ end
 local function report(found, opts, given, out)
   local response, displacement, stress = found.response, found.displacement, found.stress
   local equations, strength = response.errors:max(), found.material.strength
-  local estimated = math.max(MIN_ERROR, found.coarse and math.abs(stress.value / found.coarse.stress - 1)
-    or ONE_MESH_ERROR) + equations
+  local coarse, way = found.coarse, found.coarse and "by a coarser mesh" or "assumed, as there is one mesh only"
+  local estimated = model.error_of(stress.value, coarse and coarse.stress) + equations
+  local moved_error = model.error_of(displacement.value, coarse and coarse.displacement) + equations
   local used = type(strength) == "number" and stress.value / strength or nil
   local verdict, words = judge(used, estimated, found.singular)
   out:say("")
-  out:say("The displacement is largest at %s Hz: amplitude %s at %s%s.", shown.number(displacement.frequency),
-    shown.estimate(displacement.value, "m"), core.point(displacement.at),
-    given.base and ", relative to the supports" or "")
+  out:say("The displacement is largest at %s Hz: amplitude %s at %s%s (estimated error %s, %s).",
+    shown.number(displacement.frequency), shown.estimate(displacement.value, "m"), core.point(displacement.at),
+    given.base and ", relative to the supports" or "", shown.error(moved_error), way)
   out:say("The von Mises stress is largest at %s Hz: amplitude %s at %s (estimated error %s, %s).",
     shown.number(stress.frequency), shown.estimate(stress.value, "Pa"), core.point(stress.at),
-    shown.error(estimated), found.coarse and "by a coarser mesh" or "assumed, as there is one mesh only")
+    shown.error(estimated), way)
   if stress.frequency == opts.to or stress.frequency == opts.from and opts.from > 0 then
     out:say("That is an end of the range: the stress may be larger beyond it.")
   end
@@ -126,11 +126,12 @@ local function report(found, opts, given, out)
   out:say "Linear theory, one damping ratio in every mode. Fatigue is not judged."
   out:json {verdict = verdict, value = stress.value, quantity = "largest amplitude of von Mises stress, Pa",
     frequency_hz = stress.frequency, at_m = stress.at, estimated_error = estimated,
-    displacement_m = displacement.value, displacement_frequency_hz = displacement.frequency,
+    displacement_m = displacement.value, displacement_estimated_error = moved_error,
+    displacement_frequency_hz = displacement.frequency,
     displacement_at_m = displacement.at, equations_error = equations, counted = counted,
     natural_frequencies_hz = bw.json.list(response.modes.frequencies:totable()),
     residual_vectors = response.residual_vectors, utilisation = used, strength_pa = strength,
-    coarse_value = found.coarse and found.coarse.stress, singular = found.singular ~= nil,
+    coarse_value = coarse and coarse.stress, singular = found.singular ~= nil,
     beyond_linear_theory = large, damping_ratio = opts.damping, fix = bw.json.list(opts.fix),
     material = opts.material}
   return verdict

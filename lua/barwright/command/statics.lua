@@ -13,11 +13,6 @@ local shown = require "barwright.shown"
 local singular_places = require "barwright.singular"
 local static_picture = require "barwright.command.static_picture"
 
--- The coarser mesh has this fraction of the elements.
-local COARSER = 1 / 4
--- Two meshes of quadratic elements show at least this much uncertainty; one alone leaves so much open.
-local MIN_ERROR, ONE_MESH_ERROR = 0.02, 0.5
-
 -- Of a solution: the largest von Mises stress, and stress over strength at nodes and in the mean over patches.
 local function measure(static, mesh, material, radius)
   local found = {elements = mesh.element_count, stress = static.von_mises:max()}
@@ -32,19 +27,11 @@ end
 
 -- The same on a coarser mesh with the same loads; nil where there is none to compare with.
 local function on_coarser(read, opts, loads, material, radius)
-  if read.kind ~= "surface" then return nil end
-  local quiet = {say = function() end}
-  local mesh = model.try(bw.mesh.fill, read.surface, {elements = math.max(1, math.floor(opts.elements * COARSER)),
-    order = opts.order})
-  local part = mesh and loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, loads, quiet)
-  local static = part and model.try(part.solve, part, {solver = model.solver(opts)})
-  bw.warnings() -- those of the finer mesh are shown
-  return static and measure(static, mesh, material, radius)
-end
-
--- The relative error of a value that is `coarse` on the coarser mesh.
-local function error_of(value, coarse, mean)
-  return math.max(coarse and math.abs(value / coarse - 1) or ONE_MESH_ERROR, mean or 0, MIN_ERROR)
+  return model.on_coarser(read, opts, opts.order, function(mesh)
+    local part = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, loads, {say = function() end})
+    local static = part and model.try(part.solve, part, {solver = model.solver(opts)})
+    return static and measure(static, mesh, material, radius)
+  end)
 end
 
 -- The part of the error of the stress at a point that no finer mesh of the same surface shows: facets of the file
@@ -73,7 +60,7 @@ local function assess(static, part, read, loads, opts, accuracy, at)
     local message, details
     found.facets, message, details = of_facets(mesh, read, at)
     if not found.facets then return nil, message, details end
-    found.estimated = math.sqrt(error_of(found.fine.stress, found.coarse and found.coarse.stress, mean) ^ 2
+    found.estimated = math.sqrt(model.error_of(found.fine.stress, found.coarse and found.coarse.stress, mean) ^ 2
       + found.facets ^ 2)
     found.singular = model.find_singular(part, read, at, found.fine, found.coarse)
     return found
@@ -122,7 +109,7 @@ local function report(static, part, read, loads, opts, accuracy, out)
   local judged_error = estimated
   if singular and used then
     used = fine.used_mean
-    judged_error = error_of(used, coarse and coarse.used_mean, mean)
+    judged_error = model.error_of(used, coarse and coarse.used_mean, mean)
   end
   local verdict, words = model.verdict(used, judged_error)
   out:say("")
