@@ -86,7 +86,7 @@ function Harmonic:curve(options) end
 
 ---Root mean squares where loads and base are multiplied by one random process, stationary and of mean 0.
 ---
----Errors: singular (nothing damps a mode in the range). Points that do not ascend, are negative or reach beyond the highest
+---Errors: singular (nothing damps a mode or a residual vector in the range; a ratio damps modes alone). Points that do not ascend, are negative or reach beyond the highest
 ---frequency of the response raise.
 ---
 ---Source: docs/theory/dynamics.md; Segalman, Fulcher, Reese, Field (1998).

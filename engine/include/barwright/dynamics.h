@@ -96,9 +96,9 @@ BW_API bw_status bw_harmonic_stress(bw_context *context, const bw_harmonic *harm
  * lines on logarithmic axes, or on linear ones where a number is 0; nothing outside. displacement
  * (m, node_count x 3) and von_mises (Pa, node_count), of the mean square of von Mises stress
  * (Segalman, Fulcher, Reese, Field, SAND98-0260, 1998); *error (-) of the displacement, in energy,
- * as of the harmonic response. Each may be NULL. BW_SINGULAR for a mode in the range that nothing
- * damps, BW_INVALID for points that do not ascend, reach beyond the response's highest frequency,
- * or are negative. */
+ * as of the harmonic response. Each may be NULL. BW_SINGULAR for a mode or residual vector in the
+ * range that nothing damps (a ratio damps modes alone), BW_INVALID for points that do not ascend,
+ * reach beyond the response's highest frequency, or are negative. */
 BW_API bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *harmonic, int count,
                                     const double *frequency, const double *density,
                                     double *displacement, double *von_mises, double *error);
