@@ -260,13 +260,49 @@ describe("barwright heat", function()
       .. "--picture %sh.png --vtu %sh.vtu"):format(path, folder, folder))
     assert.equal(0, status)
     assert.truthy(out:find("353.15 K (80 C)", 1, true), out)
+    assert.truthy(out:find("the conductivity is 53.3 W/(m K), that of steel", 1, true), out)
+    assert.truthy(out:find("error of the flux", 1, true), out)
     assert.truthy(out:find("h.png", 1, true))
+  end)
+
+  it("is sure only within the error of the places, which facets do not fill", function()
+    local found = {}
+    for i, n in ipairs {10, 20, 40} do
+      local plate = folder .. "plate.msh"
+      assert(bw.mesh.box({min = {-0.05, -0.05, 0}, max = {0.05, 0.05, 0.02}, cells = {n, n, 2}, order = 2})
+        :write(plate))
+      local _, out = check.run("heat --json --conductivity 5 --power near:5mm,5mm,20mm:19mm=10 "
+        .. "--convection all=50,293K --limit 326K " .. plate)
+      found[i] = bw.json.decode(out)
+    end
+    local last = found[3].value
+    for i = 1, 2 do
+      assert.is_true(math.abs(found[i].value - last) < found[i].estimated_error_k, i)
+      assert.is_true(found[i].place_error_k > found[i + 1].place_error_k)
+    end
+    local by_elements = found[1].estimated_error_k - found[1].place_error_k
+    assert.is_true(found[1].value - by_elements > 326 and last < 326) -- sure without the places
+    assert.equal("unsure", found[1].verdict)
+  end)
+
+  it("gives an error of each number, and none of a flux that is rounding", function()
+    local _, object = answer "--volume-power 4.2 --temperature below:x:0=300K --convection all=10,20C"
+    assert.equal("volume-power", object.heat_in[3].kind)
+    check.near(4.2, object.heat_in[3].heat_w, 1e-9)
+    for _, row in ipairs(object.heat_in) do assert.is_true(row.estimated_error_w >= 0) end
+    assert.is_true(object.heat_in[2].estimated_error_w > 1e-6)
+    assert.equal(50, object.conductivity)
+    assert.is_true(object.flux_error > 0)
+    _, object = answer "--temperature below:x:0=20C --convection all=10,20C"
+    assert.is_nil(object.flux_error)
   end)
 
   it("refuses what cannot be", function()
     for words, expected in pairs {
       ["--power min:x=2"] = "nothing holds a temperature",
       ["--temperature min:x=warm"] = "a temperature such as 293K or 20C expected, got 'warm'",
+      ["--temperature min:x=-300C"] = "'-300C' is below absolute zero",
+      ["--convection min:x=10,-1"] = "'-1' is below absolute zero",
       ["--convection min:x=10"] = "two numbers, COEFFICIENT,TEMPERATURE, expected",
       ["--radiation min:x=2,300"] = "emissivity"} do
       local status, _, err = check.run(("heat --conductivity 50 %s %s"):format(words, path))

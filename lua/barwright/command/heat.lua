@@ -15,7 +15,9 @@ local function temperature_of(text)
   local celsius = text:match "^(.*[%d.])%s*C$"
   local value = quantity.read(celsius or text, not celsius and "K" or nil)
   if not value then return nil, ("a temperature such as 293K or 20C expected, got '%s'"):format(text) end
-  return celsius and value + ZERO_CELSIUS or value
+  if celsius then value = value + ZERO_CELSIUS end
+  if value < 0 then return nil, ("'%s' is below absolute zero"):format(text) end
+  return value
 end
 
 local function number_of(unit)
@@ -76,49 +78,108 @@ local function read_conditions(opts)
   return list
 end
 
--- The steady state on a mesh; say(condition, selection) is told of each condition.
-local function solve(mesh, material, opts, given, say)
+-- The selections of the conditions on a mesh, in their order.
+local function select_places(mesh, given)
+  local list = {}
+  for i, condition in ipairs(given) do
+    local selection, message, details = places.select(mesh, condition.place)
+    if not selection then return nil, message, details end
+    list[i] = selection
+  end
+  return list
+end
+
+-- The steady state on a mesh with conditions on selections. Of the power in the volume it is the last condition.
+local function solve(mesh, material, opts, given, selections)
   local heat, message, details = model.try(bw.heat, {mesh = mesh, material = material})
   if not heat then return nil, message, details end
-  if opts.volume_power then heat:load {power = opts.volume_power} end
-  for _, condition in ipairs(given) do
-    local selection, ok
-    selection, message, details = places.select(mesh, condition.place)
-    if not selection then return nil, message, details end
+  for i, condition in ipairs(given) do
+    local on = selections[i]
+    local ok
     if condition.kind == "temperature" then
-      ok, message, details = model.try(heat.prescribe, heat, selection, condition.value)
+      ok, message, details = model.try(heat.prescribe, heat, on, condition.value)
     else
-      ok, message, details = model.try(heat.load, heat, {on = selection, [condition.kind] = condition.value})
+      ok, message, details = model.try(heat.load, heat, {on = on, [condition.kind] = condition.value})
     end
     if not ok then return nil, condition.place .. ": " .. message, details end
-    say(condition, selection)
   end
+  if opts.volume_power then heat:load {power = opts.volume_power} end
   return model.try(heat.solve, heat)
+end
+
+-- How far two solutions on the same elements differ: temperatures at corners (K), and heat of each condition (W).
+local function difference(a, b)
+  local temperature, heat = 0, {}
+  for k = 1, 4 do
+    local one = a.temperature:gather(a.mesh.elements:column(k))
+    local other = b.temperature:gather(b.mesh.elements:column(k))
+    temperature = math.max(temperature, (one - other):map("abs(a)"):max())
+  end
+  local one, other = a.heat_in:totable(), b.heat_in:totable()
+  for i = 1, #one do heat[i] = math.abs(one[i] - other[i]) end
+  return temperature, heat
+end
+
+-- The errors of the places, added to those by heat: facets do not fill a place, and those that lie in it partly
+-- change the solution by so much, in proportion to their share.
+local function place_error(coarse, material, opts, given, selections, heat_error)
+  local sum = 0
+  for i, condition in ipairs(given) do
+    local wider, share = places.wider(coarse.mesh, condition.place, selections[i])
+    if wider then
+      local changed = table.move(selections, 1, #selections, 1, {})
+      changed[i] = wider
+      local other, message, details = solve(coarse.mesh, material, opts, given, changed)
+      if not other then return nil, message, details end
+      local temperature, heat = difference(coarse, other)
+      sum = sum + share * temperature
+      for k = 1, #heat do heat_error[k] = heat_error[k] + share * heat[k] end
+    end
+  end
+  return sum
+end
+
+-- The material with another conductivity.
+local function with_conductivity(material, conductivity)
+  local make = material.isotropic and bw.material.isotropic or bw.material.orthotropic
+  return make {name = material.name, young = material.young, poisson = material.poisson,
+    shear = not material.isotropic and material.shear or nil, density = material.density,
+    conductivity = conductivity}
 end
 
 local function analyse(opts, given, out)
   if opts.threads then bw.threads(opts.threads) end
   local mesh, material, read = model.body(setmetatable({order = 2}, {__index = opts}), out)
   if not mesh then return nil, material, read end
-  if opts.conductivity then -- all that heat asks of a material
-    material = bw.material.isotropic {name = material.name, young = 1e9, poisson = 0.3,
-      conductivity = opts.conductivity}
+  if opts.conductivity then
+    material = with_conductivity(material, opts.conductivity)
   elseif not material.conductivity then
     return nil, ("the conductivity of %s is not known: give it by --conductivity"):format(opts.material),
       {status = "invalid"}
   end
-  local solution, message, details = solve(mesh, material, opts, given, function(condition, selection)
-    out:say("Condition at %s (%s): %s %s.", condition.place, core.quantity(selection.area, "m2"), condition.kind,
-      condition.text)
-  end)
+  local selections, solution, message, details
+  selections, message, details = select_places(mesh, given)
+  if not selections then return nil, message, details end
+  for i, condition in ipairs(given) do
+    out:say("Condition at %s (%s): %s %s.", condition.place, core.quantity(selections[i].area, "m2"),
+      condition.kind, condition.text)
+  end
+  solution, message, details = solve(mesh, material, opts, given, selections)
   out:warnings()
   if not solution then return nil, message, details end
   -- Linear elements of the same mesh have larger errors: the difference is about theirs.
+  local linear = mesh:with_order(1)
+  local on_linear = select_places(linear, given)
   local coarse
-  coarse, message, details = solve(mesh:with_order(1), material, opts, given, function() end)
-  bw.warnings() -- those of the quadratic elements are shown
+  coarse, message, details = solve(linear, material, opts, given, on_linear)
   if not coarse then return nil, message, details end
-  return {mesh = mesh, solution = solution, coarse = coarse}
+  local by_elements, heat_error = difference(solution, coarse)
+  local by_places
+  by_places, message, details = place_error(coarse, material, opts, given, on_linear, heat_error)
+  bw.warnings() -- those of the quadratic elements are shown
+  if not by_places then return nil, message, details end
+  return {mesh = mesh, material = material, solution = solution, heat_error = heat_error, by_places = by_places,
+    estimated = by_elements + by_places}
 end
 
 local function judge(highest, estimated, limit)
@@ -128,11 +189,22 @@ local function judge(highest, estimated, limit)
   return "unsure", "too close to decide"
 end
 
+-- The conductivity in words: "50 W/(m K), as given", "0.13 W/(m K), that of pla".
+local function conductivity_text(material, opts)
+  local value, list = material.conductivity, {}
+  for i, each in ipairs(type(value) == "number" and {value} or {value[1], value[2], value[3]}) do
+    list[i] = core.quantity(each, "W/(m K)")
+  end
+  return table.concat(list, ", ") .. (opts.conductivity and ", as given" or ", that of " .. opts.material)
+end
+
+-- Below this fraction of the temperature its differences are rounding (-).
+local UNIFORM = 1e-9
+
 local function report(found, given, opts, out)
-  local solution = found.solution
+  local solution, estimated = found.solution, found.estimated
   local temperature = solution.temperature
   local node, highest, lowest = temperature:argmax(), temperature:max(), temperature:min()
-  local estimated = math.abs(found.coarse.temperature:max() - highest)
   local verdict, words = judge(highest, estimated, given.limit)
   local nodes = found.mesh.nodes
   local at = {nodes(node, 1), nodes(node, 2), nodes(node, 3)}
@@ -140,20 +212,29 @@ local function report(found, given, opts, out)
     return ("%.5g K (%.4g C)"):format(kelvin, kelvin - ZERO_CELSIUS)
   end
   out:say("")
-  out:say("The temperature is highest at %s: %s (estimated error %.2g K); the lowest one is %s.", core.point(at),
-    both(highest), estimated, both(lowest))
+  out:say("The temperature is highest at %s: %s; the lowest one is %s.", core.point(at), both(highest),
+    both(lowest))
+  out:say("The estimated error of both is %.2g K%s.", estimated, found.by_places > 0
+    and (", %.2g K of it as facets do not fill the places"):format(found.by_places) or "")
   if words then out:say("Of the limit of %s: %s.", both(given.limit), words) end
   local heats, gained = solution.heat_in:totable(), bw.json.list {}
-  local skipped = opts.volume_power and 1 or 0
-  for i, condition in ipairs(given) do
-    gained[i] = {place = condition.place, kind = condition.kind, heat_w = heats[i + skipped]}
-    out:say("Heat into the part by %s at %s: %s.", condition.kind, condition.place,
-      core.quantity(heats[i + skipped], "W"))
+  for i, heat in ipairs(heats) do
+    local condition = given[i] or {place = "volume", kind = "volume-power"}
+    gained[i] = {place = condition.place, kind = condition.kind, heat_w = heat,
+      estimated_error_w = found.heat_error[i]}
+    out:say("Heat into the part by %s at %s: %s (estimated error %.2g W).", condition.kind, condition.place,
+      core.quantity(heat, "W"), found.heat_error[i])
   end
-  out:say "Steady state: the conductivity is that of the material's table, and surfaces do not see each other."
+  local flux_error = highest - lowest > UNIFORM * math.abs(highest) and solution:error_estimate() or nil
+  if flux_error then
+    out:say("Estimated error of the flux, over all of the part: %s.", shown.error(flux_error))
+  end
+  out:say("Steady state: the conductivity is %s, and surfaces do not see each other.",
+    conductivity_text(found.material, opts))
   out:json {verdict = verdict, value = highest, quantity = "highest temperature, K", estimated_error_k = estimated,
-    at_m = at, lowest_k = lowest, limit_k = given.limit, heat_in = gained, imbalance_w = solution.imbalance,
-    flux_error = solution:error_estimate(), material = opts.material}
+    place_error_k = found.by_places, at_m = at, lowest_k = lowest, limit_k = given.limit, heat_in = gained,
+    imbalance_w = solution.imbalance, flux_error = flux_error, material = opts.material,
+    conductivity = found.material.conductivity}
   return verdict
 end
 

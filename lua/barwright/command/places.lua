@@ -2,6 +2,7 @@
 -- Places on a part as a command line names them, and vectors: "below:z:1mm", "near:0,0,30mm:5mm", "0,0,-10N".
 -- One unit behind the last number of a vector or point holds for the numbers before it that have none. A length of
 -- a place has a unit, so that nobody is understood in metres who meant millimetres; 0 needs none.
+local bw = require "barwright"
 local model = require "barwright.command.model"
 local quantity = require "barwright.command.quantity"
 
@@ -171,6 +172,48 @@ function places.select(mesh, text)
     return nil, ("%s: %s"):format(text, message), {status = "empty"}
   end
   return selection
+end
+
+-- Points along the side of a facet at which it is asked whether they lie in a place.
+local SAMPLES = 8
+
+-- How much of a triangle lies in a place, by the centres of so many parts along each side.
+local function part_inside(kind, values, box, a, b, c, samples)
+  local inside, p = 0, {}
+  for i = 0, samples - 1 do
+    for j = 0, samples - 1 do
+      local u, v = (i + 1 / 3) / samples, (j + 1 / 3) / samples
+      if i + j >= samples then u, v = 1 - (j + 1 / 3) / samples, 1 - (i + 1 / 3) / samples end
+      for k = 1, 3 do p[k] = a[k] + u * (b[k] - a[k]) + v * (c[k] - a[k]) end
+      if kind.test(p, box, values[1], values[2]) then inside = inside + 1 end
+    end
+  end
+  return inside / samples ^ 2
+end
+
+--- A selection holds the facets that lie in a place as a whole. The selection with those that lie in it partly,
+--- and which share of their area does; nil where there is none.
+function places.wider(mesh, text, selection)
+  local kind, values = read(text)
+  local mask, box = {}, mesh.box
+  local nodes, facets = mesh.nodes:totable(), mesh.facets:totable()
+  for i = 1, #facets do mask[i] = 0 end
+  for _, i in ipairs(selection.facets:totable()) do mask[i] = 1 end
+  local part, whole = 0, 0
+  for i, facet in ipairs(facets) do
+    local a, b, c = nodes[facet[1]], nodes[facet[2]], nodes[facet[3]]
+    if mask[i] == 0 and part_inside(kind, values, box, a, b, c, 2) > 0 then
+      local u, v = {}, {}
+      for k = 1, 3 do u[k], v[k] = b[k] - a[k], c[k] - a[k] end
+      local area = math.sqrt((u[2] * v[3] - u[3] * v[2]) ^ 2 + (u[3] * v[1] - u[1] * v[3]) ^ 2
+        + (u[1] * v[2] - u[2] * v[1]) ^ 2) / 2
+      mask[i] = 1
+      part = part + area * part_inside(kind, values, box, a, b, c, SAMPLES)
+      whole = whole + area
+    end
+  end
+  if part == 0 then return nil end
+  return mesh.boundary:where(bw.array.new(mask)), part / whole
 end
 
 return places
