@@ -7,10 +7,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Nodes are at one place where they are closer than this times the length of a facet. */
-static const double same_place = 1e-6;
-/* Facets are sorted along this unit vector. It is oblique, so that few of a plane face lie
- * together. */
+/* Nodes are at one place where they are closer than this times the length of a facet, and were
+ * perhaps meant to be where they are closer than the second. */
+static const double same_place = 1e-6, near_place = 1e-2;
+/* Facets are sorted along this unit vector. It is oblique, so that few facets of a plane face have
+ * the same value. */
 static const double along[3] = {0.42532540, 0.58778525, 0.68819096};
 
 typedef struct placed {
@@ -75,7 +76,8 @@ bw_status bwi_heat_pair(bw_context *context, const bw_mesh *mesh, bw_heat_condit
   bw_status status = BW_OK;
   const bw_selection *on = condition->on, *with = condition->with;
   const int n = mesh->nodes_per_facet;
-  double distance;
+  double length, missed = 0;
+  int32_t missed_count = 0;
   placed *list = BW_NEW(context, placed, with->facet_count);
   uint8_t *of_with = BW_NEW0(context, uint8_t, mesh->facet_count);
   condition->pair = BW_NEW(context, int32_t, (int64_t)on->facet_count * n);
@@ -85,7 +87,7 @@ bw_status bwi_heat_pair(bw_context *context, const bw_mesh *mesh, bw_heat_condit
     of_with[with->facet[i]] = 1;
   }
   qsort(list, (size_t)with->facet_count, sizeof *list, by_place);
-  distance = same_place * sqrt(bw_selection_area(on) / on->facet_count);
+  length = sqrt(bw_selection_area(on) / on->facet_count);
   condition->size = 0;
   for (int32_t f = 0; f < on->facet_count; f++) {
     bwi_boundary_point point[BW_QUADRATURE_POINTS];
@@ -97,19 +99,32 @@ bw_status bwi_heat_pair(bw_context *context, const bw_mesh *mesh, bw_heat_condit
                      "by itself, for example by its region",
                      x[0], x[1], x[2]));
     }
-    int points = 0;
-    if (find_opposite(mesh, list, with->facet_count, on->facet[f], distance, pair))
-      points = bwi_boundary_points(mesh, on->facet[f], point);
-    else
-      pair[0] = -1;
+    double area = 0;
+    int points = bwi_boundary_points(mesh, on->facet[f], point);
     for (int p = 0; p < points; p++)
-      condition->size += bw_norm(point[p].area);
+      area += bw_norm(point[p].area);
+    if (find_opposite(mesh, list, with->facet_count, on->facet[f], same_place * length, pair)) {
+      condition->size += area;
+      continue;
+    }
+    if (find_opposite(mesh, list, with->facet_count, on->facet[f], near_place * length, pair)) {
+      missed += area;
+      missed_count++;
+    }
+    pair[0] = -1;
   }
   if (!(condition->size > 0))
     BW_TRY(bw_fail(context, BW_EMPTY,
                    "contact: no facet of one selection lies node by node on a facet of the other: "
                    "give the two sides of a region that mesh:separated made, or meshes that match "
                    "there"));
+  if (missed_count)
+    bw_warn(
+        context,
+        "contact: %d facets of %.3g m2 have no contact: they lie within %.0f %% of their length "
+        "of facets of the other selection, but not on them node by node; move their nodes "
+        "together if they touch",
+        (int)missed_count, missed, 100 * near_place);
 done:
   bw_free(list);
   bw_free(of_with);

@@ -99,6 +99,23 @@ static bw_status check_selection(bw_context *context, const bw_heat *heat,
   return BW_OK;
 }
 
+/* A joint far stiffer than the elements beside it takes the digits of their conduction. */
+static bw_status check_conductance(bw_context *context, const bw_heat *heat,
+                                   const bw_heat_condition *c) {
+  const double most = 1e9; /* (-) conductance of a facet over that of an element */
+  double conductivity = INFINITY, length = sqrt(bw_selection_area(c->on) / c->on->facet_count);
+  for (int32_t i = 0; i < bw_material_part_count(heat->material); i++)
+    for (int k = 0; k < 3; k++)
+      conductivity =
+          fmin(conductivity, bw_material_part(heat->material, i)->thermal.conductivity[k]);
+  if (c->coefficient * length <= most * conductivity)
+    return BW_OK;
+  return bw_fail(context, BW_INVALID,
+                 "the conductance of contact is %g W/(m2 K); on facets of this size rounding takes "
+                 "the solution above %.3g: join the regions instead",
+                 c->coefficient, most * conductivity / length);
+}
+
 bw_status bw_heat_add(bw_context *context, bw_heat *heat, const bw_heat_condition *condition) {
   bw_status status = BW_OK;
   bw_heat_condition c = *condition;
@@ -125,9 +142,10 @@ bw_status bw_heat_add(bw_context *context, bw_heat *heat, const bw_heat_conditio
   if (!isfinite(c.about) || c.about < 0)
     BW_TRY(bw_fail(context, BW_INVALID,
                    "radiation is linearised about a temperature above 0 K, not %g", c.about));
-  if (c.kind == BW_HEAT_CONTACT)
+  if (c.kind == BW_HEAT_CONTACT) {
+    BW_TRY(check_conductance(context, heat, &c));
     BW_TRY(bwi_heat_pair(context, heat->mesh, &c));
-  else if (c.on)
+  } else if (c.on)
     c.size = bw_selection_area(c.on);
   else {
     c.size = 0;

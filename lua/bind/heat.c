@@ -236,6 +236,10 @@ static int heat_tostring(lua_State *L) {
         lbw_quantity(c->kind == BW_HEAT_CONTACT ? c->coefficient : c->value, unit[c->kind]).text,
         c->nodal ? " times a field" : "", lbw_quantity(c->size, c->on ? "m2" : "m3").text);
     luaL_addstring(&buffer, text);
+    if (c->kind == BW_HEAT_CONTACT) {
+      snprintf(text, sizeof text, " of %s", lbw_quantity(bw_selection_area(c->on), "m2").text);
+      luaL_addstring(&buffer, text);
+    }
     if (c->kind == BW_HEAT_CONVECTION || c->kind == BW_HEAT_RADIATION) {
       snprintf(text, sizeof text, ", %s %s",
                c->kind == BW_HEAT_CONVECTION ? "coefficient" : "emissivity",

@@ -58,7 +58,8 @@ function Heat:prescribe(selection, temperature) end
 ---Adds a condition.
 ---
 ---Errors: `geometry` for facets without area. A selection without a facet raises. So does contact where no facets match node
----by node, or where one is in both selections.
+---by node, where one is in both selections, or with a conductance above 1e9 conductivities over the length of a facet. Facets
+---that nearly match have no contact, and a warning tells their area.
 ---@param options bw.HeatLoad one of its kinds
 ---@return bw.Heat? heat itself
 ---@return string? message
@@ -91,7 +92,7 @@ function Heat:load(options) end
 ---the area in contact. The contact of forces, `Model:contact`, is another thing: pressures do not change the conductance.
 ---@class bw.HeatContact
 ---@field with bw.Selection the other surface, without a facet of `on`
----@field conductance number (W/(m2 K)) the reciprocal of the thermal resistance of an area. Range: above 0.
+---@field conductance number (W/(m2 K)) the reciprocal of the thermal resistance of an area. Range: above 0, to 1e9 conductivities over the length of a facet.
 
 ---Gives a condition another value: its temperature, flux, power or source, or the temperature of fluid or surroundings. A
 ---field of an array is multiplied by it.
@@ -106,7 +107,7 @@ function Heat:set(condition, value) end
 
 ---The steady state.
 ---
----Errors: `unconstrained` for a body with neither prescribed temperature nor convection nor radiation; `convergence` where the
+---Errors: `unconstrained` for a body with neither prescribed temperature nor convection nor radiation nor contact with one that has; `convergence` where the
 ---iterations do not reach their tolerance; `unsupported` for a solver that does not serve; `memory` for a factor larger than what
 ---is free; `geometry` for an inverted element; `singular` where the matrix is not
 ---positive definite.

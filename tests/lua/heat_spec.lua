@@ -128,6 +128,8 @@ describe("heat", function()
     check.near(1 / (50 * 1e-4) + 300 + 0.1 / 35 / 1e-4, solution.temperature:max(), 1e-6)
     check.near(-1, solution.heat_in[2], 1e-9)
     check.raises("lies node by node on a facet of the other", heat.load, heat, {on = high, contact = contact})
+    check.raises("join the regions instead", heat.load, heat, {on = boundary:region "cover",
+      contact = {with = boundary:region "rest", conductance = 1e20}})
     check.raises("is in both selections", heat.load, heat, {on = boundary, contact = contact})
     heat, boundary = body(mesh) -- one body, whose regions share their nodes
     contact.with = boundary:region "rest"
@@ -138,6 +140,23 @@ describe("heat", function()
     check.raises("'conductance'", heat.load, heat, {on = boundary, contact = {with = boundary}})
     local separated = mesh:separated "cover"
     assert.equal(separated.node_count, separated:separated("cover").node_count)
+  end)
+
+  it("tells which facets nearly match and have no contact", function()
+    local mesh = bw.mesh.box({max = {1, 1, 1}, cells = {2, 2, 2}})
+      :split({min = {0.5, -1, -1}, max = {2, 2, 2}}, "cover"):separated "cover"
+    local nodes, moved = mesh.nodes:totable(), false
+    for _, i in ipairs(mesh.boundary:region("cover").nodes:totable()) do
+      local p = nodes[i]
+      if p[1] == 0.5 and p[2] == 0 and p[3] == 0 then p[2], moved = 2e-6, true end
+    end
+    assert.is_true(moved)
+    mesh = mesh:moved(bw.array.new(nodes))
+    local heat = bw.heat {mesh = mesh, material = metal}
+    bw.warnings()
+    heat:load {on = mesh.boundary:region "rest", contact = {with = mesh.boundary:region "cover", conductance = 50}}
+    assert.matches("facets of %S+ m2 have no contact", table.concat(bw.warnings(), "\n"))
+    assert.matches("on %d+ cm2 of 4 m2", tostring(heat))
   end)
 
   it("contact that hardly resists is none, where three jagged regions meet", function()

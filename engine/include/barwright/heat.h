@@ -55,8 +55,9 @@ typedef struct bw_heat {
  * element for another mesh. */
 BW_API bw_status bw_heat_create(bw_context *context, const bw_mesh *mesh,
                                 const bw_material *material, bw_heat **heat);
-/* Adds a condition. Where several prescribe the temperature of a node, the last one holds.
- * BW_INVALID for numbers outside their ranges and for a facet on both sides of contact, BW_EMPTY
+/* Adds a condition. Where several prescribe the temperature of a node, the last one counts.
+ * BW_INVALID for numbers outside their ranges, for a facet on both sides of contact, and for a
+ * conductance of contact above 1e9 conductivities over the length of a facet; BW_EMPTY
  * for a selection without a facet, but for a temperature on a node set, and for contact of surfaces
  * without facets at the same places; BW_GEOMETRY for facets without area. */
 BW_API bw_status bw_heat_add(bw_context *context, bw_heat *heat,
@@ -70,8 +71,8 @@ typedef struct bw_heat_options {
   const bw_solver *solver; /* BW_SOLVER_CHOLESKY; BW_SOLVER_PCG with BW_SOLVER_TWO_LEVEL (tet10) or
                               _JACOBI; default NULL: a factor up to 100,000 unknowns, else PCG */
   double tolerance;   /* (-) change of the temperature in an iteration over the largest temperature,
-                         at   which radiation and conductivity by temperature are done; above 0 and
-  below 1;   default 1e-10 */
+                         at which radiation and conductivity by temperature are done; above 0 and
+                         below 1; default 1e-10 */
   int max_iterations; /* (count) of these iterations, 1 or more; default 100 */
   const double *guess; /* (K, node_count) where they begin; default NULL */
 } bw_heat_options;
@@ -98,10 +99,10 @@ typedef struct bw_heat_solution {
   bw_solver_report report; /* of the linear systems */
 } bw_heat_solution;
 /* The steady state. BW_UNCONSTRAINED where a body has neither a prescribed temperature nor
- * convection nor radiation; BW_CONVERGENCE where the iterations do not reach their tolerance;
- * BW_UNSUPPORTED for a solver that does not serve, BW_INVALID for temperatures below absolute zero
- * with radiation, BW_GEOMETRY for an inverted element; those of bw_linear_solve. `options` may be
- * NULL. */
+ * convection nor radiation nor contact with a body that has one; BW_CONVERGENCE where the
+ * iterations do not reach their tolerance; BW_UNSUPPORTED for a solver that does not serve,
+ * BW_INVALID for temperatures below absolute zero with radiation, BW_GEOMETRY for an inverted
+ * element; those of bw_linear_solve. `options` may be NULL. */
 BW_API bw_status bw_heat_steady(bw_context *context, const bw_heat *heat,
                                 const bw_heat_options *options, bw_heat_solution **solution);
 
