@@ -112,8 +112,8 @@ void bwi_heat_balance(const bwi_heat_system *system, const double *remainder,
 /* ---- precondition.c -------------------------------------------------------------------------- */
 
 /* Jacobi and the linear functions of the corners, for tet10: z = D^-1 r + P (P^T A P)^-1 P^T r. The
- * matrix is that of the unknowns, `values` its blocks. */
+ * matrix is that of the unknowns, `values` its blocks, with `part` of what joins contacts. */
 bw_status bwi_heat_two_level(bw_context *context, const bwi_heat_system *system,
-                             const double *values, bw_operator **result);
+                             const double *values, double part, bw_operator **result);
 
 #endif

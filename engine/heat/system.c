@@ -380,13 +380,13 @@ done:
 }
 
 static bw_status make_inverse(bw_context *context, bwi_heat_system *s, const double *values,
-                              const bw_sparse_matrix *matrix) {
+                              double part, const bw_sparse_matrix *matrix) {
   const bw_solver *way = s->solver->options.preconditioner;
   bw_release(s->inverse); /* before the next one takes memory */
   s->inverse = NULL;
   s->served = 0;
   return way->options.kind == BW_SOLVER_TWO_LEVEL
-             ? bwi_heat_two_level(context, s, values, &s->inverse)
+             ? bwi_heat_two_level(context, s, values, part, &s->inverse)
              : bw_operator_inverse(context, matrix, way, &s->inverse);
 }
 
@@ -427,7 +427,7 @@ static bw_status solve_linear(bw_context *context, bwi_heat_system *s, const dou
   BW_TRY(bw_operator_of_matrix(context, matrix, "the matrix of heat", &a));
   for (;;) {
     if (fresh)
-      BW_TRY(make_inverse(context, s, values, matrix));
+      BW_TRY(make_inverse(context, s, values, part, matrix));
     const bw_linear_solve_options by = {.solver = pcg, .preconditioner = s->inverse};
     status = bw_linear_solve(context, a, &by, 1, b, x, &report);
     if (status != BW_CONVERGENCE || fresh)

@@ -194,6 +194,22 @@ describe("heat", function()
     end
   end)
 
+  it("two levels need as many iterations at any conductance of a waving contact", function()
+    local mesh = bw.mesh.box({max = {1, 1.1, 0.9}, cells = {6, 6, 6}, order = 2})
+      :split("x + 0.3 * sin(9 * y) - 0.2 * z < 0.4", "left"):separated "left"
+    for _, conductance in ipairs {1, 1e4, 1e8} do
+      local heat = bw.heat {mesh = mesh, material = metal}
+      heat:prescribe(mesh.boundary:below("x", 0), 300):load {source = 2e4}
+      heat:load {on = mesh.boundary:above("y", 1.1), convection = {coefficient = 20, temperature = 280}}
+      heat:load {on = mesh.boundary:region "left",
+        contact = {with = mesh.boundary:region "rest", conductance = conductance}}
+      local direct = assert(heat:solve {solver = bw.solver.cholesky()})
+      local by = assert(heat:solve {solver = bw.solver.pcg {preconditioner = bw.solver.two_level()}})
+      assert.is_true(by.report.iterations <= 60, by.report.iterations)
+      assert.is_true((by.temperature - direct.temperature):map("abs(a)"):max() < 1e-4)
+    end
+  end)
+
   it("a tolerance that no step reaches is a failure, not misuse", function()
     local heat, mesh = bar(metal, 1)
     heat:prescribe(mesh.boundary:below("x", 0), 300)
