@@ -358,7 +358,7 @@ done:
 
 /* ---- sections -------------------------------------------------------------------------------- */
 
-/* The set of a *SOLID SECTION, which is there before it; each is remembered once. */
+/* The set of a *SOLID SECTION, which is there before it; each is remembered once, at its last. */
 static bw_status read_section(inp *deck, const keyword *key) {
   size_t set = 0;
   while (set < deck->raw->set_count && !(deck->raw->set[set].of_elements &&
@@ -367,8 +367,12 @@ static bw_status read_section(inp *deck, const keyword *key) {
   if (key->set.length == 0 || set == deck->raw->set_count)
     return BW_OK;
   for (size_t i = 0; i < deck->section_count; i++)
-    if (deck->section[i] == set)
+    if (deck->section[i] == set) {
+      memmove(deck->section + i, deck->section + i + 1,
+              (deck->section_count - i - 1) * sizeof *deck->section);
+      deck->section[deck->section_count - 1] = set;
       return BW_OK;
+    }
   if (!bw_grow(deck->raw->context, (void **)&deck->section, &deck->section_capacity,
                deck->section_count, 1, sizeof *deck->section))
     return BW_MEMORY;

@@ -424,6 +424,11 @@ static bw_status read_names(const bwi_cursor *cursor, const vtu *file, bwi_raw *
   text = BW_NEW(cursor->context, unsigned char, count);
   BW_TRY_MEMORY(text);
   for (uint64_t i = 0; i < count; i++) {
+    if (byte[i] < 0 || byte[i] > 255)
+      BW_TRY(bwi_fail_line(&place,
+                           "%lld in the names of regions, where bytes from 0 to 255 were "
+                           "expected",
+                           (long long)byte[i]));
     text[i] = (unsigned char)byte[i];
     if (text[i])
       continue;

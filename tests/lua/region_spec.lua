@@ -111,6 +111,38 @@ describe("regions of a mesh", function()
     end
   end)
 
+  it("of sections of an INP file count as the later one says, also of a repeated set", function()
+    local path = os.tmpname()
+    os.remove(path)
+    path = path .. ".inp"
+    local file = assert(io.open(path, "w"))
+    file:write [[
+*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 0, 1, 0
+4, 0, 0, 1
+5, 1, 1, 1
+*ELEMENT, TYPE=C3D4
+1, 1, 2, 3, 4
+2, 2, 5, 3, 4
+*ELSET, ELSET=A
+1
+*ELSET, ELSET=B
+1, 2
+*SOLID SECTION, ELSET=A, MATERIAL=M
+*SOLID SECTION, ELSET=B, MATERIAL=N
+*SOLID SECTION, ELSET=A, MATERIAL=M
+]]
+    file:close()
+    local mesh = assert(bw.mesh.read(path))
+    os.remove(path)
+    assert.equal(2, #mesh.regions)
+    for _, region in ipairs(mesh.regions) do
+      assert.equal(region.name == "A" and 1 or 2, region.elements[1])
+    end
+  end)
+
   local function base64(bytes)
     local digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
     return (bytes:gsub("..?.?", function(part)
@@ -172,6 +204,11 @@ describe("regions of a mesh", function()
     local mesh, message = read_vtu("", "ascii", "7 8", "98 0")
     assert.is_nil(mesh)
     assert.matches("1 names for the 2 tags of regions", message)
+    for _, byte in ipairs {"300", "-5"} do
+      mesh, message = read_vtu("", "ascii", "7", byte .. " 0")
+      assert.is_nil(mesh)
+      assert.matches(byte .. " in the names of regions, where bytes", message, 1, true)
+    end
     local damaged = base64(("<I4I4I4I4"):pack(1 << 31, 1 << 31, 1, 9))
     mesh, message = read_vtu(packed, "binary", block(tags), damaged)
     assert.is_nil(mesh)
