@@ -77,7 +77,7 @@ function transient:run(given)
       elseif ratio > 1.5 then
         step = h * math.min(2, ratio)
       end
-      if step < 1e-9 * opts.time then
+      if not taken and step < 1e-9 * opts.time then
         return nil, ("the step fell to %g s without reaching the tolerance of %g K: give a larger one, or a "
           .. "history without jumps"):format(step, limit), {status = "convergence", step = step}
       end
