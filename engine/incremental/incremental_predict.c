@@ -17,7 +17,8 @@
  * bound by the elements alone would do: a body that turns without strain in one shape strains in
  * the other, by as much as it turns, so that their stiffnesses have no ratio. What a prediction
  * misses, the rate of convergence shows after a few iterations (pcg.c). Where the material changes
- * too, the spread is multiplied by that of the two elasticities, beside 1: that of the rest.
+ * too, the spread is multiplied by that of the elasticities, from the element that became softest
+ * to the one that became stiffest, beside 1: that of the rest.
  *
  * Two-level PCG leaves the factor behind, and what its update would cost grows with every edit. So
  * it is not compared with that alone: where it costs less than the last edit's own refactoring it
@@ -46,25 +47,27 @@ static void edges(const bw_mesh *mesh, const int32_t *node, const double *frame,
   }
 }
 
-/* By how much the elasticity of an element changed: an estimate of the spread of the eigenvalues of
- * one matrix against the other, from the means of both products with a compliance. It is exact
- * where one modulus changes. */
-static double material_spread(const bwi_incremental *inner, int64_t element) {
+/* By how much stiffer and softer an element became, where that is more than of those before: the
+ * means of both products with a compliance estimate the ends of the eigenvalues of one matrix
+ * against the other. They are exact where one modulus changes. */
+static void widen_by_material(const bwi_incremental *inner, int64_t element, double *stiffer,
+                              double *softer) {
   const bw_material *before, *now;
   if (!bwi_incremental_other_material(inner, element, &before, &now))
-    return 1;
-  double stiffer = 0, softer = 0;
+    return;
+  double more = 0, less = 0;
   for (int i = 0; i < 36; i++) {
-    stiffer += before->compliance[i] * now->elasticity[i] / 6;
-    softer += now->compliance[i] * before->elasticity[i] / 6;
+    more += before->compliance[i] * now->elasticity[i] / 6;
+    less += now->compliance[i] * before->elasticity[i] / 6;
   }
-  return fmax(stiffer, 1) * fmax(softer, 1);
+  *stiffer = fmax(*stiffer, more);
+  *softer = fmax(*softer, less);
 }
 
 static double largest_change(const bw_incremental_system *incremental) {
   const bwi_incremental *inner = incremental->inner;
   const bw_mesh *before = inner->factored, *now = inner->model->mesh;
-  double max = 0;
+  double max = 0, stiffer = 1, softer = 1; /* 1: of the rest, which does not change */
   for (int32_t e = 0; e < now->element_count; e++) {
     int32_t subdomain = inner->element_subdomain[e];
     if (!inner->touched[subdomain])
@@ -82,10 +85,10 @@ static double largest_change(const bw_incremental_system *incremental) {
           b += to[3 * i + k] * inverse[3 * k + j];
         change += b * b;
       }
-    double root = sqrt(material_spread(inner, e));
-    max = fmax(max, ((1 + SPREAD * sqrt(change)) * root - 1) / SPREAD);
+    max = fmax(max, sqrt(change));
+    widen_by_material(inner, e, &stiffer, &softer);
   }
-  return max;
+  return ((1 + SPREAD * max) * sqrt(stiffer * softer) - 1) / SPREAD;
 }
 
 /* Iterations for so many digits (natural logarithm). */

@@ -189,6 +189,35 @@ static void costs_as_an_edit(void **state) {
   bar_clear(&b);
 }
 
+/* One subdomain that becomes stiffer and another that becomes softer spread the eigenvalues by the
+ * product of both. */
+static void spreads_multiply(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 3, 1, &b);
+  bw_material *soft = elastic(context, 2e9, 0.3), *hard = elastic(context, 16e9, 0.3);
+  bw_material *middle = elastic(context, 4e9, 0.3);
+  const bw_material *before[SUBDOMAINS] = {middle, middle, middle, middle, middle};
+  use(context, &b, before);
+  follow(&b);
+  for (int changes = 1; changes <= 2; changes++) {
+    const bw_material *part[SUBDOMAINS] = {hard, middle, middle, middle,
+                                           changes == 2 ? soft : middle};
+    use(context, &b, before);
+    bw_incremental_system *incremental = incremental_of(context, &b);
+    use(context, &b, part);
+    bw_reuse reuse = follow_bar(context, &b, incremental);
+    assert_int_equal(reuse.subdomains_changed, changes);
+    free(solved(context, incremental, WAY_ITERATE, &reuse));
+    check_near(pow(1 + 20 * incremental->inner->change, 2), changes == 1 ? 4 : 8, 1e-9);
+    bw_release(incremental);
+  }
+  bw_release(soft);
+  bw_release(middle);
+  bw_release(hard);
+  bar_clear(&b);
+}
+
 /* Laws that are not isotropic are followed where the axes stay and were known from the start. */
 static void other_laws(void **state) {
   bw_context *context = check_context(state);
@@ -236,10 +265,8 @@ static void other_laws(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(from_scratch),
-      check_test(back_and_forth),
-      check_test(costs_as_an_edit),
-      check_test(other_laws),
+      check_test(from_scratch),     check_test(back_and_forth), check_test(costs_as_an_edit),
+      check_test(spreads_multiply), check_test(other_laws),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
