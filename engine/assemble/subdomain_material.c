@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The materials of subdomains: one in each, which may become another.
  *
- * The lists of frames hold where a material rests only where the body was made of one that is not
- * isotropic; and of one whose axes turn, only the elasticity at rest is kept. So a material may
- * become any other where its axes stay and the lists know them; else isotropic ones may become
- * isotropic ones. */
+ * The frames include that of the axes only where the body was made of a material that is not
+ * isotropic. Of a material whose axes turn only the elasticity at rest is kept. So a material may
+ * become any other where its axes stay and the frames include them. Elsewhere only isotropic
+ * materials follow isotropic ones. */
 #include "assemble/subdomain.h"
 
 bw_status bwi_subdomain_one_material(bw_context *context, const bw_material *material,

@@ -70,7 +70,7 @@ end
 --- The damage as .vtu (or what the ending says).
 function fatigue:write(path, given)
   local opts = options.copied(given)
-  opts.fields = options.copied(opts.fields)
+  opts.fields = options.copied(opts.fields, "fields")
   opts.fields.damage = {self.damage, on = "nodes"}
   return self.mesh:write(path, opts)
 end

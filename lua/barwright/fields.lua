@@ -26,7 +26,7 @@ local static = core.classes.static.methods
 --- Displacement, stress and what follows from it, as .vtu (or what the ending says).
 function static:write(path, given)
   local opts = options.copied(given)
-  local fields = options.copied(opts.fields)
+  local fields = options.copied(opts.fields, "fields")
   for _, name in ipairs {"displacement", "force", "reaction", "stress", "von_mises",
     "max_principal"} do
     fields[name] = fields[name] or {self[name], on = "nodes"}

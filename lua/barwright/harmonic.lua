@@ -117,7 +117,7 @@ end
 --- Root mean squares of displacement and von Mises stress, as .vtu (or what the ending says).
 function random:write(path, given)
   local opts = options.copied(given)
-  opts.fields = options.copied(opts.fields)
+  opts.fields = options.copied(opts.fields, "fields")
   opts.fields.rms_displacement = {self.displacement, on = "nodes"}
   opts.fields.rms_von_mises = {self.von_mises, on = "nodes"}
   return self.mesh:write(path, opts)
@@ -151,7 +151,7 @@ arguments.methods("random_response", random, random, {write = "path: string, opt
 --- Both parts of the displacement and the stress, and the amplitude of von Mises stress, as .vtu.
 function harmonic:write(path, frequency, given)
   local opts = options.copied(given)
-  local fields = options.copied(opts.fields)
+  local fields = options.copied(opts.fields, "fields")
   local real, imaginary, details = self:displacement(frequency)
   if not real then return nil, imaginary, details end
   fields.displacement_real, fields.displacement_imaginary = {real, on = "nodes"}, {imaginary, on = "nodes"}

@@ -106,11 +106,12 @@ function options.object(where, argument, value, class)
   end
 end
 
---- A copy of the options of a call, of which one level is changed.
-function options.copied(given)
+--- A copy of the options of a call, of which one level is changed, or of the table that its option of a name is.
+function options.copied(given, name)
   local out = {}
   if given ~= nil and type(given) ~= "table" then
-    raise(("option 'fields': a table of arrays expected, got %s"):format(core.got(given)))
+    raise(("%s expected, got %s"):format(name and ("option '%s': a table"):format(name) or "a table of options",
+      core.got(given)))
   end
   for key, value in pairs(given or {}) do out[key] = value end
   return out

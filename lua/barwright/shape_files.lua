@@ -9,7 +9,7 @@ local shape_files = {}
 --- A mesh file with a field for each shape, called by `name`, a format of its number.
 function shape_files.write(self, name, path, given)
   local opts = options.copied(given)
-  opts.fields = options.copied(opts.fields)
+  opts.fields = options.copied(opts.fields, "fields")
   for i = 1, self.count do opts.fields[name:format(i)] = {self:shape(i), on = "nodes"} end
   return self.mesh:write(path, opts)
 end

@@ -85,13 +85,13 @@ end
 
 local function region_list(self, weak, loads, origins)
   local total, centre = self.mesh.volume, centres(self.mesh)
-  local list = {}
+  local list, judged = {}, has_strength(self.material)
   for i = 1, loads.peaks.row_count do
     local region = source(self, weak, origins, i)
     region.volume_fraction = region.volume / total
     region.max_principal, region.element = loads.peaks[i], loads.peak_elements[i]
     region.at = centre(loads.peak_elements[i])
-    if has_strength(self.material) then
+    if judged then
       region.utilisation = loads.utilisations[i]
       if loads.utilised_elements[i] > 0 then region.utilised_at = centre(loads.utilised_elements[i]) end
     end

@@ -259,6 +259,8 @@ describe("heat", function()
       assert(heat:transient {initial = 0}):run {time = 1, step = 1, histories = {{{1, 2}, {1, 3}}}}
     end)
     check.fails("unconstrained", "no steady temperature", heat:solve())
+    heat:prescribe(mesh.boundary, 300)
+    check.raises("a table of options expected, got", heat:solve().picture, heat:solve(), "a.png", 3)
   end)
 end)
 
