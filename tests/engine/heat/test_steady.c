@@ -105,12 +105,10 @@ static void test_orders(void **state) {
   }
 }
 
-/* A hollow cylinder, a quarter of it: the heat of a radian and metre is (T1 - T2) / (ln(m/a) / k +
- * ln(b/m) / k'), with T linear in ln(r) in each layer; tet10. */
-static void hollow_cylinder(bw_context *context, bool layers) {
-  const double a = 0.1, b = 0.3, m = 0.2, t1 = 500, t2 = 300, pi = 3.14159265358979323846;
-  const double k = 15, outside = layers ? 60 : k;
-  bw_mesh *box = body_box(context, 1, 1, 0.05, 20, 10, 1, 2), *mesh = NULL;
+/* A box of unit sides bent to the quarter of a hollow cylinder of these radii. */
+static bw_mesh *bend(bw_context *context, const bw_mesh *box, double a, double b) {
+  const double pi = 3.14159265358979323846;
+  bw_mesh *mesh = NULL;
   double *node = numbers(3 * (int64_t)box->node_count);
   for (int i = 0; i < box->node_count; i++) {
     double r = a + (b - a) * box->node[3 * i], angle = pi / 2 * box->node[3 * i + 1];
@@ -120,26 +118,39 @@ static void hollow_cylinder(bw_context *context, bool layers) {
   }
   check_ok(context, bw_mesh_moved(context, box, node, &mesh));
   free(node);
+  return mesh;
+}
+
+static void hold_radius(bw_context *context, bw_heat *heat, double r, double temperature) {
+  const bw_mesh *mesh = heat->mesh;
+  uint8_t *facets = calloc((size_t)mesh->facet_count, 1);
+  bw_selection *on = NULL;
+  for (int f = 0; f < mesh->facet_count; f++) {
+    facets[f] = 1;
+    for (int c = 0; c < 3; c++) {
+      const double *x = mesh->node + 3 * mesh->facet[mesh->nodes_per_facet * f + c];
+      facets[f] = facets[f] && fabs(hypot(x[0], x[1]) - r) < 1e-9;
+    }
+  }
+  check_ok(context, bw_select_mask(context, mesh, facets, NULL, &on));
+  const bw_heat_condition held = {.kind = BW_HEAT_TEMPERATURE, .on = on, .value = temperature};
+  check_ok(context, bw_heat_add(context, heat, &held));
+  bw_release(on);
+  free(facets);
+}
+
+/* A hollow cylinder, a quarter of it: the heat of a radian and metre is (T1 - T2) / (ln(m/a) / k +
+ * ln(b/m) / k'), with T linear in ln(r) in each layer; tet10. */
+static void hollow_cylinder(bw_context *context, bool layers) {
+  const double a = 0.1, b = 0.3, m = 0.2, t1 = 500, t2 = 300, pi = 3.14159265358979323846;
+  const double k = 15, outside = layers ? 60 : k;
+  bw_mesh *box = body_box(context, 1, 1, 0.05, 20, 10, 1, 2), *mesh = bend(context, box, a, b);
   bw_material *material = heat_layers(context, box, 0, 0.5, heat_material(context, k, 0, 0),
                                       heat_material(context, outside, 0, 0));
   bw_release(box);
   bw_heat *heat = heat_body(context, mesh, material);
-  for (int side = 0; side < 2; side++) {
-    uint8_t *facets = calloc((size_t)mesh->facet_count, 1);
-    bw_selection *on = NULL;
-    for (int f = 0; f < mesh->facet_count; f++) {
-      facets[f] = 1;
-      for (int c = 0; c < 3; c++) {
-        const double *x = mesh->node + 3 * mesh->facet[6 * f + c];
-        facets[f] = facets[f] && fabs(hypot(x[0], x[1]) - (side ? b : a)) < 1e-9;
-      }
-    }
-    check_ok(context, bw_select_mask(context, mesh, facets, NULL, &on));
-    const bw_heat_condition held = {.kind = BW_HEAT_TEMPERATURE, .on = on, .value = side ? t2 : t1};
-    check_ok(context, bw_heat_add(context, heat, &held));
-    bw_release(on);
-    free(facets);
-  }
+  hold_radius(context, heat, a, t1);
+  hold_radius(context, heat, b, t2);
   bw_heat_solution *solution = heat_steady(context, heat, NULL);
   double q = (t1 - t2) / (log(m / a) / k + log(b / m) / outside);
   for (int i = 0; i < mesh->node_count; i++) {
@@ -157,6 +168,56 @@ static void test_cylinder(void **state) {
   bw_context *context = check_context(state);
   hollow_cylinder(context, false);
   hollow_cylinder(context, true);
+}
+
+/* The energy norm of the error of the flux over that of the flux, where it is Q / r outwards. */
+static double true_flux_error(const bw_heat_solution *solution, double Q, double k) {
+  const bw_mesh *mesh = solution->mesh;
+  double sum = 0, whole = 0;
+  for (int64_t e = 0; e < mesh->element_count; e++) {
+    const int32_t *element = mesh->element + e * mesh->nodes_per_element;
+    double x[10][3], point[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS];
+    for (int n = 0; n < mesh->nodes_per_element; n++)
+      memcpy(x[n], mesh->node + 3 * element[n], sizeof x[n]);
+    int points = bw_tet_quadrature(4, point, weight);
+    for (int p = 0; p < points; p++) {
+      double slope[10][3], shape[10], at[3] = {0}, flux[3] = {0};
+      double size =
+          weight[p] * bw_tet_gradient(mesh->order, (const double(*)[3])x, point[p], slope);
+      bw_tet_shape(mesh->order, point[p], shape);
+      for (int n = 0; n < mesh->nodes_per_element; n++)
+        for (int c = 0; c < 3; c++) {
+          at[c] += shape[n] * x[n][c];
+          flux[c] -= k * slope[n][c] * solution->temperature[element[n]];
+        }
+      double r2 = at[0] * at[0] + at[1] * at[1];
+      sum += size * (pow(flux[0] - Q * at[0] / r2, 2) + pow(flux[1] - Q * at[1] / r2, 2) +
+                     flux[2] * flux[2]);
+      whole += size * (flux[0] * flux[0] + flux[1] * flux[1] + flux[2] * flux[2]);
+    }
+  }
+  return sqrt(sum / whole);
+}
+
+/* The estimate of the error of the flux over the true one, as docs/theory/heat.md has it. */
+static void test_error_of_cylinder(void **state) {
+  bw_context *context = check_context(state);
+  const double a = 0.1, b = 0.3, k = 15;
+  for (int order = 1; order <= 2; order++)
+    for (int cells = 4, wide = 0; cells <= 12; cells += 4 * wide, wide = !wide) {
+      bw_mesh *box = body_box(context, 1, 1, 0.2, cells, cells, wide ? cells : 1, order);
+      bw_heat *heat = heat_body(context, bend(context, box, a, b), heat_material(context, k, 0, 0));
+      hold_radius(context, heat, a, 500);
+      hold_radius(context, heat, b, 300);
+      bw_heat_solution *solution = heat_steady(context, heat, NULL);
+      double relative;
+      check_ok(context, bw_heat_error(context, solution, NULL, &relative));
+      double ratio = relative / true_flux_error(solution, k * 200 / log(b / a), k);
+      assert_true(order == 1 ? ratio > 0.965 && ratio < 1.035 : ratio > 0.785 && ratio < 0.965);
+      bw_release(solution);
+      bw_release(heat);
+      bw_release(box);
+    }
 }
 
 /* Two layers side by side: T is the same line in both, and the flux along their interface jumps. */
@@ -443,6 +504,7 @@ int main(void) {
                                      check_test(test_orthotropic),
                                      check_test(test_orders),
                                      check_test(test_cylinder),
+                                     check_test(test_error_of_cylinder),
                                      check_test(test_flux_beside_interface),
                                      check_test(test_radiating_plate),
                                      check_test(test_nafems_t2),
