@@ -492,6 +492,19 @@ static void test_contact_memory(void **state) {
   check_ok(context, bw_heat_steady(context, heat, NULL, &solution));
   check_near(heat_at(solution, 1, 0, 0), 311, 1e-9); /* 10 W over 1 m2, both resist: 10, and 1 */
   bw_release(solution);
+  solution = NULL;
+  bw_solver *two_level = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_TWO_LEVEL});
+  bw_heat_options options;
+  bw_heat_options_default(&options);
+  bw_solver *pcg =
+      body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = two_level});
+  options.solver = pcg;
+  check_allocations(context, solution, bw_heat_steady(context, heat, &options, &solution));
+  check_ok(context, bw_heat_steady(context, heat, &options, &solution));
+  check_near(heat_at(solution, 1, 0, 0), 311, 1e-6);
+  bw_release(solution);
+  bw_release(pcg);
+  bw_release(two_level);
   bw_release(side[0]);
   bw_release(side[1]);
   bw_release(heat);
