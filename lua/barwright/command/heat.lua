@@ -107,13 +107,19 @@ local function solve(mesh, material, opts, given, selections)
   return model.try(heat.solve, heat)
 end
 
--- How far two solutions on the same elements differ: temperatures at corners (K), and heat of each condition (W).
+-- The corners at the ends of each edge of a tetrahedron, whose middles are its nodes 5 to 10.
+local EDGES = {{1, 2}, {2, 3}, {3, 1}, {1, 4}, {2, 4}, {3, 4}}
+
+-- How far a solution differs from one with linear elements on the same corners: temperatures at nodes (K), and
+-- heat of each condition (W).
 local function difference(a, b)
   local temperature, heat = 0, {}
-  for k = 1, 4 do
+  for k = 1, a.mesh.order == 2 and 10 or 4 do
+    local ends = EDGES[k - 4] or {k, k}
     local one = a.temperature:gather(a.mesh.elements:column(k))
-    local other = b.temperature:gather(b.mesh.elements:column(k))
-    temperature = math.max(temperature, (one - other):map("abs(a)"):max())
+    local other = b.temperature:gather(b.mesh.elements:column(ends[1]))
+      + b.temperature:gather(b.mesh.elements:column(ends[2]))
+    temperature = math.max(temperature, (one - 0.5 * other):map("abs(a)"):max())
   end
   local one, other = a.heat_in:totable(), b.heat_in:totable()
   for i = 1, #one do heat[i] = math.abs(one[i] - other[i]) end
