@@ -2,6 +2,7 @@
 /* Contact without friction on the compliance S = B G B^T of the candidates, whose displacements are
  * u = u_0 + G B^T p + R a (docs/theory/contact.md). */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/dense.h"
@@ -105,14 +106,17 @@ done:
 
 /* ---- equations (2) to (5) -------------------------------------------------------------------- */
 
+/* `reach` (m): a contact farther than that is not found, or INFINITY. */
 static bw_status fail_unheld(bw_context *context, const bwi_contact_problem *c,
-                             const double *motion) {
-  char text[300];
+                             const double *motion, double reach) {
+  char text[300], within[40] = "";
   bwi_describe_motion(c->system->dof_map, motion, text, sizeof text);
+  if (isfinite(reach))
+    snprintf(within, sizeof within, " within %.3g m", reach);
   bw_fail(context, BW_UNCONSTRAINED,
-          "neither supports nor contact balance the load: nothing stops the %s. Add a support or a "
-          "contact pair that does, or turn the load",
-          text);
+          "neither supports nor contact balance the load: nothing stops the %s%s. Add a support or "
+          "a contact pair that does, or turn the load",
+          text, within);
   bw_detail_text(context, "motion", text);
   return BW_UNCONSTRAINED;
 }
@@ -136,7 +140,7 @@ static bw_status find_start(bw_context *context, bwi_contact_problem *c) {
                            .unheld = unheld};
   BW_TRY(bwi_rigid_start_find(context, &start));
   if (!start.held)
-    BW_TRY(fail_unheld(context, c, unheld));
+    BW_TRY(fail_unheld(context, c, unheld, start.reach));
   c->epsilon = spring * start.scale;
 done:
   bw_free(unheld);
@@ -172,7 +176,8 @@ static bw_status solve_linearised(bw_context *context, bwi_contact_problem *c) {
     else
       BW_TRY(bwi_contact_solve_working(context, c, centre));
     BW_TRY(bwi_contact_take_deepest(context, c, BWI_CONTACT_SMALL_GAP * c->elastic, &added));
-    fraction = c->working > 0 ? spring_fraction(c, centre) : 0;
+    /* without a candidate, the load is as yet unbalanced */
+    fraction = c->working > 0 || round > 0 ? spring_fraction(c, centre) : m > 0 ? 1 : 0;
     if (added == 0 && (fraction < 1e-4 * BWI_CONTACT_BALANCED ||
                        (fraction < BWI_CONTACT_BALANCED && fraction > 0.5 * before)))
       goto done;
@@ -181,7 +186,7 @@ static bw_status solve_linearised(bw_context *context, bwi_contact_problem *c) {
   for (int k = 0; k < m; k++)
     centre[k] = c->a[k] - centre[k];
   if (added == 0 && fraction > BWI_CONTACT_BALANCED)
-    BW_TRY(fail_unheld(context, c, centre));
+    BW_TRY(fail_unheld(context, c, centre, INFINITY));
   BW_TRY(bw_fail(context, BW_CONVERGENCE, "after %d rounds %d candidates still enter the contact",
                  (int)ROUNDS, added));
 done:

@@ -100,6 +100,7 @@ typedef struct bwi_rigid_start {
   double scale;   /* the result: a mean stiffness (N/m) of the motions on the springs in touch */
   double *unheld; /* (motions) the part of the load that nothing holds */
   bool held;      /* there is none */
+  double reach;   /* (m) a motion that the load reaches against the softest springs */
 } bwi_rigid_start;
 bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *start);
 

@@ -3,6 +3,7 @@
  * candidates, and springs of stiffness epsilon on their motions, which goes to zero. The energy
  *     epsilon |a|^2 / 2 - load . a + sum stiffness / area min(0, q + E a)^2 / 2
  * is convex and has a piecewise constant second derivative. */
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -12,17 +13,20 @@
 enum { NEWTON_STEPS = 100 };
 
 static const double first = 1e-2, last = 1e-12; /* of the stiffness when all candidates touch */
+static const double decrease = 0.01;            /* of epsilon from one to the next */
 static const double balanced = 1e-6;            /* of the load: what may be left */
+static const double descent = 1e-4;             /* of what the slope promises (Armijo) */
+static const double shortest = 1e-16;           /* of a Newton step */
 
 /* Energy at a, with gradient and second derivative. */
 static double evaluate(const bwi_rigid_start *s, double epsilon, const double *a, double *gradient,
                        double *second) {
   int m = s->motions;
   double energy = epsilon * bwi_dot(m, a, a) / 2 - bwi_dot(m, a, s->load);
-  memset(second, 0, (size_t)(m * m) * sizeof *second);
+  memset(second, 0, (size_t)m * (size_t)m * sizeof *second);
   for (int k = 0; k < m; k++) {
     gradient[k] = epsilon * a[k] - s->load[k];
-    second[k * m + k] = epsilon;
+    second[(int64_t)k * m + k] = epsilon;
   }
   for (int i = 0; i < s->count; i++) {
     const double *e = s->e + (size_t)i * (size_t)m;
@@ -31,9 +35,11 @@ static double evaluate(const bwi_rigid_start *s, double epsilon, const double *a
       continue;
     energy += c * gap * gap / 2;
     for (int k = 0; k < m; k++) {
+      if (e[k] == 0) /* a candidate moves with one or two of the bodies */
+        continue;
       gradient[k] += c * gap * e[k];
       for (int l = 0; l < m; l++)
-        second[k * m + l] += c * e[k] * e[l];
+        second[(int64_t)k * m + l] += c * e[k] * e[l];
     }
   }
   return energy;
@@ -43,7 +49,7 @@ bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *s) {
   bw_status status = BW_OK;
   int m = s->motions;
   double whole = 0, before = INFINITY, left = 0, size = sqrt(bwi_dot(m, s->load, s->load));
-  double *g = BW_NEW(context, double, m), *h = BW_NEW(context, double, m *m);
+  double *g = BW_NEW(context, double, m), *h = BW_NEW(context, double, (int64_t)m *m);
   double *step = BW_NEW(context, double, m), *trial = BW_NEW(context, double, m);
   double *d = BW_NEW0(context, double, m); /* what the springs carried at the epsilon before */
   BW_TRY_MEMORY(g && h && step && trial && d);
@@ -51,8 +57,9 @@ bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *s) {
   for (int i = 0; i < s->count; i++)
     whole += s->stiffness / s->area[i] *
              bwi_dot(m, s->e + (size_t)i * (size_t)m, s->e + (size_t)i * (size_t)m) / m;
-  for (double epsilon = first * whole; epsilon > 0.5 * last * whole; epsilon *= 0.01) {
+  for (double epsilon = first * whole; epsilon > 0.5 * last * whole; epsilon *= decrease) {
     for (int i = 0; i < NEWTON_STEPS; i++) {
+      BW_TRY(bw_check_cancel(context));
       double energy = evaluate(s, epsilon, s->a, g, h), t = 1, slope;
       if (!bwi_cholesky(m, h, 0))
         break;
@@ -61,13 +68,13 @@ bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *s) {
       bwi_lower_solve(m, h, step);
       bwi_upper_solve(m, h, step);
       slope = bwi_dot(m, g, step);
-      for (; t > 1e-6; t *= 0.5) {
+      bool gains = false;
+      for (; !gains && t > shortest && -t * slope > DBL_EPSILON * fabs(energy); t *= 0.5) {
         for (int k = 0; k < m; k++)
           trial[k] = s->a[k] + t * step[k];
-        if (evaluate(s, epsilon, trial, g, h) <= energy + 1e-4 * t * slope)
-          break;
+        gains = evaluate(s, epsilon, trial, g, h) <= energy + descent * t * slope;
       }
-      if (t <= 1e-6) /* rounding hides what is left to gain */
+      if (!gains) /* rounding hides what is left to gain */
         break;
       memcpy(s->a, trial, (size_t)m * sizeof *trial);
       if (sqrt(bwi_dot(m, step, step)) <= 1e-12 * sqrt(bwi_dot(m, s->a, s->a)))
@@ -77,15 +84,16 @@ bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *s) {
     left = epsilon * sqrt(bwi_dot(m, s->a, s->a));
     for (int k = 0; k < m; k++) { /* the limit of what goes linearly with epsilon */
       double carried = epsilon * s->a[k];
-      s->unheld[k] = carried - (d[k] - carried) / 99;
+      s->unheld[k] = carried - (d[k] - carried) * decrease / (1 - decrease);
       d[k] = carried;
     }
   }
+  s->reach = size / (last * whole);
   s->held = !(left > balanced * size && left > 0.5 * before);
   evaluate(s, 0, s->a, g, h);
   s->scale = 0;
   for (int k = 0; k < m; k++)
-    s->scale += h[k * m + k] / m;
+    s->scale += h[(int64_t)k * m + k] / m;
   if (!(s->scale > 0))
     s->scale = whole;
 done:

@@ -77,6 +77,35 @@ static void patch(void **state) {
   }
 }
 
+/* A free block far above the plane that stops it, under its weight or a light pressure. */
+static void falls(void **state) {
+  bw_context *context = check_context(state);
+  const double away[] = {0.01, 0.1, 1};
+  for (int which = 0; which < 6; which++) {
+    bw_mesh *mesh = body_box(context, 0.1, 0.1, 0.05, 4, 4, 2, 1);
+    bw_model *model = model_of(context, mesh);
+    bw_selection *top = plane(context, mesh, 2, 0.05), *foot = plane(context, mesh, 2, 0);
+    bw_rigid_surface *floor = NULL;
+    double gap = away[which / 2], weight = 100;
+    if (which % 2) {
+      check_ok(context, bw_model_gravity(context, model, (double[3]){0, 0, -9.81}));
+      weight = 9.81 * model->material->density * 5e-4;
+    } else
+      check_ok(context, bw_model_pressure(context, model, top, 1e4));
+    check_ok(context, bw_rigid_plane(context, (double[3]){0, 0, -gap}, axis[2], &floor));
+    bw_contact *contact = solved(context, model, foot, floor);
+    check_near(contact->state[0].force[2], weight, 1e-5 * weight);
+    check_near(contact->solution->displacement[3 * foot->node[0] + 2], -gap, 1e-9);
+    assert_true(contact->free_count == 3);
+    bw_release(contact);
+    bw_release(floor);
+    bw_release(top);
+    bw_release(foot);
+    bw_release(model);
+    bw_release(mesh);
+  }
+}
+
 /* A quarter of what lies below z = 0 about the z-axis, or with a width a half: cells of one size to
  * `fine`, which are the fraction `share`, and larger and larger ones from there to `size`. */
 typedef struct graded {
@@ -459,6 +488,6 @@ int main(void) {
                                      check_test(stop),           check_test(patch_between_parts),
                                      check_test(press_fit),      check_test(pressed_on_ball),
                                      check_test(same_bits),      check_test(refused),
-                                     check_test(memory_failures)};
+                                     check_test(falls),          check_test(memory_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
