@@ -72,17 +72,21 @@ done:
   return status;
 }
 
-static void take_pressure(const bwi_contact_problem *c, bw_contact *out) {
+/* The larger where pairs meet. `own` (node_count): of one pair. */
+static void take_pressure(const bwi_contact_problem *c, double *own, bw_contact *out) {
   const bw_mesh *mesh = c->model->mesh;
-  for (int i = 0; i < c->count; i++)
-    out->pressure[c->rows.node[i]] += c->p[i];
   for (int pair = 0; pair < out->pair_count; pair++) {
     const bw_selection *on = out->pair[pair].on;
+    memset(own, 0, (size_t)mesh->node_count * sizeof *own);
+    for (int i = 0; i < c->count; i++)
+      if (c->rows.of[i] == pair)
+        own[c->rows.node[i]] = c->p[i];
     for (int32_t f = 0; f < on->facet_count; f++) {
       const int32_t *node = mesh->facet + (int64_t)on->facet[f] * mesh->nodes_per_facet;
-      for (int k = 3; k < mesh->nodes_per_facet; k++)
-        out->pressure[node[k]] =
-            (out->pressure[node[k - 3]] + out->pressure[node[(k - 2) % 3]]) / 2;
+      for (int k = 0; k < mesh->nodes_per_facet; k++) {
+        double p = k < 3 ? own[node[k]] : (own[node[k - 3]] + own[node[(k - 2) % 3]]) / 2;
+        out->pressure[node[k]] = fmax(out->pressure[node[k]], p);
+      }
     }
   }
 }
@@ -240,7 +244,7 @@ bw_status bwi_contact_take_result(bw_context *context, bwi_contact_problem *c,
                           bw_retain(c->rows.pair[i].against), c->rows.pair[i].interference};
   BW_TRY(take_solution(context, c, out));
   BW_TRY(take_undetermined(context, c, out));
-  take_pressure(c, out);
+  take_pressure(c, force, out);
   take_gaps(c, out);
   take_states(c, force, out);
   out->iterations = c->iterations;

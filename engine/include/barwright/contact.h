@@ -76,7 +76,7 @@ typedef struct bw_contact {
   bw_contact_pair *pair;   /* (pair_count) */
   bw_contact_state *state; /* (pair_count) */
   double *pressure; /* (Pa, node_count) 0 where nothing touches; at mid-edge nodes the mean of
-                       the corners */
+                       the corners; the larger where pairs meet */
   double *gap; /* (m, node_count) of the deformed body at the nodes of `on`, negative inside of the
                   surface; against facets the mean gap at the corners; infinite at the others */
   int iterations;          /* linearisations */
@@ -89,9 +89,8 @@ typedef struct bw_contact {
 /* A model in contact by pair (pair_count, 1 or more), without friction, for small displacements.
  * `given` as of bw_system_of_model. `options` may be NULL. A warning names pairs that stay open or
  * penetrate for want of smaller facets, motions that nothing decides, and rotations that are not
- * small. BW_UNCONSTRAINED where neither
- * supports nor contact balance the load, and for loads of bw_statics that no support takes;
- * BW_CONVERGENCE where the linearisation of curved surfaces or the active set do not come to an
+ * small. BW_UNCONSTRAINED where neither supports nor contact balance the load, and for loads of
+ * bw_statics that no support takes; BW_CONVERGENCE where the linearisation of curved surfaces or the active set do not come to an
  * end; BW_INVALID for a selection of another mesh, a pair without exactly one of `with` and
  * `against`, facets of which none faces those that they are against, and where supports press the
  * body into a surface; BW_EMPTY for a selection without a facet, BW_LIMIT for more than 8000

@@ -198,38 +198,45 @@ static void pressed_on_ball(void **state) {
   assert_true(s.penetration < 0.1 * a * a / radius);
 }
 
-/* A free block in a corner of three planes: each takes its part of the load. */
+/* A free block in a corner of three planes: each takes its part of the load, as one pressure. */
 static void corner(void **state) {
   bw_context *context = check_context(state);
-  const double traction[3] = {-1e6, -2e6, -5e6};
-  bw_mesh *mesh = body_box(context, 0.2, 0.2, 0.2, 3, 4, 3, 1);
-  bw_model *model = model_of(context, mesh);
-  bw_selection *loaded = NULL, *wall[3];
-  bw_rigid_surface *with[3];
-  bw_contact_pair pair[3];
-  bw_contact *contact = NULL;
-  double area;
-  check_ok(context, bw_select_all(context, mesh, &loaded));
-  area = bw_selection_area(loaded);
-  check_ok(context, bw_model_traction(context, model, loaded, traction));
-  for (int k = 0; k < 3; k++) {
-    wall[k] = plane(context, mesh, k, 0);
-    check_ok(context, bw_rigid_plane(context, (double[3]){-1e-3, -2e-3, 0}, axis[k], &with[k]));
-    pair[k] = (bw_contact_pair){.on = wall[k], .with = with[k]};
+  const double stress[3] = {1e6, 2e6, 5e6};
+  for (int order = 1; order <= 2; order++) {
+    bw_mesh *mesh = body_box(context, 0.2, 0.2, 0.2, 3, 4, 3, order);
+    bw_model *model = model_of(context, mesh);
+    bw_selection *wall[3];
+    bw_rigid_surface *with[3];
+    bw_contact_pair pair[3];
+    bw_contact *contact = NULL;
+    for (int k = 0; k < 3; k++) {
+      bw_selection *loaded = plane(context, mesh, k, 0.2);
+      check_ok(context, bw_model_pressure(context, model, loaded, stress[k]));
+      bw_release(loaded);
+      wall[k] = plane(context, mesh, k, 0);
+      check_ok(context, bw_rigid_plane(context, (double[3]){-1e-3, -2e-3, 0}, axis[k], &with[k]));
+      pair[k] = (bw_contact_pair){.on = wall[k], .with = with[k]};
+    }
+    check_ok(context, bw_contact_solve(context, model, 3, pair, NULL, NULL, &contact));
+    for (int k = 0; k < 3; k++)
+      for (int l = 0; l < 3; l++)
+        check_near(contact->state[k].force[l], k == l ? stress[k] * 0.04 : 0, 40);
+    assert_int_equal(contact->free_count, 0);
+    for (int32_t i = 0; i < mesh->node_count; i++) { /* where walls meet, the larger */
+      double p = 0;
+      for (int k = 0; k < 3; k++)
+        if (mesh->node[3 * (int64_t)i + k] < 1e-9)
+          p = fmax(p, stress[k]);
+      check_near(contact->pressure[i], p, 1e-4 * p);
+    }
+    for (int k = 0; k < 3; k++) {
+      bw_release(wall[k]);
+      bw_release(with[k]);
+    }
+    bw_release(contact);
+    bw_release(model);
+    bw_release(mesh);
   }
-  check_ok(context, bw_contact_solve(context, model, 3, pair, NULL, NULL, &contact));
-  for (int k = 0; k < 3; k++)
-    for (int l = 0; l < 3; l++)
-      check_near(contact->state[k].force[l], k == l ? -traction[k] * area : 0, 1e-3 * area);
-  assert_int_equal(contact->free_count, 0);
-  for (int k = 0; k < 3; k++) {
-    bw_release(wall[k]);
-    bw_release(with[k]);
-  }
-  bw_release(contact);
-  bw_release(loaded);
-  bw_release(model);
-  bw_release(mesh);
 }
 
 /* A bar fixed at one end over a stop: it touches where its end sinks by more than the gap. Then the
