@@ -11,7 +11,8 @@
 
 enum { ROUNDS = 500 /* of the working set and of the springs on motions */ };
 
-static const double spring = 1e-6; /* of the stiffness of the motions */
+static const double spring = 1e-6;    /* of the stiffness of the motions */
+static const double rounding = 1e-12; /* of the diagonal of the mesh */
 
 void bw_contact_options_default(bw_contact_options *options) {
   *options = (bw_contact_options){.tolerance = 1e-6, .max_iterations = 30};
@@ -41,6 +42,7 @@ static bw_status prepare(bw_context *context, bwi_contact_problem *c, int pair_c
                          const bw_contact_pair *pair, bw_system *given) {
   bw_status status = BW_OK;
   bw_statics_options without = {.inertia_relief = true, .tolerance = 1e-6};
+  double min[3], max[3];
   BW_TRY(bwi_contact_rows_create(context, c->model->mesh, pair_count, pair, &c->rows));
   for (int i = 0; i < pair_count; i++)
     c->curved = c->curved || (pair[i].with && pair[i].with->kind != BW_RIGID_PLANE);
@@ -48,6 +50,10 @@ static bw_status prepare(bw_context *context, bwi_contact_problem *c, int pair_c
   BW_TRY(bw_statics(context, c->model, c->system, &without, &c->start));
   c->count = c->rows.count;
   c->motions = c->system->dof_map->rigid_mode_count;
+  bw_mesh_box(c->model->mesh, min, max);
+  for (int k = 0; k < 3; k++)
+    max[k] -= min[k];
+  c->rounded = rounding * bw_norm(max);
   c->young = bw_material_of(c->model->material, 0)->elasticity[0];
   int count = c->count, m = c->motions;
   c->load = BW_NEW0(context, double, m);
@@ -175,7 +181,7 @@ static bw_status solve_linearised(bw_context *context, bwi_contact_problem *c) {
         c->w[i] = c->q[i] + bwi_dot(m, c->e + (int64_t)i * m, c->a);
     else
       BW_TRY(bwi_contact_solve_working(context, c, centre));
-    BW_TRY(bwi_contact_take_deepest(context, c, BWI_CONTACT_SMALL_GAP * c->elastic, &added));
+    BW_TRY(bwi_contact_take_deepest(context, c, &added));
     /* without a candidate, the load is as yet unbalanced */
     fraction = c->working > 0 || round > 0 ? spring_fraction(c, centre) : m > 0 ? 1 : 0;
     if (added == 0 && (fraction < 1e-4 * BWI_CONTACT_BALANCED ||

@@ -11,7 +11,6 @@
 
 static const double undecided = 1e-9; /* of the stiffest motion */
 static const double large_rotation = 0.05;
-static const double rounding = 1e-12; /* of the largest coordinate: penetration that is none */
 static const double coarse = 0.25; /* of the elastic displacement: penetration that is too much */
 
 static void contact_destroy(void *object) {
@@ -121,9 +120,6 @@ static void take_gaps(const bwi_contact_problem *c, bw_contact *out) {
 
 static void take_states(const bwi_contact_problem *c, double *force, bw_contact *out) {
   const bw_mesh *mesh = c->model->mesh;
-  double size = 0;
-  for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++)
-    size = fmax(size, fabs(mesh->node[i]));
   for (int pair = 0; pair < out->pair_count; pair++) {
     bw_contact_state *state = &out->state[pair];
     state->node = -1;
@@ -143,7 +139,7 @@ static void take_states(const bwi_contact_problem *c, double *force, bw_contact 
     for (int64_t k = 0; k < c->rows.point_count; k++)
       if (c->rows.point[k].pair == pair)
         state->penetration = fmax(state->penetration, -c->rows.point[k].gap);
-    if (state->penetration < fmax(BWI_CONTACT_SMALL_GAP * c->elastic, rounding * size))
+    if (state->penetration < bwi_contact_small_gap(c))
       state->penetration = 0;
     bwi_contact_rows_pair_force(&c->rows, pair, c->p, force);
     for (int64_t i = 0; i < mesh->node_count; i++) {

@@ -3,6 +3,8 @@
 #ifndef BWI_CONTACT_INTERNAL_H
 #define BWI_CONTACT_INTERNAL_H
 
+#include <math.h>
+
 #include "barwright/contact.h"
 #include "barwright/statics.h"
 
@@ -130,6 +132,7 @@ typedef struct bwi_contact_problem {
   double *column;  /* (capacity x count) and their columns of S */
   int capacity;
   double elastic; /* the largest mean displacement that pressure causes at a candidate */
+  double rounded; /* (m) of gaps between coordinates */
   double epsilon;
   double *h; /* (motions x motions) */
   int iterations, changes, solves;
@@ -137,8 +140,10 @@ typedef struct bwi_contact_problem {
 static inline int64_t bwi_contact_size(const bwi_contact_problem *problem) {
   return 3 * (int64_t)problem->model->mesh->node_count;
 }
-/* Of the elastic displacement: penetration that is none. */
-#define BWI_CONTACT_SMALL_GAP 1e-8
+/* (m) Penetration that is none. */
+static inline double bwi_contact_small_gap(const bwi_contact_problem *problem) {
+  return fmax(1e-8 * problem->elastic, problem->rounded);
+}
 /* Of the load: what springs on motions may carry in the end. */
 #define BWI_CONTACT_BALANCED 1e-6
 
@@ -147,10 +152,9 @@ static inline int64_t bwi_contact_size(const bwi_contact_problem *problem) {
 /* Solves the problem on the working set: pressures, motions, and the gaps of all candidates. */
 bw_status bwi_contact_solve_working(bw_context *context, bwi_contact_problem *problem,
                                     const double *centre);
-/* Takes in the deepest of those outside that penetrate by more than `slack` (m); *added: how many.
+/* Takes in the deepest of those outside that penetrate; *added: how many.
  * BW_INVALID where supports prevent a pair from opening, BW_LIMIT for too many candidates. */
-bw_status bwi_contact_take_deepest(bw_context *context, bwi_contact_problem *problem, double slack,
-                                   int *added);
+bw_status bwi_contact_take_deepest(bw_context *context, bwi_contact_problem *problem, int *added);
 /* Columns about the present normals, of the candidates with pressure alone. */
 bw_status bwi_contact_renew(bw_context *context, bwi_contact_problem *problem);
 

@@ -94,9 +94,9 @@ static int deeper(const void *a, const void *b) {
   return x->candidate < y->candidate ? -1 : 1;
 }
 
-bw_status bwi_contact_take_deepest(bw_context *context, bwi_contact_problem *c, double slack,
-                                   int *added) {
+bw_status bwi_contact_take_deepest(bw_context *context, bwi_contact_problem *c, int *added) {
   bw_status status = BW_OK;
+  double slack = bwi_contact_small_gap(c);
   int found = 0, most = c->working > AT_ONCE ? c->working : AT_ONCE;
   deep *list = BW_NEW(context, deep, c->count);
   int32_t *which = BW_NEW(context, int32_t, c->count);
@@ -145,7 +145,7 @@ bw_status bwi_contact_solve_working(bw_context *context, bwi_contact_problem *c,
           0.5 * (c->column[(int64_t)k * count + c->member[l]] + c->column[(int64_t)l * count + i]);
     q[k] = c->q[i];
     memcpy(e + (int64_t)k * m, c->e + (int64_t)i * m, (size_t)m * sizeof *e);
-    slack[k] = 0.1 * BWI_CONTACT_SMALL_GAP * c->elastic * c->rows.area[i];
+    slack[k] = 0.1 * bwi_contact_small_gap(c) * c->rows.area[i];
   }
   bwi_complementarity problem = {.count = n,
                                  .motions = m,

@@ -278,6 +278,43 @@ static void stop(void **state) {
   bw_release(mesh);
 }
 
+/* A turned block fixed at its foot, which lies in the plane but for rounding. */
+static void fixed_foot(void **state) {
+  bw_context *context = check_context(state);
+  for (int turn = 1; turn < 12; turn++) {
+    double c = cos(0.5 * turn), s = sin(0.5 * turn);
+    bw_mesh *straight = body_box(context, 0.3, 0.2, 0.1, 6, 4, 2, 1), *mesh = NULL;
+    double *node = numbers(3 * (int64_t)straight->node_count);
+    for (int64_t i = 0; i < straight->node_count; i++) {
+      const double *x = straight->node + 3 * i;
+      node[3 * i] = c * x[0] + s * x[2];
+      node[3 * i + 1] = x[1];
+      node[3 * i + 2] = c * x[2] - s * x[0];
+    }
+    check_ok(context, bw_mesh_copy(context, 1, straight->node_count, node, straight->element_count,
+                                   straight->element, NULL, &mesh));
+    bw_model *model = model_of(context, mesh);
+    bw_selection *all = NULL, *foot = NULL;
+    bw_rigid_surface *floor = NULL;
+    const double normal[3] = {s, 0, c};
+    check_ok(context, bw_select_all(context, mesh, &all));
+    check_ok(context, bw_select_plane(context, mesh, (double[3]){0}, normal, 1e-9, &foot));
+    check_ok(context, bw_model_fix(context, model, foot));
+    check_ok(context, bw_model_gravity(context, model, (double[3]){1, 0, 0}));
+    check_ok(context, bw_rigid_plane(context, (double[3]){0}, normal, &floor));
+    bw_contact *contact = solved(context, model, all, floor);
+    assert_true(contact->state[0].active == 0 && contact->state[0].penetration == 0);
+    bw_release(contact);
+    bw_release(floor);
+    bw_release(foot);
+    bw_release(all);
+    bw_release(model);
+    bw_release(mesh);
+    bw_release(straight);
+    free(node);
+  }
+}
+
 /* Both meshes as one, whose bodies share no node. */
 static bw_mesh *both(bw_context *context, bw_mesh *a, bw_mesh *b) {
   int per = a->nodes_per_element;
@@ -495,6 +532,7 @@ int main(void) {
                                      check_test(stop),           check_test(patch_between_parts),
                                      check_test(press_fit),      check_test(pressed_on_ball),
                                      check_test(same_bits),      check_test(refused),
-                                     check_test(falls),          check_test(memory_failures)};
+                                     check_test(falls),          check_test(fixed_foot),
+                                     check_test(memory_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
