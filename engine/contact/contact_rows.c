@@ -2,6 +2,7 @@
 /* The constraints of contact in the mean of hat functions (docs/theory/contact.md, eq. 2): points
  * of a rule on the selected facets, the rows B of the candidates, and products with them. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "contact/internal.h"
@@ -57,8 +58,12 @@ static bw_status check_pair(bw_context *context, const bw_mesh *mesh, int i,
     return bw_fail(context, BW_INVALID, "contact pair %d has an interference that is not finite",
                    i + 1);
   BW_TRY(check_facets(context, mesh, i, pair->on));
-  if (pair->against)
+  if (pair->against) {
+    char what[80];
+    snprintf(what, sizeof what, "contact pair %d: contact between parts is of", i + 1);
     BW_TRY(check_facets(context, mesh, i, pair->against));
+    BW_TRY(bwi_check_sides(context, pair->on, pair->against, what));
+  }
 done:
   return status;
 }

@@ -26,7 +26,8 @@ static void box_of(const void *data, int32_t facet, double *min, double *max) {
 /* Whether the point, at x, faces a facet. */
 static bool faces(const bw_mesh *mesh, int32_t facet, const double x[3], bwi_contact_point *point) {
   const int32_t *node = mesh->facet + (int64_t)facet * mesh->nodes_per_facet;
-  double weight[3], y[3] = {0}, off[3], size, along;
+  double weight[3], own[3], y[3] = {0}, off[3], size, along;
+  bwi_boundary_normal(mesh, point->facet, point->hat, own);
   bwi_boundary_nearest(mesh, facet, x, weight);
   point->opposite = facet;
   bw_facet_shape(mesh->order, weight, point->far);
@@ -42,7 +43,8 @@ static bool faces(const bw_mesh *mesh, int32_t facet, const double x[3], bwi_con
   point->apart = along = bw_dot(point->normal, off);
   for (int i = 0; i < 3; i++)
     off[i] -= along * point->normal[i];
-  return bw_norm(off) <= slant * fabs(along) + beside * sqrt(size);
+  return bw_dot(own, point->normal) <= BWI_FACING * bw_norm(own) &&
+         bw_norm(off) <= slant * fabs(along) + beside * sqrt(size);
 }
 
 bw_status bwi_contact_find_opposite(bw_context *context, const bw_mesh *mesh,

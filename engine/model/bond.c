@@ -13,8 +13,6 @@ enum { LEAF = 8, CORNERS_OF_OVERLAP = 9 };
 
 /* Of quadratic facets, the part of each adjacent mid-edge function that a corner gets. */
 static const double share = 0.2;
-/* Facets face each other where the cosine of their normals is below this. */
-static const double facing = -0.5;
 /* A gap is closed without being asked for up to this part of the mean edge. */
 static const double closed_gap = 0.05;
 /* A node's integral below this part of its facets' own is none: they are hardly covered. */
@@ -151,7 +149,7 @@ static bw_status add_overlap(bonding *d, int32_t facet) {
   side_facet *s = &d->facet, other = {0};
   double corner[3][2], height[3], polygon[CORNERS_OF_OVERLAP][2], next[CORNERS_OF_OVERLAP][2];
   open_facet(d, facet, &other);
-  if (!(other.area > 0) || bw_dot(other.normal, s->normal) > facing)
+  if (!(other.area > 0) || bw_dot(other.normal, s->normal) > BWI_FACING)
     return BW_OK;
   for (int k = 0; k < 3; k++) {
     double y[3];
@@ -340,25 +338,6 @@ static void drop_rounding(bw_sparse_matrix *matrix) {
 /* ---- messages ---------------------------------------------------------------------------------
  */
 
-static bw_status check_sides(bw_context *context, const bw_selection *a, const bw_selection *b) {
-  for (int32_t i = 0, k = 0; i < a->node_count && k < b->node_count;) {
-    if (a->node[i] == b->node[k]) {
-      const double *x = a->mesh->node + 3 * (int64_t)a->node[i];
-      bw_fail(context, BW_INVALID,
-              "node %d at (%g, %g, %g) m is on both sides of the bond: a bond joins surfaces that "
-              "have no node in common",
-              a->node[i] + 1, x[0], x[1], x[2]);
-      bw_detail_number(context, "node", a->node[i] + 1.0);
-      return BW_INVALID;
-    }
-    if (a->node[i] < b->node[k])
-      i++;
-    else
-      k++;
-  }
-  return BW_OK;
-}
-
 /* How far the nodes of side a are from side b. */
 static bw_status fail_apart(bonding *d) {
   double nearest = INFINITY, square;
@@ -468,7 +447,7 @@ bw_status bwi_bond_make(bw_context *context, const bw_selection *a, const bw_sel
   if (d.gap < 0)
     d.gap = closed_gap * fmin(mean_edge(a), mean_edge(b));
   d.points = bw_triangle_quadrature(2 * d.mesh->order, d.point, d.weight);
-  BW_TRY(check_sides(context, a, b));
+  BW_TRY(bwi_check_sides(context, a, b, "the bond: a bond joins"));
   BW_TRY(plant(&d));
   BW_TRY(find_coefficients(&d, bond));
   bond->gap = d.largest;

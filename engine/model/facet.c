@@ -70,6 +70,26 @@ double bwi_boundary_nearest(const bw_mesh *mesh, int32_t facet, const double *p,
                               mesh->node + 3 * (size_t)node[2], weight);
 }
 
+bw_status bwi_check_sides(bw_context *context, const bw_selection *a, const bw_selection *b,
+                          const char *what) {
+  for (int32_t i = 0, k = 0; i < a->node_count && k < b->node_count;) {
+    if (a->node[i] == b->node[k]) {
+      const double *x = a->mesh->node + 3 * (int64_t)a->node[i];
+      bw_fail(
+          context, BW_INVALID,
+          "node %d at (%g, %g, %g) m is on both sides of %s surfaces that have no node in common",
+          a->node[i] + 1, x[0], x[1], x[2], what);
+      bw_detail_number(context, "node", a->node[i] + 1.0);
+      return BW_INVALID;
+    }
+    if (a->node[i] < b->node[k])
+      i++;
+    else
+      k++;
+  }
+  return BW_OK;
+}
+
 static bool is_straight(const bw_mesh *mesh, const int32_t *node) {
   if (mesh->order == 1)
     return true;

@@ -145,6 +145,13 @@ void bwi_boundary_box(const bw_mesh *mesh, int32_t facet, double *min, double *m
  * corners; returns the squared distance (m2). */
 double bwi_boundary_nearest(const bw_mesh *mesh, int32_t facet, const double *p, double weight[3]);
 
+/* Facets face each other where the cosine of their normals is below this. */
+#define BWI_FACING (-0.5)
+/* BW_INVALID where two selections of a mesh have a common node; `what` is as "the bond: a bond
+ * joins". */
+bw_status bwi_check_sides(bw_context *context, const bw_selection *a, const bw_selection *b,
+                          const char *what);
+
 /* Integration points of a facet: at most BW_QUADRATURE_POINTS. */
 typedef struct bwi_boundary_point {
   double shape[6]; /* of the facet's nodes */

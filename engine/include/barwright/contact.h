@@ -90,12 +90,12 @@ typedef struct bw_contact {
  * `given` as of bw_system_of_model. `options` may be NULL. A warning names pairs that stay open or
  * penetrate for want of smaller facets, motions that nothing decides, and rotations that are not
  * small. BW_UNCONSTRAINED where neither supports nor contact balance the load, and for loads of
- * bw_statics that no support takes; BW_CONVERGENCE where the linearisation of curved surfaces or the active set do not come to an
- * end; BW_INVALID for a selection of another mesh, a pair without exactly one of `with` and
- * `against`, facets of which none faces those that they are against, and where supports press the
- * body into a surface; BW_EMPTY for a selection without a facet, BW_LIMIT for more than 8000
- * corners that touch, BW_UNSUPPORTED for an external solver; those of bw_statics and
- * bw_system_solve. */
+ * bw_statics that no support takes; BW_CONVERGENCE where the linearisation of curved surfaces or
+ * the active set do not come to an end; BW_INVALID for a selection of another mesh, a pair without
+ * exactly one of `with` and `against`, which may have no node in common with `on`, facets of which
+ * none faces those, and where supports press the body into a surface; BW_EMPTY for a selection
+ * without a facet, BW_LIMIT for more than 8000 corners that touch, BW_UNSUPPORTED for an external
+ * solver; those of bw_statics and bw_system_solve. */
 BW_API bw_status bw_contact_solve(bw_context *context, const bw_model *model, int pair_count,
                                   const bw_contact_pair *pair, bw_system *given,
                                   const bw_contact_options *options, bw_contact **contact);

@@ -431,6 +431,53 @@ static void press_fit(void **state) {
   bw_release(mesh);
 }
 
+/* A block on a block; the whole surface of the upper one may touch the lower one's top and sides:
+ * only the facets that face each other do. */
+static void facing(void **state) {
+  bw_context *context = check_context(state);
+  const double pressure = 1e6, low[3] = {0, 0, 0.1}, high[3] = {0.3, 0.2, 0.2};
+  const int cells[3] = {4, 3, 2};
+  bw_mesh *lower = body_box(context, 0.3, 0.2, 0.1, 4, 3, 2, 1), *upper = NULL;
+  int32_t first = lower->node_count;
+  check_ok(context, bw_mesh_box_grid(context, low, high, cells, 1, &upper));
+  bw_mesh *mesh = both(context, lower, upper);
+  bw_model *model = model_of(context, mesh);
+  bw_selection *top = plane(context, mesh, 2, 0.2), *joint = plane(context, mesh, 2, 0.1);
+  bw_selection *foot = plane(context, mesh, 2, 0), *side[2] = {NULL, NULL}, *whole = NULL;
+  bw_contact *contact = NULL;
+  for (int k = 0; k < 2; k++) {
+    uint8_t *mask = (uint8_t *)calloc((size_t)mesh->facet_count, 1);
+    for (int32_t f = 0; f < mesh->facet_count; f++)
+      mask[f] = (mesh->facet[(int64_t)f * mesh->nodes_per_facet] < first) == (k == 1);
+    check_ok(context, bw_select_mask(context, mesh, mask, NULL, &side[k]));
+    free(mask);
+  }
+  check_ok(context, bw_select_all(context, mesh, &whole));
+  check_ok(context, bw_model_fix(context, model, foot));
+  check_ok(context, bw_model_pressure(context, model, top, pressure));
+  bw_contact_pair pair = {.on = side[0], .against = side[1]};
+  check_ok(context, bw_contact_solve(context, model, 1, &pair, NULL, NULL, &contact));
+  check_near(contact->state[0].force[2], pressure * 0.06, 1e-3 * pressure * 0.06);
+  for (int k = 0; k < 2; k++)
+    check_near(contact->state[0].force[k], 0, 1e-6 * pressure);
+  check_near(contact->state[0].area, 0.06, 1e-3 * 0.06);
+  bw_release(contact);
+  pair.on = whole;
+  check_fails(context, BW_INVALID, "is on both sides of contact pair 1",
+              bw_contact_solve(context, model, 1, &pair, NULL, NULL, &contact));
+  pair.on = pair.against = joint;
+  check_fails(context, BW_INVALID, "no node in common",
+              bw_contact_solve(context, model, 1, &pair, NULL, NULL, &contact));
+  bw_release(top);
+  bw_release(joint);
+  bw_release(foot);
+  bw_release(side[0]);
+  bw_release(side[1]);
+  bw_release(whole);
+  bw_release(model);
+  bw_release(mesh);
+}
+
 static void same_bits(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 6, 5, 3, 2);
@@ -533,6 +580,6 @@ int main(void) {
                                      check_test(press_fit),      check_test(pressed_on_ball),
                                      check_test(same_bits),      check_test(refused),
                                      check_test(falls),          check_test(fixed_foot),
-                                     check_test(memory_failures)};
+                                     check_test(facing),         check_test(memory_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
