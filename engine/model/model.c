@@ -76,6 +76,15 @@ bw_status bw_model_rotate_material(bw_context *context, bw_model *model, int32_t
   return BW_OK;
 }
 
+/* Gravity acts on materials and attached masses. */
+static bw_status measure_gravity(bw_context *context, bw_model *model) {
+  bw_status status = BW_OK;
+  for (int i = 0; i < model->load_count && status == BW_OK; i++)
+    if (model->load[i].kind == BW_LOAD_GRAVITY)
+      status = bwi_load_measure(context, model, &model->load[i]);
+  return status;
+}
+
 bw_status bw_model_set_material(bw_context *context, bw_model *model, int32_t region,
                                 const bw_material *material) {
   bw_material *changed = NULL;
@@ -86,8 +95,15 @@ bw_status bw_model_set_material(bw_context *context, bw_model *model, int32_t re
                                                  material, &changed);
   if (status != BW_OK)
     return status;
-  bw_release(model->material);
+  const bw_material *before = model->material;
   model->material = changed;
+  status = measure_gravity(context, model);
+  if (status != BW_OK) {
+    model->material = before;
+    bw_release(changed);
+    return status;
+  }
+  bw_release(before);
   model->object.revision++;
   return BW_OK;
 }
@@ -311,15 +327,6 @@ void bw_model_clear_bonds(bw_model *model) {
 }
 
 /* ---- attachments ----------------------------------------------------------------------------- */
-
-/* Gravity acts on attached masses. */
-static bw_status measure_gravity(bw_context *context, bw_model *model) {
-  bw_status status = BW_OK;
-  for (int i = 0; i < model->load_count && status == BW_OK; i++)
-    if (model->load[i].kind == BW_LOAD_GRAVITY)
-      status = bwi_load_measure(context, model, &model->load[i]);
-  return status;
-}
 
 static bw_status attach(bw_context *context, bw_model *model, const bw_selection *on, double mass,
                         const double stiffness[3], const char *what) {

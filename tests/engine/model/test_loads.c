@@ -157,6 +157,13 @@ static void gravity_is_the_weight(void **state) {
     bw_cross(centre, model->load[0].resultant, turn);
     for (int k = 0; k < 3; k++)
       check_near(model->load[0].moment[k], turn[k], 1e-9);
+    bw_isotropic heavy = {.name = "heavy", .young = 1e9, .poisson = 0.3, .density = 10000};
+    bw_material *material = NULL;
+    check_ok(context, bw_material_isotropic(context, &heavy, &material));
+    check_ok(context, bw_model_set_material(context, model, -1, material));
+    for (int k = 0; k < 3; k++)
+      check_near(model->load[0].resultant[k], 10000 * 2 * g[k], 1e-9);
+    bw_release(material);
     bw_release(model);
     bw_release(mesh);
   }
