@@ -212,6 +212,10 @@ bw_status bw_interface_traction(bw_context *context, const bw_static *result, in
   memset(traction, 0, 3 * nodes * sizeof *traction);
   memset(normal, 0, nodes * sizeof *normal);
   memset(shear, 0, nodes * sizeof *shear);
+  if (result->model->object.revision != result->revision)
+    return bw_fail(context, BW_INVALID,
+                   "the model has changed since this solution, and tractions need its loads and "
+                   "supports: take them before, or solve it again");
   BW_TRY(bw_mesh_interface_find(context, w.mesh, a, b, &w.interface));
   BW_TRY(bw_dof_map_create(context, result->model, &dof_map));
   BW_TRY(reserve(context, &w));

@@ -91,6 +91,7 @@ bw_status bwi_static_new(bw_context *context, const bw_model *model, bw_static *
   bw_object_init(result, &static_kind);
   result->report.solver = result->report.backend = result->report.preconditioner = "";
   result->model = bw_retain(model);
+  result->revision = model->object.revision;
   result->displacement = BW_NEW(context, double, size);
   result->force = BW_NEW(context, double, size);
   BW_TRY_MEMORY(result->displacement && result->force);

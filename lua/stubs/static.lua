@@ -125,7 +125,7 @@ function Static:buckling(options) end
 ---included. Nodal forces there, and what a third region exerts, are divided evenly between the two. Where materials meet at
 ---the surface of a body, the stress can be singular and the tractions there grow without limit as elements become small.
 ---
----Errors: unsupported (a model with bonds).
+---Errors: unsupported (a model with bonds or attachments). A model that has changed since it was solved is refused.
 ---
 ---Source: docs/theory/elements.md.
 ---```lua
@@ -154,7 +154,7 @@ function Static:interface_traction(a, b) end
 ---@field moment bw.Vector (N m) the same about the origin
 ---@field area number (m2) of the interface
 ---@field shared integer (count) nodes of the interface that supports or other regions hold, too
----@field imbalance number (-) what the two sides lack to equilibrium at the other nodes, over their forces. Inertia relief and nodal forces on the interface show here
+---@field imbalance number (-) the sum of both sides' nodal forces at the other nodes, over their magnitude. Inertia relief and nodal forces on the interface show here
 
 ---The sum of the reactions on a selection.
 ---@param selection bw.Selection where they are summed

@@ -18,6 +18,7 @@ typedef struct bw_joint_force {
 typedef struct bw_static {
   bw_object object;
   const bw_model *model;               /* retained */
+  uint64_t revision;                   /* of the model when it was solved */
   bw_system *system;                   /* retained; NULL: of an edit session */
   double *displacement;                /* (m, node_count x 3) */
   double *force;                       /* (N, node_count x 3) applied */
