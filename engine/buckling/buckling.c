@@ -16,6 +16,7 @@
 #include "linear/blas.h"
 #include "linear/multivector.h"
 #include "linear/system_solver.h"
+#include "model/internal.h"
 
 enum {
   MOST = 500,   /* factors */
@@ -414,6 +415,7 @@ done:
 static bw_status prepare(bw_context *context, const bw_static *solution, pencil *p) {
   bw_status status = BW_OK;
   bw_system *system = solution->system;
+  BW_TRY(bwi_refuse_joints(context, solution->model));
   if (!system)
     return bw_fail(context, BW_UNSUPPORTED,
                    "buckling needs the equations of the static solution in this process: solve the "
