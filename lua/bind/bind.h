@@ -284,6 +284,8 @@ bool lbw_has_report(const bw_solver_report *report);
 const void *lbw_object_option(lua_State *L, int index, const char *function, const char *key,
                               const lbw_class *class, const char *expected);
 #define LBW_SOLVER_EXPECTED "a solver of bw.solver, or \"auto\""
+/* The message for a figure that comes from one mesh without an estimate. */
+#define LBW_ERROR_UNKNOWN "error unknown: one mesh"
 /* The option "solver", an eigensolver in the second, and the option "lp", read so. */
 const bw_solver *lbw_solver_option(lua_State *L, int index, const char *function);
 const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char *function);

@@ -276,7 +276,9 @@ static int contact_tostring(lua_State *L) {
   const bw_contact *contact = self(L);
   luaL_Buffer text;
   luaL_buffinit(L, &text);
-  lua_pushfstring(L, "contact without friction, %d pair%s, %d iteration%s, %d changes, %d solves",
+  lua_pushfstring(L,
+                  "contact without friction, %d pair%s, %d iteration%s, %d changes of the active "
+                  "set, %d solves",
                   contact->pair_count, contact->pair_count == 1 ? "" : "s", contact->iterations,
                   contact->iterations == 1 ? "" : "s", contact->changes, contact->solves);
   luaL_addvalue(&text);
@@ -290,11 +292,12 @@ static int contact_tostring(lua_State *L) {
     else if (state->active == 0)
       lua_pushfstring(L, "\n  pair %d: open by %s", i + 1, lbw_quantity(state->gap, "m").text);
     else
-      lua_pushfstring(L, "\n  pair %d: %s on %s, at most %s at %s, penetrates by up to %s", i + 1,
-                      lbw_triple(state->force, 1, "N").text, lbw_quantity(state->area, "m2").text,
-                      lbw_quantity(state->pressure, "Pa").text,
-                      lbw_point(contact->model->mesh->node + 3 * (int64_t)state->node).text,
-                      lbw_quantity(state->penetration, "m").text);
+      lua_pushfstring(
+          L, "\n  pair %d: %s on %s, at most %s at %s, penetrates by up to %s; " LBW_ERROR_UNKNOWN,
+          i + 1, lbw_triple(state->force, 1, "N").text, lbw_quantity(state->area, "m2").text,
+          lbw_quantity(state->pressure, "Pa").text,
+          lbw_point(contact->model->mesh->node + 3 * (int64_t)state->node).text,
+          lbw_quantity(state->penetration, "m").text);
     luaL_addvalue(&text);
   }
   for (const char *motion = contact->free_text; *motion;) {

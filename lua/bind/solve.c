@@ -7,9 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The message for a figure that comes from one mesh without an estimate. */
-#define LBW_ERROR_UNKNOWN "error unknown: one mesh"
-
 /* ---- statics --------------------------------------------------------------------------------- */
 
 static const bw_static *self(lua_State *L) {
