@@ -7,8 +7,8 @@ local script = require "barwright.command.script"
 local opts = script.read {
   summary = "contact of two bodies beside one factorisation",
   about = "Each body is of N x N x N/2 cells of six tetrahedra, 100 mm wide, with a cell less along x above. "
-    .. "The load is 1 kN. Processor seconds of the equations (assembly, order and factor) and of contact, which "
-    .. "has all but these. Prints a Markdown table.",
+    .. "The load is 1 kN. Processor seconds of the equations (assembly, order and factor), and of contact "
+    .. "without them. Prints a Markdown table.",
   arguments = {{name = "cells", type = "integer", min = 2, many = true, optional = true,
     what = "cells along an edge of a body (default 26: about 50,000 elements in each)"}},
   options = {
