@@ -59,8 +59,8 @@ static bw_status solve_active(bw_context *context, pivoting *v) {
     const double *column = v->reduced + (size_t)k * (size_t)n;
     for (int l = 0; l < m; l++) {
       double entry = bwi_dot(n, column, v->reduced + (size_t)l * (size_t)n);
-      problem->h[k * m + l] = entry;
-      v->matrix[k * m + l] = entry + (k == l ? problem->epsilon : 0);
+      problem->h[(int64_t)k * m + l] = entry;
+      v->matrix[(int64_t)k * m + l] = entry + (k == l ? problem->epsilon : 0);
     }
     problem->a[k] =
         problem->load[k] + problem->epsilon * problem->centre[k] - bwi_dot(n, column, right);
@@ -93,7 +93,7 @@ bw_status bwi_complementarity_solve(bw_context *context, bwi_complementarity *pr
   v.member = BW_NEW(context, int, count);
   v.factor = BW_NEW(context, double, (int64_t)count *count);
   v.reduced = BW_NEW(context, double, (int64_t)(m + 1) * count);
-  v.matrix = BW_NEW(context, double, m *m);
+  v.matrix = BW_NEW(context, double, (int64_t)m *m);
   bwi_blas_enter();
   BW_TRY_MEMORY(v.member && v.factor && v.reduced && v.matrix);
   for (int64_t step = 0;; step++) {

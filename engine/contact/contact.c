@@ -9,7 +9,10 @@
 #include "contact/internal.h"
 #include "model/internal.h"
 
-enum { ROUNDS = 500 /* of the working set and of the springs on motions */ };
+enum {
+  ROUNDS = 500,       /* of the working set and of the springs on motions */
+  MOST_MOTIONS = 6000 /* a dense matrix */
+};
 
 static const double spring = 1e-6;    /* of the stiffness of the motions */
 static const double rounding = 1e-12; /* of the diagonal of the mesh */
@@ -55,10 +58,15 @@ static bw_status prepare(bw_context *context, bwi_contact_problem *c, int pair_c
     max[k] -= min[k];
   c->rounded = rounding * bw_norm(max);
   c->young = bw_material_of(c->model->material, 0)->elasticity[0];
+  if (c->motions > MOST_MOTIONS)
+    BW_TRY(bw_fail(context, BW_LIMIT,
+                   "%d rigid-body modes are free, and contact takes at most %d: add supports, or "
+                   "join bodies in the mesh",
+                   c->motions, (int)MOST_MOTIONS));
   int count = c->count, m = c->motions;
   c->load = BW_NEW0(context, double, m);
   c->a = BW_NEW0(context, double, m);
-  c->h = BW_NEW0(context, double, m *m);
+  c->h = BW_NEW0(context, double, (int64_t)m *m);
   c->q = BW_NEW(context, double, count);
   c->e = BW_NEW0(context, double, (int64_t)count *m);
   c->p = BW_NEW0(context, double, count);
@@ -193,6 +201,11 @@ static bw_status solve_linearised(bw_context *context, bwi_contact_problem *c) {
     centre[k] = c->a[k] - centre[k];
   if (added == 0 && fraction > BWI_CONTACT_BALANCED)
     BW_TRY(fail_unheld(context, c, centre, INFINITY));
+  if (added == 0)
+    BW_TRY(bw_fail(context, BW_CONVERGENCE,
+                   "after %d rounds the position of free bodies still moves: the fraction %.3g of "
+                   "the load is not yet on the contact",
+                   (int)ROUNDS, fraction));
   BW_TRY(bw_fail(context, BW_CONVERGENCE, "after %d rounds %d candidates still enter the contact",
                  (int)ROUNDS, added));
 done:
@@ -216,18 +229,16 @@ done:
 
 /* Whether the gaps are those of contact; *worst (m) and *at the candidate that is farthest off. */
 static bool has_converged(const bwi_contact_problem *c, const double *gap, double *worst, int *at) {
-  double largest = 0;
   *worst = 0;
   *at = 0;
   for (int i = 0; i < c->count; i++) {
     double mean = gap[i] / c->rows.area[i], off = c->p[i] > 0 ? fabs(mean) : fmax(-mean, 0);
-    largest = fmax(largest, bw_norm(c->now + 3 * (int64_t)c->rows.node[i]));
     if (off > *worst) {
       *worst = off;
       *at = i;
     }
   }
-  return *worst <= c->options->tolerance * largest;
+  return *worst <= fmax(c->options->tolerance * c->elastic, c->rounded);
 }
 
 static bw_status solve_contact(bw_context *context, bwi_contact_problem *c) {

@@ -18,9 +18,9 @@ static const double balanced = 1e-6;            /* of the load: what may be left
 static const double descent = 1e-4;             /* of what the slope promises (Armijo) */
 static const double shortest = 1e-16;           /* of a Newton step */
 
-/* Energy at a, with gradient and second derivative. */
-static double evaluate(const bwi_rigid_start *s, double epsilon, const double *a, double *gradient,
-                       double *second) {
+/* Energy at a, with gradient and second derivative. `nonzero` (motions) is for its work. */
+static double evaluate(const bwi_rigid_start *s, double epsilon, const double *a, int *nonzero,
+                       double *gradient, double *second) {
   int m = s->motions;
   double energy = epsilon * bwi_dot(m, a, a) / 2 - bwi_dot(m, a, s->load);
   memset(second, 0, (size_t)m * (size_t)m * sizeof *second);
@@ -34,12 +34,15 @@ static double evaluate(const bwi_rigid_start *s, double epsilon, const double *a
     if (gap >= 0)
       continue;
     energy += c * gap * gap / 2;
-    for (int k = 0; k < m; k++) {
-      if (e[k] == 0) /* a candidate moves with one or two of the bodies */
-        continue;
+    int count = 0; /* a candidate moves with one or two of the bodies */
+    for (int k = 0; k < m; k++)
+      if (e[k] != 0)
+        nonzero[count++] = k;
+    for (int x = 0; x < count; x++) {
+      int k = nonzero[x];
       gradient[k] += c * gap * e[k];
-      for (int l = 0; l < m; l++)
-        second[(int64_t)k * m + l] += c * e[k] * e[l];
+      for (int y = 0; y < count; y++)
+        second[(int64_t)k * m + nonzero[y]] += c * e[k] * e[nonzero[y]];
     }
   }
   return energy;
@@ -52,7 +55,8 @@ bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *s) {
   double *g = BW_NEW(context, double, m), *h = BW_NEW(context, double, (int64_t)m *m);
   double *step = BW_NEW(context, double, m), *trial = BW_NEW(context, double, m);
   double *d = BW_NEW0(context, double, m); /* what the springs carried at the epsilon before */
-  BW_TRY_MEMORY(g && h && step && trial && d);
+  int *nonzero = BW_NEW(context, int, m);
+  BW_TRY_MEMORY(g && h && step && trial && d && nonzero);
   memset(s->a, 0, (size_t)m * sizeof *s->a);
   for (int i = 0; i < s->count; i++)
     whole += s->stiffness / s->area[i] *
@@ -60,7 +64,7 @@ bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *s) {
   for (double epsilon = first * whole; epsilon > 0.5 * last * whole; epsilon *= decrease) {
     for (int i = 0; i < NEWTON_STEPS; i++) {
       BW_TRY(bw_check_cancel(context));
-      double energy = evaluate(s, epsilon, s->a, g, h), t = 1, slope;
+      double energy = evaluate(s, epsilon, s->a, nonzero, g, h), t = 1, slope;
       if (!bwi_cholesky(m, h, 0))
         break;
       for (int k = 0; k < m; k++)
@@ -72,7 +76,7 @@ bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *s) {
       for (; !gains && t > shortest && -t * slope > DBL_EPSILON * fabs(energy); t *= 0.5) {
         for (int k = 0; k < m; k++)
           trial[k] = s->a[k] + t * step[k];
-        gains = evaluate(s, epsilon, trial, g, h) <= energy + descent * t * slope;
+        gains = evaluate(s, epsilon, trial, nonzero, g, h) <= energy + descent * t * slope;
       }
       if (!gains) /* rounding hides what is left to gain */
         break;
@@ -90,7 +94,7 @@ bw_status bwi_rigid_start_find(bw_context *context, bwi_rigid_start *s) {
   }
   s->reach = size / (last * whole);
   s->held = !(left > balanced * size && left > 0.5 * before);
-  evaluate(s, 0, s->a, g, h);
+  evaluate(s, 0, s->a, nonzero, g, h);
   s->scale = 0;
   for (int k = 0; k < m; k++)
     s->scale += h[(int64_t)k * m + k] / m;
@@ -102,5 +106,6 @@ done:
   bw_free(d);
   bw_free(step);
   bw_free(trial);
+  bw_free(nonzero);
   return status;
 }

@@ -49,7 +49,8 @@ typedef struct bw_contact_pair {
 typedef struct bw_contact_options {
   const bw_solver *solver; /* as of bw_system_of_model; borrowed; default NULL */
   double tolerance;        /* (-) mean gap of an active candidate on a curved surface over the
-                              largest displacement of the facets; above 0 and below 1; default 1e-6 */
+                              largest displacement by the pressure; above 0 and below 1; default
+                              1e-6 */
   int max_iterations;      /* (count) of linearisations, 1 or more; default 30 */
 } bw_contact_options;
 /* The defaults. */
@@ -94,8 +95,8 @@ typedef struct bw_contact {
  * the active set do not come to an end; BW_INVALID for a selection of another mesh, a pair without
  * exactly one of `with` and `against`, which may have no node in common with `on`, facets of which
  * none faces those, and where supports press the body into a surface; BW_EMPTY for a selection
- * without a facet, BW_LIMIT for more than 8000 corners that touch, BW_UNSUPPORTED for an external
- * solver; those of bw_statics and bw_system_solve. */
+ * without a facet, BW_LIMIT for more than 8000 corners that touch or 6000 free rigid-body
+ * modes, BW_UNSUPPORTED for an external solver; those of bw_statics and bw_system_solve. */
 BW_API bw_status bw_contact_solve(bw_context *context, const bw_model *model, int pair_count,
                                   const bw_contact_pair *pair, bw_system *given,
                                   const bw_contact_options *options, bw_contact **contact);
