@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What a solved contact says: pressures, forces, gaps, undetermined motions, and warnings. */
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -11,6 +12,7 @@
 
 static const double undecided = 1e-9; /* of the stiffest motion */
 static const double large_rotation = 0.05;
+static const double large_displacement = 0.1; /* of the longest side */
 static const double coarse = 0.25; /* of the elastic displacement: penetration that is too much */
 
 static void contact_destroy(void *object) {
@@ -27,6 +29,7 @@ static void contact_destroy(void *object) {
   bw_free(contact->pressure);
   bw_free(contact->gap);
   bw_free(contact->free_text);
+  bw_free(contact->notes);
   bw_free(contact);
 }
 
@@ -180,32 +183,51 @@ done:
   return status;
 }
 
-static void warn(bw_context *context, const bwi_contact_problem *c, const bw_contact *out) {
+/* A warning that the result keeps. */
+BW_PRINTF(3, 4)
+static void note(bw_context *context, bwi_text *notes, const char *format, ...) {
+  char text[700];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  bw_warn(context, "%s", text);
+  if (notes->count > 0)
+    bwi_text_add(notes, "\n");
+  bwi_text_add(notes, text);
+}
+
+/* What the result leaves undecided, and where it is out of the range of the theory. */
+static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, bw_contact *out) {
   const bw_dof_map *dof_map = c->system->dof_map;
+  bwi_text notes = {.context = context};
+  double side = 0, min[3], max[3];
+  bw_mesh_box(c->model->mesh, min, max);
+  bwi_text_add(&notes, "");
+  for (int k = 0; k < 3; k++)
+    side = fmax(side, max[k] - min[k]);
   for (int i = 0; i < out->pair_count; i++) {
     if (out->state[i].active == 0 && out->state[i].penetration > 0)
-      bw_warn(context,
-              "contact pair %d is undecided: points penetrate by up to %.3g m, though its gap is "
-              "open in the mean: its facets are too large for what it touches. Refine them",
-              i + 1, out->state[i].penetration);
+      note(context, &notes,
+           "contact pair %d is undecided: points penetrate by up to %.3g m, though its gap is open "
+           "in the mean: its facets are too large for what it touches. Refine them",
+           i + 1, out->state[i].penetration);
     else if (out->state[i].active == 0)
-      bw_warn(context, "contact pair %d stays open: its smallest gap is %.3g m", i + 1,
-              out->state[i].gap);
+      note(context, &notes, "contact pair %d stays open: its smallest gap is %.3g m", i + 1,
+           out->state[i].gap);
     else if (out->state[i].penetration > coarse * c->elastic)
-      bw_warn(context,
-              "contact pair %d penetrates by up to %.3g m between corners, and its pressure moves "
-              "them by %.3g m: its facets are too large for what it touches. Refine them",
-              i + 1, out->state[i].penetration, c->elastic);
+      note(
+          context, &notes,
+          "contact pair %d penetrates by up to %.3g m between corners, and its pressure moves them "
+          "by %.3g m: its facets are too large for what it touches. Refine them",
+          i + 1, out->state[i].penetration, c->elastic);
   }
-  if (out->free_count > 0) {
-    char text[400];
-    size_t length = strcspn(out->free_text, "\n");
-    snprintf(text, sizeof text, "%.*s", (int)length, out->free_text);
-    bw_warn(
-        context,
-        "nothing decides the position along %d motions, such as the %s: stresses and pressure do "
-        "not depend on it",
-        out->free_count, text);
+  for (const char *motion = out->free_text; *motion;) {
+    int length = (int)strcspn(motion, "\n");
+    note(context, &notes,
+         "nothing decides the position along the %.*s: stresses and pressure do not depend on it",
+         length, motion);
+    motion += length + (motion[length] == '\n');
   }
   for (int32_t b = 0; b < dof_map->mesh->component_count; b++) {
     double rotation[3] = {0};
@@ -213,9 +235,18 @@ static void warn(bw_context *context, const bwi_contact_problem *c, const bw_con
       for (int k = 0; k < 3; k++)
         rotation[k] += c->a[m] * dof_map->rigid_mode[m].rotation[k];
     if (bw_norm(rotation) > large_rotation)
-      bw_warn(context, "body %d rotates by %.2g rad on its contact: rotations are taken as small",
-              b + 1, bw_norm(rotation));
+      note(context, &notes,
+           "body %d rotates by %.2g rad on its contact: rotations are taken as small", b + 1,
+           bw_norm(rotation));
   }
+  if (c->elastic > large_displacement * side)
+    note(context, &notes,
+         "pressure moves the facets by %.3g m, more than a tenth of the longest side: that is "
+         "beyond "
+         "the range of linear theory",
+         c->elastic);
+  out->notes = notes.bytes;
+  return notes.failed ? BW_MEMORY : BW_OK;
 }
 
 bw_status bwi_contact_take_result(bw_context *context, bwi_contact_problem *c,
@@ -247,7 +278,7 @@ bw_status bwi_contact_take_result(bw_context *context, bwi_contact_problem *c,
   out->changes = c->changes;
   out->solves = c->solves;
   out->report = c->system->report;
-  warn(context, c, out);
+  BW_TRY(take_notes(context, c, out));
   *contact = out;
 done:
   bw_free(force);

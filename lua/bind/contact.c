@@ -284,12 +284,7 @@ static int contact_tostring(lua_State *L) {
   luaL_addvalue(&text);
   for (int i = 0; i < contact->pair_count; i++) {
     const bw_contact_state *state = &contact->state[i];
-    if (state->active == 0 && state->penetration > 0)
-      lua_pushfstring(L,
-                      "\n  pair %d: undecided, no pressure, but it penetrates by up to %s: refine "
-                      "its facets",
-                      i + 1, lbw_quantity(state->penetration, "m").text);
-    else if (state->active == 0)
+    if (state->active == 0)
       lua_pushfstring(L, "\n  pair %d: open by %s", i + 1, lbw_quantity(state->gap, "m").text);
     else
       lua_pushfstring(
@@ -300,11 +295,11 @@ static int contact_tostring(lua_State *L) {
           lbw_quantity(state->penetration, "m").text);
     luaL_addvalue(&text);
   }
-  for (const char *motion = contact->free_text; *motion;) {
-    size_t length = strcspn(motion, "\n");
-    luaL_addstring(&text, "\n  nothing decides the ");
-    luaL_addlstring(&text, motion, length);
-    motion += length + (motion[length] == '\n');
+  for (const char *line = contact->notes; *line;) {
+    size_t length = strcspn(line, "\n");
+    luaL_addstring(&text, "\n  ");
+    luaL_addlstring(&text, line, length);
+    line += length + (line[length] == '\n');
   }
   luaL_pushresult(&text);
   return 1;

@@ -80,11 +80,13 @@ typedef struct bw_contact {
                        the corners; the larger where pairs meet */
   double *gap; /* (m, node_count) of the deformed body at the nodes of `on`, negative inside of the
                   surface; against facets the mean gap at the corners; infinite at the others */
-  int iterations;          /* linearisations */
-  int changes;             /* of the active set: candidates that entered or left it */
-  int solves;              /* right-hand sides solved for */
-  int free_count;          /* motions along which nothing decides the position */
-  char *free_text;         /* these motions, one in each line; "" without */
+  int iterations;  /* linearisations */
+  int changes;     /* of the active set: candidates that entered or left it */
+  int solves;      /* right-hand sides solved for */
+  int free_count;  /* motions along which nothing decides the position */
+  char *free_text; /* these motions, one in each line; "" without */
+  char *notes; /* what the result leaves undecided and what is beyond its theory: the warnings of
+                  bw_contact_solve, one in each line; "" without */
   bw_solver_report report; /* of the equations */
 } bw_contact;
 /* A model in contact by pair (pair_count, 1 or more), without friction, for small displacements.
