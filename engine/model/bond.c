@@ -17,6 +17,8 @@ static const double share = 0.2;
 static const double closed_gap = 0.05;
 /* A node's integral below this part of its facets' own is none: they are hardly covered. */
 static const double least_cover = 1e-4;
+/* Of a facet's area: less than the integral of each of its functions. */
+static const double least_integral = 0.1;
 /* Coefficients below this are rounding. */
 static const double rounding = 1e-14;
 
@@ -292,7 +294,7 @@ static bw_status close_facet(bonding *d, int32_t facet, const int32_t *place, do
   for (int i = 0; i < n; i++) {
     int32_t row = place[nodes_of(d->mesh, facet)[i]];
     whole[row] += s->whole[i];
-    own[row] += s->area / 10;
+    own[row] += least_integral * s->area;
     for (size_t m = 0; m < s->count; m++)
       BW_TRY(
           add_entry(d->context, sums, row, s->master[m].node, s->whole[i] * s->master[m].value[i]));

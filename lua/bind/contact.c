@@ -284,7 +284,9 @@ static int contact_tostring(lua_State *L) {
   luaL_addvalue(&text);
   for (int i = 0; i < contact->pair_count; i++) {
     const bw_contact_state *state = &contact->state[i];
-    if (state->active == 0)
+    if (state->active == 0 && state->penetration > 0)
+      lua_pushfstring(L, "\n  pair %d: undecided", i + 1);
+    else if (state->active == 0)
       lua_pushfstring(L, "\n  pair %d: open by %s", i + 1, lbw_quantity(state->gap, "m").text);
     else
       lua_pushfstring(
