@@ -349,14 +349,15 @@ describe("barwright heat", function()
       ["--power min:x=2"] = "nothing holds a temperature",
       ["--temperature min:x=warm"] = "a temperature such as 293K or 20C expected, got 'warm'",
       ["--temperature min:x=-300C"] = "'-300C' is below absolute zero",
-      ["--convection min:x=10,-1"] = "'-1' is below absolute zero",
+      ["--convection min:x=10,-1K"] = "'-1K' is below absolute zero",
+      ["--temperature min:x=20"] = "'20' has no unit: write 20C or 20K",
       ["--convection min:x=10"] = "two numbers, COEFFICIENT,TEMPERATURE, expected",
-      ["--radiation min:x=2,300"] = "emissivity"} do
+      ["--radiation min:x=2,300K"] = "emissivity"} do
       local status, _, err = check.run(("heat --conductivity 50 %s %s"):format(words, path))
       assert.equal(2, status)
       assert.truthy(err:find(expected, 1, true), err)
     end
-    local status, _, err = check.run("heat --material abs --temperature min:x=300 " .. path)
+    local status, _, err = check.run("heat --material abs --temperature min:x=300K " .. path)
     assert.equal(2, status)
     assert.truthy(err:find("the conductivity of abs is not known", 1, true), err)
   end)

@@ -10,8 +10,11 @@ local shown = require "barwright.shown"
 
 local ZERO_CELSIUS = 273.15 -- K
 
--- A temperature (K) of "353", "353K" or "80C".
+-- A temperature (K) of "353K" or "80C". A bare number could be either.
 local function temperature_of(text)
+  if quantity.name_in(text) == "" then
+    return nil, ("'%s' has no unit: write %sC or %sK"):format(text, text, text)
+  end
   local celsius = text:match "^(.*[%d.])%s*C$"
   local value = quantity.read(celsius or text, not celsius and "K" or nil)
   if not value then return nil, ("a temperature such as 293K or 20C expected, got '%s'"):format(text) end
@@ -247,8 +250,8 @@ end
 return {
   summary = "how warm a part gets in the steady state",
   about = "Applies conditions of heat at places and finds the steady temperatures. A surface is repaired where it "
-    .. "must be and filled with quadratic tetrahedra. A temperature is in kelvin, or in degrees Celsius with a C: "
-    .. "353K, 80C. No heat passes where no condition is given.\n\n" .. places.help .. "\n\n"
+    .. "must be and filled with quadratic tetrahedra. A temperature has a unit: 353K "
+    .. "or 80C. No heat passes where no condition is given.\n\n" .. places.help .. "\n\n"
     .. output.codes("it stays below the limit, or there is none", "it exceeds the limit, or the estimated error "
       .. "leaves it open"),
   arguments = {model.body_argument},
