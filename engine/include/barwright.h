@@ -110,6 +110,7 @@
 #include "barwright/analysis.h"
 #include "barwright/buckling.h"
 #include "barwright/contact.h"
+#include "barwright/deposition.h"
 #include "barwright/dynamics.h"
 #include "barwright/flow.h"
 #include "barwright/heat.h"

@@ -74,6 +74,7 @@ local bw = {
 require "barwright.fields"
 require "barwright.adaptive"
 require "barwright.buckling"
+require "barwright.deposition"
 require "barwright.harmonic"
 require "barwright.contact"
 require "barwright.interface_traction"

@@ -361,6 +361,32 @@ function Model:buckling(options) end
 ---@return bw.Details? details
 function Model:transient(options) end
 
+---Lays the part down layer by layer, and gives the stress that stays. The elements of a layer are added without stress; then they
+---change their temperature, and all that was laid deforms. Supports constrain the nodes that are there. Materials need a
+---coefficient of expansion.
+---
+---An element is laid where it has a facet with what was laid, or three corners on supports; else later. A warning states where
+---more than 1 % of the volume comes late. Where supports carry no element of the first layer, that begins with its largest
+---connected part.
+---
+---Errors: geometry (elements that are never reached), unsupported (bonds, attachments, supports along the normals of facets), and
+---those of `part:solve`. Loads, prescribed displacements, and materials of which none expands raise.
+---
+---Source: docs/theory/deposition.md.
+---@param options bw.ModelDepositOptions layers and change of temperature
+---@return bw.Deposition? deposition the part that was laid
+---@return string? message
+---@return bw.Details? details
+function Model:deposit(options) end
+
+---How a part is laid down.
+---@class bw.ModelDepositOptions
+---@field layers? integer (count) of equal height along `direction`, by the centroids of elements; needed without `layer`. Range: 1 or more.
+---@field direction? bw.Vector (-) with `layers`: from the first layer to the last. Default: {0, 0, 1}
+---@field layer? bw.Array|integer[] (index from 1, element_count × 1, per element) the layer of each element, instead of `layers`
+---@field change number|bw.Array (K, node_count × 1, per node) from the temperature without stress to that at the end; negative where the part cools
+---@field solver? bw.Solver|"auto" of each layer, as in `part:solve`. Default: "auto"
+
 ---The response to the loads as amplitudes of one phase, or to a harmonic acceleration of the supports, or to both. The basis are
 ---modes, and residual vectors until the error is below the tolerance.
 ---

@@ -115,6 +115,11 @@ makers.RigidSurface = {
 makers.Contact = {function(p)
   return assert(p.Model:contact {{on = p.Mesh.boundary:below(3, 0), with = bw.rigid.plane {normal = {0, 0, 1}}}})
 end}
+makers.Deposition = {function()
+  local mesh = bw.mesh.box {cells = {2, 2, 2}}
+  local laid = bw.model {mesh = mesh, material = bw.material.isotropic {young = 2e9, expansion = 1e-5}}
+  return assert(laid:fix(mesh.boundary:below(3, 0)):deposit {layers = 2, change = -100})
+end}
 makers.HeatSolution = {function(p) return assert(p.Heat:solve()) end}
 makers.HeatTransient = {function(p) return assert(p.Heat:transient {initial = 300}) end}
 makers.LinearTransient = {function(p) return assert(p.Model:transient {step = 1e-4}) end}
