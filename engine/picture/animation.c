@@ -121,6 +121,7 @@ bw_status bw_animation_write(bw_context *context, int count, const char *const *
     return bw_fail(context, BW_INVALID,
                    "pictures of %g s, %d rounds: 0.001 to 60 s and 0 rounds or more expected",
                    seconds, rounds);
+  BW_TRY(bwi_need_png(context, path));
   BW_TRY(bw_writer_open(context, path, &writer));
   for (int i = 0; i < count; i++) {
     BW_TRY(bw_check_cancel(context));

@@ -105,6 +105,8 @@ void bwi_image_clear(bwi_image *image);
 /* The image over a background, the ghost with an outline, onto a canvas of its size (RGB24). */
 void bwi_compose(const bwi_image *image, cairo_surface_t *canvas);
 bw_status bwi_write_png(bw_context *context, cairo_surface_t *canvas, const char *path);
+/* BW_UNSUPPORTED where the name of a file does not end in .png or .apng. */
+bw_status bwi_need_png(bw_context *context, const char *path);
 
 /* ---- bar.c, annotate.c: Cairo ---------------------------------------------------------------- */
 

@@ -1,6 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* From rendered colours to a canvas for Cairo, and from there to a PNG file. */
 #include <math.h>
+#include <string.h>
+#include <strings.h>
 
 #include "picture/internal.h"
 
@@ -56,9 +58,22 @@ static cairo_status_t write_bytes(void *data, const unsigned char *bytes, unsign
   return out->status == BW_OK ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
 }
 
+bw_status bwi_need_png(bw_context *context, const char *path) {
+  static const char *const endings[] = {".png", ".apng"};
+  size_t length = strlen(path);
+  for (int i = 0; i < 2; i++)
+    if (length > strlen(endings[i]) &&
+        strcasecmp(path + length - strlen(endings[i]), endings[i]) == 0)
+      return BW_OK;
+  return bw_fail(context, BW_UNSUPPORTED,
+                 "%s: a picture is written as PNG; let the name of its file end in .png", path);
+}
+
 bw_status bwi_write_png(bw_context *context, cairo_surface_t *canvas, const char *path) {
   sink out = {NULL, BW_OK};
-  bw_status status = bw_writer_open(context, path, &out.writer);
+  bw_status status = bwi_need_png(context, path);
+  if (status == BW_OK)
+    status = bw_writer_open(context, path, &out.writer);
   if (status != BW_OK)
     return status;
   cairo_status_t drawn = cairo_surface_write_to_png_stream(canvas, write_bytes, &out);

@@ -13,7 +13,8 @@ local bw = {}
 ---Draws a surface as a PNG file: shaded, coloured by values, deformed, with arrows, lines and labels. The largest value is
 ---marked. The same input gives the same bytes for any number of threads.
 ---
----Errors: io (the file cannot be written), geometry (coordinates are too large).
+---Errors: io (the file cannot be written), geometry (coordinates are too large), unsupported (the name of the file ends in
+---neither .png nor .apng).
 ---```lua
 ---local ball = bw.surface.sphere {radius = 0.01, subdivisions = 4}
 ---local height = ball.points:column(3)
@@ -63,7 +64,8 @@ function bw.picture(surface, path, options) end
 ---Makes an animated PNG of PNG files of one size, such as those of `bw.picture`. Browsers play it; other programs show the
 ---first picture. Pictures of different sizes raise.
 ---
----Errors: io (a file cannot be read or written), format (a file is no PNG, or damaged).
+---Errors: io (a file cannot be read or written), format (a file is no PNG, or damaged), unsupported (the name of the file ends in
+---neither .png nor .apng).
 ---```lua
 ---local ball, names = bw.surface.sphere {radius = 0.01}, {"1.png", "2.png"}
 ---for i, name in ipairs(names) do assert(bw.picture(ball, name, {zoom = i / 2, width = 200, height = 150})) end

@@ -54,7 +54,8 @@ BW_API void bw_picture_options_default(bw_picture_options *options);
  * plain), with a colour bar, to a PNG file, written whole or not at all. The largest value is
  * marked on the body and on the bar; values that are not finite are grey. `options` may be NULL.
  * The same input gives the same bytes, for any number of threads. BW_EMPTY for a surface without
- * facets, BW_GEOMETRY for one too large to draw, BW_LIMIT for too many pixels. */
+ * facets, BW_GEOMETRY for one too large to draw, BW_LIMIT for too many pixels, BW_UNSUPPORTED where
+ * `path` does not end in .png or .apng, as for all pictures. */
 BW_API bw_status bw_picture_surface(bw_context *context, const bw_surface *surface,
                                     const double *value, bool on_facets,
                                     const bw_picture_options *options, const char *path);
