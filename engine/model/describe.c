@@ -118,7 +118,10 @@ static void describe_support(bwi_text *out, const bw_support *support, int numbe
   bwi_text_add(out, "support ");
   bwi_text_integer(out, number);
   if (support->slide) {
-    bwi_text_add(out, ": slides, fixed along ");
+    static const char *const what[] = {": slides, fixed along ",
+                                       ": plane of symmetry, fixed along ",
+                                       ": plane of antisymmetry, fixed along "};
+    bwi_text_add(out, what[support->symmetry]);
     if (bw_norm(support->normal) > 0)
       bwi_text_vector(out, support->normal, 5, 1e-12);
     else

@@ -11,6 +11,11 @@
 /* Add a support as it is; measure a load and add it. Selections and arrays are retained. */
 bw_status bwi_model_add_support(bw_context *context, bw_model *model, const bw_support *support);
 bw_status bwi_model_add_load(bw_context *context, bw_model *model, bw_load *load);
+/* Removes the supports behind the first `kept`. */
+void bwi_model_drop_supports(bw_model *model, int kept);
+/* Whether a support (points: may hold a node set) or a load acts on this selection. */
+bw_status bwi_check_selection(bw_context *context, const bw_model *model, const bw_selection *on,
+                              bool points, const char *what);
 
 /* ---- refined.c ------------------------------------------------------------------------------- */
 

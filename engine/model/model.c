@@ -150,9 +150,8 @@ static void warn_of_missed_area(bw_context *context, const bw_selection *on, con
           what, covered, meant);
 }
 
-/* Whether a support (points: may hold a node set) or a load acts on this selection. */
-static bw_status check_selection(bw_context *context, const bw_model *model, const bw_selection *on,
-                                 bool points, const char *what) {
+bw_status bwi_check_selection(bw_context *context, const bw_model *model, const bw_selection *on,
+                              bool points, const char *what) {
   if (!on)
     return bw_fail(context, BW_INVALID, "%s needs a selection of the mesh's boundary", what);
   if (on->mesh != model->mesh)
@@ -240,7 +239,7 @@ bw_status bwi_model_add_support(bw_context *context, bw_model *model, const bw_s
 
 bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_selection *on) {
   bw_support support = {.on = on, .fixed = {true, true, true}};
-  bw_status status = check_selection(context, model, on, true, "a fixed support");
+  bw_status status = bwi_check_selection(context, model, on, true, "a fixed support");
   return status != BW_OK ? status : bwi_model_add_support(context, model, &support);
 }
 
@@ -248,7 +247,7 @@ bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selectio
                          const double normal[3]) {
   bw_support support = {.on = on, .slide = true};
   bw_status status;
-  BW_TRY(check_selection(context, model, on, true, "a sliding support"));
+  BW_TRY(bwi_check_selection(context, model, on, true, "a sliding support"));
   if (normal) {
     BW_TRY(check_finite(context, "sliding support's normal", normal));
     double max = fmax(fabs(normal[0]), fmax(fabs(normal[1]), fabs(normal[2])));
@@ -269,7 +268,7 @@ bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_sele
                              const bool fixed[3], const double value[3]) {
   bw_support support = {.on = on, .fixed = {fixed[0], fixed[1], fixed[2]}};
   bw_status status;
-  BW_TRY(check_selection(context, model, on, true, "a prescribed displacement"));
+  BW_TRY(bwi_check_selection(context, model, on, true, "a prescribed displacement"));
   if (!fixed[0] && !fixed[1] && !fixed[2])
     BW_TRY(
         bw_fail(context, BW_INVALID,
@@ -286,7 +285,7 @@ bw_status bw_model_prescribe_field(bw_context *context, bw_model *model, const b
                                    const bool fixed[3], const bw_array *field) {
   bw_support support = {.on = on, .fixed = {fixed[0], fixed[1], fixed[2]}, .field = field};
   bw_status status;
-  BW_TRY(check_selection(context, model, on, true, "a prescribed displacement"));
+  BW_TRY(bwi_check_selection(context, model, on, true, "a prescribed displacement"));
   if (!fixed[0] && !fixed[1] && !fixed[2])
     BW_TRY(
         bw_fail(context, BW_INVALID,
@@ -303,8 +302,8 @@ bw_status bw_model_bond(bw_context *context, bw_model *model, const bw_selection
                         const bw_selection *b, double gap) {
   bw_status status;
   bw_bond bond;
-  BW_TRY(check_selection(context, model, a, false, "side a of a bond"));
-  BW_TRY(check_selection(context, model, b, false, "side b of a bond"));
+  BW_TRY(bwi_check_selection(context, model, a, false, "side a of a bond"));
+  BW_TRY(bwi_check_selection(context, model, b, false, "side b of a bond"));
   if (!isfinite(gap))
     return bw_fail(context, BW_INVALID, "the gap of a bond is not a finite number");
   bw_bond *list = (bw_bond *)bw_resize(context, model->bond, (size_t)model->bond_count + 1,
@@ -331,7 +330,7 @@ void bw_model_clear_bonds(bw_model *model) {
 static bw_status attach(bw_context *context, bw_model *model, const bw_selection *on, double mass,
                         const double stiffness[3], const char *what) {
   bw_status status;
-  BW_TRY(check_selection(context, model, on, true, what));
+  BW_TRY(bwi_check_selection(context, model, on, true, what));
   double area = bw_selection_area(on);
   if (on->facet_count > 0 && !(area > 0))
     return bw_fail(context, BW_GEOMETRY, "the %d facets that %s is attached to have no area",
@@ -418,7 +417,7 @@ static bw_status add_on(bw_context *context, bw_model *model, const bw_selection
                         bw_load_kind kind, const double vector[3], const char *what) {
   bw_load load = {.kind = kind, .on = on};
   bw_status status;
-  BW_TRY(check_selection(context, model, on, false, what));
+  BW_TRY(bwi_check_selection(context, model, on, false, what));
   BW_TRY(check_finite(context, what, vector));
   memcpy(load.vector, vector, sizeof load.vector);
   BW_TRY(bwi_model_add_load(context, model, &load));
@@ -461,7 +460,7 @@ bw_status bw_model_torque(bw_context *context, bw_model *model, const bw_selecti
                           const double torque[3], const double about[3]) {
   bw_load load = {.kind = BW_LOAD_TORQUE, .on = on};
   bw_status status;
-  BW_TRY(check_selection(context, model, on, false, "a torque"));
+  BW_TRY(bwi_check_selection(context, model, on, false, "a torque"));
   BW_TRY(check_finite(context, "torque", torque));
   if (about) {
     BW_TRY(check_finite(context, "point that the torque is about", about));
@@ -492,12 +491,16 @@ bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_ar
   return status != BW_OK ? status : bwi_model_add_load(context, model, &load);
 }
 
-void bw_model_clear_supports(bw_model *model) {
-  for (int i = 0; i < model->support_count; i++)
+void bwi_model_drop_supports(bw_model *model, int kept) {
+  for (int i = kept; i < model->support_count; i++)
     clear_support(&model->support[i]);
-  if (model->support_count > 0)
+  if (model->support_count > kept)
     model->object.revision++;
-  model->support_count = 0;
+  model->support_count = kept;
+}
+
+void bw_model_clear_supports(bw_model *model) {
+  bwi_model_drop_supports(model, 0);
 }
 
 void bw_model_clear_loads(bw_model *model) {

@@ -62,6 +62,8 @@ static int model_new(lua_State *L) {
 
 /* ---- supports -------------------------------------------------------------------------------- */
 
+static const char *const symmetries[] = {"symmetric", "antisymmetric", NULL};
+
 /* model:fix(selection) */
 static int model_fix(lua_State *L) {
   bw_model *model = self(L);
@@ -78,6 +80,16 @@ static int model_slide(lua_State *L) {
   if (given)
     lbw_check_vector(L, 3, "normal", normal);
   return leave_self(L, bw_model_slide(lbw_enter(L), model, on, given ? normal : NULL));
+}
+
+/* model:symmetry(selection, kind): a plane of symmetry or antisymmetry */
+static int model_symmetry(lua_State *L) {
+  bw_model *model = self(L);
+  const bw_selection *on = check_selection(L, 2);
+  int kind = BW_SYMMETRIC;
+  if (!lua_isnoneornil(L, 3))
+    kind += lbw_check_word(L, 3, symmetries);
+  return leave_self(L, bw_model_symmetry(lbw_enter(L), model, on, (bw_symmetry)kind));
 }
 
 /* model:prescribe(selection, {x, y, z}): metres; false leaves a direction free.
@@ -574,6 +586,10 @@ static int model_supports(lua_State *L) {
       lbw_push_vector(L, support->normal);
       lua_setfield(L, -2, "direction");
     }
+    if (support->symmetry != BW_NO_SYMMETRY) {
+      lua_pushstring(L, symmetries[support->symmetry - BW_SYMMETRIC]);
+      lua_setfield(L, -2, "symmetry");
+    }
     lua_rawseti(L, -2, i + 1);
   }
   return 1;
@@ -657,6 +673,7 @@ static int model_locking(lua_State *L) {
 
 static const luaL_Reg methods[] = {{"fix", model_fix},
                                    {"slide", model_slide},
+                                   {"symmetry", model_symmetry},
                                    {"prescribe", model_prescribe},
                                    {"clear_supports", model_clear_supports},
                                    {"bond", model_bond},

@@ -64,6 +64,7 @@ local Model = {}
 ---@field slide boolean whether it holds along normals only
 ---@field displacement (number|false)[] (m, 3) prescribed, false where it leaves a direction free
 ---@field direction? bw.Vector (-) the normal of a sliding support that was given one
+---@field symmetry? "symmetric"|"antisymmetric" of a plane of symmetry: one support of a symmetric one, two of an antisymmetric one
 
 ---A bond of a model.
 ---@class bw.Bond
@@ -91,6 +92,26 @@ function Model:fix(selection) end
 ---@param normal? bw.Vector (-) the direction that is fixed, of any length but 0. Default: at each node the normal of its surface
 ---@return bw.Model self
 function Model:slide(selection, normal) end
+
+---Makes a plane face of any orientation a plane of symmetry: the displacement along its normal is zero. On a plane of
+---antisymmetry those within the plane are zero. Loads, mass, energy, reactions and modes are those of the part that is modelled.
+---A selection without a facet raises.
+---```lua
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}}
+---local half = bw.model {mesh = mesh, material = bw.material.steel}
+---half:symmetry(mesh.boundary:below("x", 0))
+---print(half)
+---```
+---
+---Errors: geometry (the face is not plane, with the deviation).
+---
+---Source: docs/theory/symmetry.md.
+---@param selection bw.Selection the plane face
+---@param kind? "symmetric"|"antisymmetric" of the loads and the displacement. Default: "symmetric"
+---@return bw.Model? self the model
+---@return string? message
+---@return bw.Details? details
+function Model:symmetry(selection, kind) end
 
 ---Prescribes the displacement of a selection. Supports that contradict each other at a node raise when the model is solved.
 ---@param selection bw.Selection what is moved

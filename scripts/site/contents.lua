@@ -32,6 +32,7 @@ return {
     {"docs/theory/breaking_force.md", "Breaking force"}, {"docs/theory/strengthen.md", "Strengthening"},
     {"docs/theory/error_control.md", "Error control"}, {"docs/theory/stability.md", "Linear buckling"},
     {"docs/theory/heat.md", "Heat conduction"}, {"docs/theory/joints.md", "Joints"},
+    {"docs/theory/symmetry.md", "Symmetry"},
     {"docs/theory/contact.md", "Contact"}, {"docs/theory/deposition.md", "Deposition"},
     {"docs/theory/dynamics.md", "Dynamics"},
     {"docs/theory/transient.md", "Motion in time"},

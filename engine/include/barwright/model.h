@@ -114,6 +114,12 @@ typedef struct bw_load {
   double moment[3];       /* (N m) about the origin */
 } bw_load;
 
+/* Of what plane a support is. */
+typedef enum bw_symmetry {
+  BW_NO_SYMMETRY,  /* of none */
+  BW_SYMMETRIC,    /* of symmetry: fixed along its normal */
+  BW_ANTISYMMETRIC /* of antisymmetry: one of two supports, fixed along directions in it */
+} bw_symmetry;
 /* A support of a model. */
 typedef struct bw_support {
   const bw_selection *on; /* retained */
@@ -122,6 +128,7 @@ typedef struct bw_support {
   double normal[3]; /* (-) of a slide */
   double value[3];  /* (m) prescribed displacement */
   const bw_array *field; /* instead: node_count x 3 (m), a copy of the model's own; or NULL */
+  bw_symmetry symmetry;  /* of a slide: whether it is of a plane of symmetry */
 } bw_support;
 
 /* A bond of two surfaces whose meshes need not match: each node of side a follows nodes of side b
@@ -194,6 +201,13 @@ BW_API bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_sel
  * facets. BW_EMPTY as above. */
 BW_API bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selection *on,
                                 const double normal[3]);
+/* Makes a plane face a plane of symmetry (the displacement along its normal is 0) or of
+ * antisymmetry (those in the plane are 0). The supports are slides along the normal of the face, or
+ * along two directions across it. Loads, mass, reactions and modes are those of the part that is
+ * modelled. BW_EMPTY for a selection without a facet, BW_GEOMETRY for one that is not plane (with
+ * the deviation), BW_INVALID for another kind. */
+BW_API bw_status bw_model_symmetry(bw_context *context, bw_model *model, const bw_selection *on,
+                                   bw_symmetry kind);
 /* Prescribes displacements of value (m), NULL for 0, in the global directions that are `fixed`.
  * BW_INVALID without one, BW_EMPTY as above. */
 BW_API bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_selection *on,

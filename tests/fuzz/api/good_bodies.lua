@@ -121,6 +121,9 @@ add {
   ["bw.model"] = function(p) return {mesh = p.Mesh, material = bw.material.steel} end,
   ["Model:fix"] = function(p) return p.Selection end,
   ["Model:slide"] = function(p, r) return p:variant("bw.Selection", 2), r:chance(0.5) and {0, 0, 1} or nil end,
+  ["Model:symmetry"] = function(p, r)
+    return p:variant("bw.Selection", 2), r:one_of {"symmetric", "antisymmetric"}
+  end,
   ["Model:prescribe"] = function(p) return p.Selection, {0.01, false, 0} end,
   ["Model:bond"] = function(p, r)
     return {a = p.Selection, b = p:variant("bw.Selection", 2), gap = r:one_of {0, 1e-3}}
