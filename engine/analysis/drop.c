@@ -19,11 +19,11 @@
 
 enum { BATCH = 16, PILOT = 200 };
 
-void bw_drop_options_default(bw_drop_options *options) {
-  *options = (bw_drop_options){.drops = 2000, .height = 1, .peg_radius = 0, .duration = 1e-3};
+void bw_drop_test_options_default(bw_drop_test_options *options) {
+  *options = (bw_drop_test_options){.drops = 2000, .height = 1, .peg_radius = 0, .duration = 1e-3};
 }
 
-void bw_drop_result_clear(bw_drop_result *result) {
+void bw_drop_test_result_clear(bw_drop_test_result *result) {
   bw_free(result->exceedance);
   bw_free(result->mean_peak);
   bw_free(result->contact);
@@ -44,14 +44,14 @@ typedef struct drop_test {
   bw_context *context;
   const bw_mesh *mesh;
   const bw_material *material;
-  bw_drop_options options;
+  bw_drop_test_options options;
   mass_properties *body; /* per component */
   double speed, modulus; /* modulus: E/(1 - nu^2) */
   int64_t first;
   double *block;          /* batch x node_count x 3 */
   bwi_contact_part *part; /* workers x part_count */
   int64_t part_count;
-  bw_drop_result *result;     /* of all drops: what is known before they are solved is filled in */
+  bw_drop_test_result *result;     /* of all drops: what is known before they are solved is filled in */
   double *stress, *principal; /* of one drop */
 } drop_test;
 
@@ -300,7 +300,7 @@ static double histogram_quantile(const double *histogram, double p) {
 
 /* The stresses of drops first..first+count-1; either into the histogram or into the result. */
 static bw_status run_drops(drop_test *test, bw_system *system, int64_t count, double *histogram,
-                           bw_drop_result *result) {
+                           bw_drop_test_result *result) {
   bw_status status = BW_OK;
   bw_context *context = test->context;
   const bw_mesh *mesh = test->mesh;
@@ -335,7 +335,7 @@ done:
 }
 
 static bw_status check_drops(bw_context *context, const bw_system *system,
-                             const bw_drop_options *options) {
+                             const bw_drop_test_options *options) {
   if (options->drops < 1 || options->drops > 100000000)
     return bw_fail(context, BW_INVALID, "%lld drops were requested: 1 to 100000000 expected",
                    (long long)options->drops);
@@ -361,17 +361,17 @@ static bw_status check_drops(bw_context *context, const bw_system *system,
   return BW_OK;
 }
 
-bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_options *options,
-                       bw_drop_result *out) {
+bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_test_options *options,
+                       bw_drop_test_result *out) {
   bw_status status = BW_OK;
-  bw_drop_result result = {0};
+  bw_drop_test_result result = {0};
   double *histogram = NULL;
   drop_test test = {.context = context, .mesh = system->mesh, .material = system->material};
   const bw_mesh *mesh = system->mesh;
   if (options)
     test.options = *options;
   else
-    bw_drop_options_default(&test.options);
+    bw_drop_test_options_default(&test.options);
   BW_TRY(check_drops(context, system, &test.options));
   if (test.options.peg_radius == 0) {
     double low[3], high[3];
@@ -437,6 +437,6 @@ done:
   if (status == BW_OK)
     *out = result;
   else
-    bw_drop_result_clear(&result);
+    bw_drop_test_result_clear(&result);
   return status;
 }

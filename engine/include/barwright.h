@@ -111,6 +111,7 @@
 #include "barwright/buckling.h"
 #include "barwright/contact.h"
 #include "barwright/deposition.h"
+#include "barwright/drop.h"
 #include "barwright/dynamics.h"
 #include "barwright/flow.h"
 #include "barwright/heat.h"

@@ -386,13 +386,13 @@ static void copy_counts(lua_State *L, int table, const char *key, int64_t rows,
 }
 
 typedef struct drop_out {
-  const bw_drop_result *result;
+  const bw_drop_test_result *result;
   int64_t elements;
 } drop_out;
 
 static int push_drops(lua_State *L) {
   const drop_out *out = (const drop_out *)lua_touserdata(L, 1);
-  const bw_drop_result *result = out->result;
+  const bw_drop_test_result *result = out->result;
   lua_createtable(L, 0, 11);
   copy_out(L, 2, "exceedance", out->elements, 1, result->exceedance);
   copy_out(L, 2, "mean_peak", out->elements, 1, result->mean_peak);
@@ -412,17 +412,17 @@ static int push_drops(lua_State *L) {
 
 /* drops(system, {drops, height, peg_radius, duration, seed}): a table of arrays */
 static int drops(lua_State *L) {
-  static const lbw_option list[] = {{"drops", LBW_COUNT, offsetof(bw_drop_options, drops)},
-                                    {"height", LBW_REAL, offsetof(bw_drop_options, height)},
-                                    {"peg_radius", LBW_REAL, offsetof(bw_drop_options, peg_radius)},
-                                    {"duration", LBW_REAL, offsetof(bw_drop_options, duration)},
-                                    {"seed", LBW_SEED, offsetof(bw_drop_options, seed)},
+  static const lbw_option list[] = {{"drops", LBW_COUNT, offsetof(bw_drop_test_options, drops)},
+                                    {"height", LBW_REAL, offsetof(bw_drop_test_options, height)},
+                                    {"peg_radius", LBW_REAL, offsetof(bw_drop_test_options, peg_radius)},
+                                    {"duration", LBW_REAL, offsetof(bw_drop_test_options, duration)},
+                                    {"seed", LBW_SEED, offsetof(bw_drop_test_options, seed)},
                                     {NULL, LBW_OTHER, 0}};
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
-  bw_drop_options options;
-  bw_drop_options_default(&options);
+  bw_drop_test_options options;
+  bw_drop_test_options_default(&options);
   lbw_options(L, 2, "drops", list, &options);
-  bw_drop_result result;
+  bw_drop_test_result result;
   memset(&result, 0, sizeof result);
   drop_out out = {&result, system->mesh->element_count};
   lua_pushcfunction(L, push_drops);
@@ -432,7 +432,7 @@ static int drops(lua_State *L) {
   if (status != BW_OK)
     return lbw_leave(L, status, 0);
   int failure = lua_pcall(L, 1, 1, 0);
-  bw_drop_result_clear(&result);
+  bw_drop_test_result_clear(&result);
   return failure ? lua_error(L) : lbw_leave(L, BW_OK, 1);
 }
 

@@ -35,7 +35,7 @@ return {
     {"docs/theory/symmetry.md", "Symmetry"},
     {"docs/theory/contact.md", "Contact"}, {"docs/theory/deposition.md", "Deposition"},
     {"docs/theory/dynamics.md", "Dynamics"},
-    {"docs/theory/transient.md", "Motion in time"},
+    {"docs/theory/transient.md", "Motion in time"}, {"docs/theory/drop.md", "Drop"},
     {"docs/theory/edit.md", "Edit sessions"}, {"docs/theory/responsive.md", "The plane"},
     {"docs/theory/data_driven.md", "Soft bodies, coarsened"},
     {"docs/theory/studies.md", "Studies, scenarios, experiments"},

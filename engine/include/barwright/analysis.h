@@ -468,17 +468,17 @@ BW_API bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basi
 /* ---- drop test (worst-case, section 5) ----------------------------------------------------- */
 
 /* How a body is dropped. */
-typedef struct bw_drop_options {
+typedef struct bw_drop_test_options {
   int64_t drops;     /* default 2000, 1 to 1e8 */
   double height;     /* (m) default 1, > 0 */
   double peg_radius; /* (m) of the peg, 0 or more; 0 (default): 2 % of the box diagonal */
   double duration;   /* (s) of the contact; the mean force is 2 m_e v / duration with the effective
                         mass m_e of the body at the contact; default 1e-3, > 0 */
   uint64_t seed;     /* of attitudes and places; default 0 */
-} bw_drop_options;
-BW_API void bw_drop_options_default(bw_drop_options *options);
-/* What drops cause; bw_drop_result_clear releases it. */
-typedef struct bw_drop_result {
+} bw_drop_test_options;
+BW_API void bw_drop_test_options_default(bw_drop_test_options *options);
+/* What drops cause; bw_drop_test_result_clear releases it. */
+typedef struct bw_drop_test_result {
   double *exceedance; /* (-, element_count) fraction of drops whose stress is beyond the strength:
                          whose utilisation exceeds one, or, where no strength is known, whose max
                          principal stress exceeds `threshold` */
@@ -493,12 +493,12 @@ typedef struct bw_drop_result {
   double threshold;   /* (Pa) the 97.5th percentile by volume of the first 200 drops' stresses; 0
                          when the strength is known */
   int64_t drops;      /* how many */
-} bw_drop_result;
+} bw_drop_test_result;
 /* Drops a body on a peg. BW_INVALID for one with supports or without density. `options` may be
  * NULL. */
 BW_API bw_status bw_drop_test(bw_context *context, bw_system *system,
-                              const bw_drop_options *options, bw_drop_result *result);
-BW_API void bw_drop_result_clear(bw_drop_result *result);
+                              const bw_drop_test_options *options, bw_drop_test_result *result);
+BW_API void bw_drop_test_result_clear(bw_drop_test_result *result);
 
 /* Spearman's rank correlation *rho (-) of two series a and b (any, count), ties averaged. */
 BW_API bw_status bw_rank_correlation(bw_context *context, int64_t count, const double *a,

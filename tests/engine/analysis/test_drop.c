@@ -39,11 +39,11 @@ static void ball_is_hit_with_its_whole_mass(void **state) {
   check_ok(context, bw_mesh_mapped_box(context, cells, 1, a_ball, NULL, &mesh));
   bw_system *system = free_system(context, mesh, 1000, 0);
   mesh = (bw_mesh *)system->mesh;
-  bw_drop_options options;
-  bw_drop_options_default(&options);
+  bw_drop_test_options options;
+  bw_drop_test_options_default(&options);
   options.drops = 40;
   options.peg_radius = 1e-3; /* a thin peg: the lateral distance is the angle of incidence */
-  bw_drop_result result;
+  bw_drop_test_result result;
   check_ok(context, bw_drop_test(context, system, &options, &result));
   double mass = 1000 * bw_mesh_volume(mesh), speed = sqrt(2 * 9.80665), hardest = 0;
   for (int i = 0; i < 40; i++) {
@@ -54,7 +54,7 @@ static void ball_is_hit_with_its_whole_mass(void **state) {
   }
   assert_true(hardest > 0.9 * 2 * mass * speed / options.duration);
   assert_true(result.threshold > 0);
-  bw_drop_result_clear(&result);
+  bw_drop_test_result_clear(&result);
   bw_release(system);
 }
 
@@ -63,12 +63,12 @@ static void dumbbell_breaks_at_the_neck(void **state) {
   bw_system *system =
       free_system(context, make_bar(context, dumbbell_profile, 20, 4, 1), 1200, 3e7);
   const bw_mesh *mesh = system->mesh;
-  bw_drop_options options;
-  bw_drop_options_default(&options);
+  bw_drop_test_options options;
+  bw_drop_test_options_default(&options);
   options.drops = 200;
   options.peg_radius = 0.02;
   options.duration = 5e-3;
-  bw_drop_result result, again;
+  bw_drop_test_result result, again;
   check_ok(context, bw_drop_test(context, system, &options, &result));
   double neck = 0, neck_volume = 0, rest = 0, rest_volume = 0;
   for (int32_t e = 0; e < mesh->element_count; e++) {
@@ -91,13 +91,13 @@ static void dumbbell_breaks_at_the_neck(void **state) {
     assert_memory_equal(again.mean_peak, result.mean_peak,
                         (size_t)mesh->element_count * sizeof(double));
     assert_memory_equal(again.contact, result.contact, 600 * sizeof(double));
-    bw_drop_result_clear(&again);
+    bw_drop_test_result_clear(&again);
   }
   options.seed = 1;
   check_ok(context, bw_drop_test(context, system, &options, &again));
   assert_true(again.contact[0] != result.contact[0]);
-  bw_drop_result_clear(&again);
-  bw_drop_result_clear(&result);
+  bw_drop_test_result_clear(&again);
+  bw_drop_test_result_clear(&result);
   bw_release(system);
 }
 
@@ -106,11 +106,11 @@ static void dumbbell_breaks_at_the_neck(void **state) {
 static void contact_does_not_depend_on_the_mesh(void **state) {
   bw_context *context = check_context(state);
   enum { DROPS = 60 };
-  bw_drop_options options;
-  bw_drop_options_default(&options);
+  bw_drop_test_options options;
+  bw_drop_test_options_default(&options);
   options.drops = DROPS;
   options.peg_radius = 0.01;
-  bw_drop_result result[2];
+  bw_drop_test_result result[2];
   double difference = 0;
   for (int k = 0; k < 2; k++) {
     int cells = k ? 8 : 2;
@@ -134,22 +134,22 @@ static void contact_does_not_depend_on_the_mesh(void **state) {
   }
   assert_true(difference < 0.1);
   for (int k = 0; k < 2; k++)
-    bw_drop_result_clear(&result[k]);
+    bw_drop_test_result_clear(&result[k]);
 }
 
 static void failures(void **state) {
   bw_context *context = check_context(state);
   bw_system *system = free_system(context, make_box(context, 1, 1, 1, 2, 2, 2, 1), 0, 0);
-  bw_drop_options options;
-  bw_drop_options_default(&options);
+  bw_drop_test_options options;
+  bw_drop_test_options_default(&options);
   options.drops = 3;
-  bw_drop_result result;
+  bw_drop_test_result result;
   check_fails(context, BW_INVALID, "density", bw_drop_test(context, system, &options, &result));
   bw_release(system);
   system = free_system(context, make_box(context, 1, 1, 1, 2, 2, 2, 1), 1000, 0);
   options.height = 0;
   check_fails(context, BW_INVALID, "height", bw_drop_test(context, system, &options, &result));
-  bw_drop_options_default(&options);
+  bw_drop_test_options_default(&options);
   options.drops = 0;
   check_fails(context, BW_INVALID, "0 drops", bw_drop_test(context, system, &options, &result));
   options.drops = 3;
@@ -160,7 +160,7 @@ static void failures(void **state) {
     bw_status status = bw_drop_test(context, system, &options, &result);
     bw_fail_allocation(0, false);
     if (status == BW_OK) {
-      bw_drop_result_clear(&result);
+      bw_drop_test_result_clear(&result);
       assert_true(fail > 10);
       break;
     }

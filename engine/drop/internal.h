@@ -1,0 +1,141 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of drop/ share. */
+#ifndef BWI_DROP_INTERNAL_H
+#define BWI_DROP_INTERNAL_H
+
+#include "barwright/drop.h"
+
+/* ---- motion.c -------------------------------------------------------------------------------- */
+
+/* A rigid body that carries modes. Vectors are those of space, but for `inverse`. */
+typedef struct bwi_drop_motion {
+  int modes;
+  double mass, gravity[3];
+  double inertia[9], inverse[9]; /* about the centre of mass, in the body's frame */
+  double time, centre[3], velocity[3];
+  double turn[9];          /* takes vectors of the body to space */
+  double momentum[3];      /* angular, about the centre of mass */
+  double damped;           /* (J) */
+  double *omega, *damping; /* (modes) rad/s, and c of q'' + c q' + omega^2 q */
+  double *q, *rate;        /* (modes) */
+  double step;             /* of `map` */
+  double *map;             /* (modes x 4) of (q, q') over a step */
+} bwi_drop_motion;
+bw_status bwi_drop_motion_create(bw_context *context, const bw_modes *modes,
+                                 const bw_damping *damping, bwi_drop_motion *motion);
+void bwi_drop_motion_clear(bwi_drop_motion *motion);
+/* The state of `from`, of the same body. */
+void bwi_drop_motion_copy(const bwi_drop_motion *from, bwi_drop_motion *to);
+void bwi_drop_spin(const bwi_drop_motion *motion, double spin[3]);
+/* Free flight over a step. */
+void bwi_drop_drift(bwi_drop_motion *motion, double step);
+
+/* ---- touch.c --------------------------------------------------------------------------------- */
+
+/* Points of the body that may touch, and how the modes move them. */
+typedef struct bwi_drop_points {
+  int32_t count;
+  int32_t *node;     /* (count) */
+  double *at;        /* (count x 3) from the centre of mass */
+  double *area;      /* (count x 3) outward area of the facets around */
+  double *basis;     /* (count x 3 x modes) */
+  double *mode_size; /* (modes) the longest motion of a point */
+  double radius;     /* of the body about its centre of mass */
+} bwi_drop_points;
+
+/* Columns of the compliance that were solved for together. */
+typedef struct bwi_drop_columns {
+  struct bwi_drop_columns *next;
+  int count;
+  double *field; /* (count x node_count x 3) */
+} bwi_drop_columns;
+
+/* The contact of one impact: w = gap + S force >= 0, force >= 0, w force = 0. */
+typedef struct bwi_drop_touch {
+  int count;
+  int32_t *point;  /* (count) */
+  double *push;    /* (count x 3) the normal in the body's frame when it became a candidate */
+  double **column; /* (count) displacement under a unit force less what the modes have of it */
+  double *size;    /* (count) the longest displacement of a point in it */
+  double *s;       /* (count x count) */
+  double *gap, *force, *w, *slack; /* (count) */
+  double *normal, *arm;            /* (count x 3) in space; arm from the centre of mass */
+  uint8_t *active;                 /* (count) */
+  bwi_drop_columns *columns;
+  int capacity;
+  uint8_t *candidate;     /* (points) whether it is one */
+  int32_t *near;          /* (points) */
+  int32_t near_count;     /* which are within `limit` */
+  double limit, traveled; /* of the gap; and by how much it may have changed since */
+  double stiffest;        /* (rad/s) of the contact on the rigid body and the modes */
+  int stiffest_of;        /* candidates */
+} bwi_drop_touch;
+
+typedef struct bwi_drop_run {
+  const bw_model *model;
+  bw_system *system;
+  const bw_modes *modes;
+  bw_drop_options options;
+  bw_rigid_surface onto;
+  double offset[3]; /* from the mesh to where it touches */
+  double origin[3]; /* centre of mass in the mesh */
+  double margin;    /* of the gap, within which points become candidates with others */
+  double slack;     /* (m) penetration that is none */
+  bwi_drop_points points;
+  bwi_drop_motion motion;
+  bwi_drop_touch touch;
+  int solves;
+} bwi_drop_run;
+
+bw_status bwi_drop_points_create(bw_context *context, bwi_drop_run *run);
+void bwi_drop_points_clear(bwi_drop_points *points);
+bw_status bwi_drop_touch_create(bw_context *context, const bwi_drop_run *run,
+                                bwi_drop_touch *touch);
+void bwi_drop_touch_clear(bwi_drop_touch *touch);
+/* The forces of contact in the present position. */
+bw_status bwi_drop_touch_find(bw_context *context, bwi_drop_run *run);
+/* The impulse of these forces over a time. */
+void bwi_drop_kick(bwi_drop_run *run, double time);
+/* Bounds of how far a point may be from where the rigid body has it, and of how fast. */
+double bwi_drop_reach(const bwi_drop_run *run);
+double bwi_drop_speed(const bwi_drop_run *run);
+/* The smallest gap of the points without deformation. */
+double bwi_drop_rigid_gap(const bwi_drop_run *run);
+
+/* ---- record.c -------------------------------------------------------------------------------- */
+
+/* Parts of the energy (J). */
+typedef struct bwi_drop_energy {
+  double motion, vibration, strain, potential;
+} bwi_drop_energy;
+bwi_drop_energy bwi_drop_energy_of(const bwi_drop_run *run);
+
+/* Rows at every `stride`-th step; when `capacity` are there, every second one goes. */
+typedef struct bwi_drop_rows {
+  int capacity, count, width;
+  int64_t stride, seen;
+  double *row; /* (capacity x width) */
+} bwi_drop_rows;
+bw_status bwi_drop_rows_create(bw_context *context, int capacity, int width, bwi_drop_rows *rows);
+/* Where the row of this step goes, or NULL. */
+double *bwi_drop_rows_next(bwi_drop_rows *rows);
+
+/* States of an impact at even times, for its stress. */
+typedef struct bwi_drop_state {
+  double time;
+  int count;    /* of forces */
+  double *data; /* modes, then forces */
+} bwi_drop_state;
+typedef struct bwi_drop_states {
+  int capacity, count;
+  int64_t stride, seen;
+  bwi_drop_state *state; /* (capacity) */
+} bwi_drop_states;
+bw_status bwi_drop_states_take(bw_context *context, const bwi_drop_run *run,
+                               bwi_drop_states *states);
+void bwi_drop_states_empty(bwi_drop_states *states);
+/* Adds the stresses of the states to the result. */
+bw_status bwi_drop_states_stress(bw_context *context, const bwi_drop_run *run,
+                                 const bwi_drop_states *states, bw_drop *drop);
+
+#endif

@@ -1,0 +1,189 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What is kept of a drop: energies, rows of its history, and the stress of the states of an impact.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "barwright/analysis.h"
+#include "base/dense.h"
+#include "drop/internal.h"
+#include "linear/blas.h"
+
+enum { BATCH = 8 /* states whose displacements are found at once */ };
+
+bwi_drop_energy bwi_drop_energy_of(const bwi_drop_run *run) {
+  const bwi_drop_motion *m = &run->motion;
+  const bwi_drop_touch *t = &run->touch;
+  bwi_drop_energy e = {0};
+  double spin[3];
+  bwi_drop_spin(m, spin);
+  e.motion = 0.5 * m->mass * bw_dot(m->velocity, m->velocity) + 0.5 * bw_dot(spin, m->momentum);
+  e.potential = -m->mass * (bw_dot(m->gravity, m->centre) - bw_dot(m->gravity, run->origin) -
+                            bw_dot(m->gravity, run->offset));
+  for (int k = 0; k < m->modes; k++) {
+    double swing = m->omega[k] * m->q[k];
+    e.vibration += 0.5 * m->rate[k] * m->rate[k];
+    e.strain += 0.5 * swing * swing;
+  }
+  for (int j = 0; j < t->count; j++) /* force S force = -force gap, since w force = 0 */
+    e.strain -= 0.5 * t->force[j] * t->gap[j];
+  return e;
+}
+
+/* ---- rows ------------------------------------------------------------------------------------ */
+
+bw_status bwi_drop_rows_create(bw_context *context, int capacity, int width, bwi_drop_rows *rows) {
+  *rows = (bwi_drop_rows){.capacity = capacity, .width = width, .stride = 1};
+  rows->row = BW_NEW(context, double, (int64_t)capacity *width);
+  return rows->row ? BW_OK : BW_MEMORY;
+}
+
+double *bwi_drop_rows_next(bwi_drop_rows *rows) {
+  size_t width = (size_t)rows->width;
+  if (rows->seen++ % rows->stride != 0)
+    return NULL;
+  if (rows->count == rows->capacity) {
+    rows->count = 0;
+    for (int i = 0; i < rows->capacity; i += 2)
+      memcpy(rows->row + (size_t)rows->count++ * width, rows->row + (size_t)i * width,
+             width * sizeof *rows->row);
+    rows->stride *= 2;
+    if ((rows->seen - 1) % rows->stride != 0)
+      return NULL;
+  }
+  return rows->row + (size_t)rows->count++ * width;
+}
+
+/* ---- states ---------------------------------------------------------------------------------- */
+
+bw_status bwi_drop_states_take(bw_context *context, const bwi_drop_run *run,
+                               bwi_drop_states *states) {
+  const bwi_drop_motion *m = &run->motion;
+  const bwi_drop_touch *t = &run->touch;
+  if (states->capacity == 0 || states->seen++ % states->stride != 0)
+    return BW_OK;
+  if (states->count == states->capacity) {
+    int kept = 0;
+    for (int i = 0; i < states->capacity; i++)
+      if (i % 2 == 0)
+        states->state[kept++] = states->state[i];
+      else
+        bw_free(states->state[i].data);
+    states->count = kept;
+    states->stride *= 2;
+    if ((states->seen - 1) % states->stride != 0)
+      return BW_OK;
+  }
+  bwi_drop_state *state = &states->state[states->count];
+  *state = (bwi_drop_state){.time = m->time, .count = t->count};
+  state->data = BW_NEW(context, double, m->modes + t->count);
+  if (!state->data)
+    return BW_MEMORY;
+  memcpy(state->data, m->q, (size_t)m->modes * sizeof *state->data);
+  for (int j = 0; j < t->count; j++)
+    state->data[m->modes + j] = t->force[j];
+  states->count++;
+  return BW_OK;
+}
+
+void bwi_drop_states_empty(bwi_drop_states *states) {
+  for (int i = 0; i < states->count; i++)
+    bw_free(states->state[i].data);
+  states->count = 0;
+  states->seen = 0;
+  states->stride = 1;
+}
+
+/* u (count x size) of states first, first + 1, ...: modes and columns. */
+static bw_status displacements(bw_context *context, const bwi_drop_run *run,
+                               const bwi_drop_states *states, int first, int count, double *u) {
+  bw_status status = BW_OK;
+  const bwi_drop_touch *t = &run->touch;
+  int m = run->motion.modes, size = 3 * run->model->mesh->node_count, last = t->count;
+  const double one = 1, none = 0;
+  double *factor = BW_NEW(context, double, (int64_t)count *(m > t->count ? m : t->count));
+  BW_TRY_MEMORY(factor);
+  for (int i = 0; i < count; i++)
+    memcpy(factor + (size_t)i * (size_t)m, states->state[first + i].data,
+           (size_t)m * sizeof *factor);
+  bwi_blas_enter();
+  dgemm_("N", "N", &size, &count, &m, &one, run->modes->shape, &size, factor, &m, &none, u, &size);
+  for (const bwi_drop_columns *c = t->columns; c; c = c->next) { /* the last ones come first */
+    int width = c->count;
+    last -= width;
+    for (int i = 0; i < count; i++) {
+      const bwi_drop_state *state = &states->state[first + i];
+      for (int j = 0; j < width; j++)
+        factor[i * width + j] = last + j < state->count ? state->data[m + last + j] : 0;
+    }
+    dgemm_("N", "N", &size, &count, &width, &one, c->field, &size, factor, &width, &one, u, &size);
+  }
+  bwi_blas_leave();
+done:
+  bw_free(factor);
+  return status;
+}
+
+bw_status bwi_drop_states_stress(bw_context *context, const bwi_drop_run *run,
+                                 const bwi_drop_states *states, bw_drop *drop) {
+  bw_status status = BW_OK;
+  const bw_mesh *mesh = run->model->mesh;
+  const bw_material *material = run->model->material;
+  size_t elements = (size_t)mesh->element_count, size = 3 * (size_t)mesh->node_count;
+  double *u = NULL, *stress = NULL, *value = NULL;
+  int count = states->count;
+  if (count == 0)
+    return BW_OK;
+  double *time = BW_NEW(context, double, drop->sample_count + count);
+  double *largest = BW_NEW(context, double, drop->sample_count + count);
+  u = BW_NEW(context, double, BATCH *size);
+  stress = BW_NEW(context, double, 6 * elements);
+  value = BW_NEW(context, double, elements);
+  BW_TRY_MEMORY(time && largest && u && stress && value);
+  for (int first = 0; first < count; first += BATCH) {
+    int batch = count - first < BATCH ? count - first : BATCH;
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(displacements(context, run, states, first, batch, u));
+    for (int i = 0; i < batch; i++) {
+      int row = drop->sample_count + first + i;
+      int32_t most = 0;
+      BW_TRY(bw_element_stress(context, mesh, material, u + (size_t)i * size, stress));
+      BW_TRY(bw_max_principal_field(context, mesh->element_count, stress, value));
+      for (int32_t e = 0; e < mesh->element_count; e++) {
+        drop->stress[e] = fmax(drop->stress[e], value[e]);
+        if (value[e] > value[most])
+          most = e;
+      }
+      time[row] = states->state[first + i].time;
+      largest[row] = value[most];
+      if (drop->peak_element < 0 || value[most] > drop->peak) {
+        drop->peak = value[most];
+        drop->peak_element = most;
+        drop->peak_time = time[row];
+        memcpy(drop->displacement, u + (size_t)i * size, size * sizeof *u);
+      }
+      if (drop->utilisation) {
+        BW_TRY(bw_utilisation_field(context, material, mesh->element_count, stress, value));
+        for (size_t e = 0; e < elements; e++)
+          drop->utilisation[e] = fmax(drop->utilisation[e], value[e]);
+      }
+    }
+  }
+  if (drop->sample_count > 0) {
+    memcpy(time, drop->sample, (size_t)drop->sample_count * sizeof *time);
+    memcpy(largest, drop->sample_stress, (size_t)drop->sample_count * sizeof *largest);
+  }
+  bw_free(drop->sample);
+  bw_free(drop->sample_stress);
+  drop->sample = time;
+  drop->sample_stress = largest;
+  drop->sample_count += count;
+  time = largest = NULL;
+done:
+  bw_free(time);
+  bw_free(largest);
+  bw_free(u);
+  bw_free(stress);
+  bw_free(value);
+  return status;
+}

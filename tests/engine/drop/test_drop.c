@@ -1,0 +1,301 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Bodies that fall on a plane, against Saint-Venant's rod, Hertz's impact, and the laws of momentum
+ * and energy. */
+#include "bodies.h"
+
+#include "barwright/drop.h"
+
+static bw_model *model_of(bw_context *context, bw_mesh *mesh, double poisson) {
+  bw_material *material = NULL;
+  bw_model *model = NULL;
+  const bw_isotropic constants = {
+      .name = "test", .young = 1e9, .poisson = poisson, .density = 1000, .strength = 2e7};
+  check_ok(context, bw_material_isotropic(context, &constants, &material));
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  bw_release(mesh);
+  bw_release(material);
+  return model;
+}
+
+static bw_modes *lowest(bw_context *context, const bw_model *model, int count, bw_system **system) {
+  bw_modes *modes = NULL;
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  options.count = count;
+  check_ok(context, bw_modes_of_model(context, model, NULL, &options, system, &modes));
+  return modes;
+}
+
+static bw_drop_options towards(double x, double y, double z) {
+  bw_drop_options options;
+  bw_drop_options_default(&options);
+  options.down[0] = x;
+  options.down[1] = y;
+  options.down[2] = z;
+  return options;
+}
+
+/* A rod without lateral contraction that lands on its end touches for 2 L / c with the force
+ * rho c A v, and leaves without vibration (Saint-Venant). Modes up to the 24th of the axis alone
+ * are here: the force rings about its value. */
+static void test_rod(void **state) {
+  bw_context *context = check_context(state);
+  const double length = 0.1, side = 0.01, speed = 2, c = 1000;
+  const double force = 1000 * c * side * side * speed, contact = 2 * length / c;
+  bw_model *model = model_of(context, body_box(context, length, side, side, 40, 2, 2, 2), 0);
+  bw_system *system = NULL;
+  bw_modes *modes = lowest(context, model, 150, &system);
+  bw_drop_options options = towards(-3, 0, 0);
+  bw_drop *drop = NULL;
+  options.modes = modes;
+  options.speed = speed;
+  options.gravity = 0;
+  options.samples = 0;
+  check_ok(context, bw_drop_of_model(context, model, system, &options, NULL, &drop));
+  const bw_drop_impact *impact = drop->impact;
+  check_near(drop->mass, 1000 * length * side * side, 1e-12);
+  check_near(drop->energy, 0.5 * drop->mass * speed * speed, 1e-12);
+  check_near(impact->duration, contact, 0.01 * contact);
+  check_near(impact->impulse / impact->duration, force, 0.015 * force);
+  check_near(drop->velocity[0], speed, 0.015 * speed);
+  check_near(impact->impulse, drop->mass * (speed + drop->velocity[0]), 1e-9 * impact->impulse);
+  assert_true(drop->error < 1e-3 && drop->stress == NULL && drop->peak_element == -1);
+  bw_release(drop);
+  bw_release(modes);
+  bw_release(system);
+  bw_release(model);
+}
+
+/* A block whose lower face is part of a sphere of radius 0.01, with small elements about its lowest
+ * point. */
+static void dome_map(void *data, const double unit[3], double out[3]) {
+  const double radius = 0.01;
+  (void)data;
+  for (int k = 0; k < 2; k++)
+    out[k] = 0.6 * radius * sinh(6 * (2 * unit[k] - 1)) / sinh(6);
+  double low = radius - sqrt(radius * radius - out[0] * out[0] - out[1] * out[1]);
+  out[2] = low + (1.2 * radius - low) * expm1(6 * unit[2]) / expm1(6);
+}
+
+/* Hertz's impact lasts 2.943 d / v, d the deepest approach. The contact is 0.02 of the radius wide:
+ * the theory is that of a small one. */
+static void test_hertz(void **state) {
+  bw_context *context = check_context(state);
+  const int cells[3] = {12, 12, 10};
+  const double speed = 0.04, stiffness = 4. / 3 * 1e9 / (1 - 0.3 * 0.3) * sqrt(0.01);
+  bw_mesh *mesh = NULL;
+  check_ok(context, bw_mesh_mapped_box(context, cells, 2, dome_map, NULL, &mesh));
+  bw_model *model = model_of(context, mesh, 0.3);
+  bw_system *system = NULL;
+  bw_modes *modes = lowest(context, model, 20, &system);
+  bw_drop_options options = towards(0, 0, -1);
+  bw_drop *drop = NULL;
+  options.modes = modes;
+  options.speed = speed;
+  options.gravity = 0;
+  options.samples = 0;
+  check_ok(context, bw_drop_of_model(context, model, system, &options, NULL, &drop));
+  double deep = pow(1.25 * drop->mass * speed * speed / stiffness, 0.4);
+  double time = 2.94327 * deep / speed, force = stiffness * pow(deep, 1.5);
+  check_near(drop->impact[0].duration, time, 0.02 * time);
+  check_near(drop->impact[0].force, force, 0.02 * force);
+  check_near(drop->velocity[2], speed, 1e-3 * speed);
+  assert_true(drop->error < 1e-3);
+  bw_release(drop);
+  bw_release(modes);
+  bw_release(system);
+  bw_release(model);
+}
+
+/* A box that falls on a corner: the impulse J along the plane's normal n changes the velocity by J
+ * n / m and the spin by I^-1 (r x n) J. A rigid body that loses no energy has J = 2 m_e v; what
+ * goes into vibration is missing. */
+static void test_corner(void **state) {
+  bw_context *context = check_context(state);
+  const double a = 0.03, b = 0.02, c = 0.01, spin[3] = {3, -5, 2};
+  bw_model *model = model_of(context, body_box(context, a, b, c, 6, 4, 2, 2), 0.3);
+  bw_drop_options options = towards(-2, -1, -2);
+  bw_drop *drop = NULL;
+  memcpy(options.spin, spin, sizeof spin);
+  check_ok(context, bw_drop_of_model(context, model, NULL, &options, NULL, &drop));
+  const bw_drop_impact *impact = &drop->impact[0];
+  const double up[3] = {2. / 3, 1. / 3, 2. / 3}, arm[3] = {-a / 2, -b / 2, -c / 2};
+  const double mass = 1000 * a * b * c;
+  const double inertia[3] = {mass / 12 * (b * b + c * c), mass / 12 * (a * a + c * c),
+                             mass / 12 * (a * a + b * b)};
+  double turn[3], whirl[3], effective = 1 / mass, approach, before = 0, after = 0;
+  bw_cross(arm, up, turn);
+  bw_cross(spin, arm, whirl);
+  for (int k = 0; k < 3; k++) {
+    effective += turn[k] * turn[k] / inertia[k];
+    before += 0.5 * inertia[k] * spin[k] * spin[k];
+    after += 0.5 * (mass * drop->velocity[k] * drop->velocity[k]);
+  }
+  effective = 1 / effective;
+  approach = drop->speed - bw_dot(whirl, up);
+  check_near(drop->speed, sqrt(2 * 9.80665), 1e-12);
+  check_near(drop->energy, mass * 9.80665 + before, 1e-9 * drop->energy);
+  assert_true(bw_norm(impact->place) < 1e-12);
+  for (int k = 0; k < 3; k++) {
+    double weight = mass * 9.80665 * drop->time[drop->row_count - 1]; /* the fall went on */
+    check_near(drop->velocity[k] + drop->speed * up[k], (impact->impulse - weight) / mass * up[k],
+               1e-9 * drop->speed);
+    check_near(drop->spin[k] - spin[k], impact->impulse * turn[k] / inertia[k],
+               0.04 * impact->impulse * bw_norm(turn) / inertia[0]);
+  }
+  assert_true(impact->impulse > 1.8 * effective * approach);
+  assert_true(impact->impulse < 2.02 * effective * approach);
+  assert_true(after < drop->energy && drop->error < 1e-3);
+
+  /* the deformation of the largest stress has the strain energy of its row */
+  int row = 0;
+  bw_system *system = NULL;
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *product = numbers(size), energy = 0;
+  while (row < drop->row_count - 1 && drop->time[row] < drop->peak_time)
+    row++;
+  check_ok(context, bw_system_of_model(context, model, NULL, NULL, &system));
+  check_ok(context, bw_system_stiffness(context, system));
+  check_ok(context, bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1,
+                                      drop->displacement, product));
+  for (int64_t i = 0; i < size; i++)
+    energy += 0.5 * product[i] * drop->displacement[i];
+  assert_true(drop->time[row] == drop->peak_time);
+  check_near(energy, drop->strain[row], 1e-6 * energy);
+  check_near(drop->stress[drop->peak_element], drop->peak, 0);
+  assert_true(drop->sample_count >= 100 && drop->sample_count <= 200);
+  assert_true(drop->utilisation[drop->peak_element] >= 0.99 * drop->peak / 2e7);
+  free(product);
+  bw_release(system);
+  bw_release(drop);
+  bw_release(model);
+}
+
+/* Six impacts of a box that turns keep the energy. With damping, the balance has what it took. */
+static void test_bounces(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = model_of(context, body_box(context, 0.03, 0.02, 0.01, 6, 4, 2, 1), 0.3);
+  bw_system *system = NULL;
+  bw_modes *modes = lowest(context, model, 20, &system);
+  for (int damped = 0; damped < 2; damped++) {
+    bw_drop_options options = towards(-0.3, -0.2, -1);
+    bw_drop *drop = NULL;
+    options.modes = modes;
+    options.height = 0.2;
+    options.impacts = 6;
+    options.samples = 5;
+    options.damping.ratio = damped ? 0.05 : 0;
+    check_ok(context, bw_drop_of_model(context, model, system, &options, NULL, &drop));
+    assert_int_equal(drop->impact_count, 6);
+    double taken = drop->damped[drop->row_count - 1] / drop->energy;
+    assert_true(drop->error < 1e-3 && drop->error > 0);
+    assert_true(damped ? taken > 0.01 : taken == 0);
+    for (int i = 1; i < drop->row_count; i++)
+      assert_true(drop->time[i] >= drop->time[i - 1]);
+    for (int i = 0; i < drop->row_count; i++)
+      assert_true(drop->force[i] >= 0);
+    bw_release(drop);
+  }
+  bw_release(modes);
+  bw_release(system);
+  bw_release(model);
+}
+
+/* An inclined plane wherever it is: the body meets it along its fall, and the push is its normal.
+ */
+static void test_plane(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = model_of(context, body_box(context, 0.02, 0.02, 0.02, 2, 2, 2, 1), 0.3);
+  const double at[3] = {0, 0, -3}, normal[3] = {0.6, 0, 0.8};
+  bw_rigid_surface *plane = NULL;
+  bw_drop *drop = NULL;
+  bw_drop_options options = towards(0, 0, -1);
+  check_ok(context, bw_rigid_plane(context, at, normal, &plane));
+  options.onto = plane;
+  options.gravity = 0;
+  options.speed = 1;
+  check_ok(context, bw_drop_of_model(context, model, NULL, &options, NULL, &drop));
+  check_near(drop->velocity[1], 0, 1e-6);
+  check_near(drop->velocity[0] / (drop->velocity[2] + 1), 0.75, 1e-9);
+  check_near(drop->potential[0], 0, 1e-12);
+  bw_release(drop);
+  bw_release(plane);
+  bw_release(model);
+}
+
+static void test_bad_input(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = model_of(context, body_box(context, 0.02, 0.02, 0.02, 1, 1, 1, 1), 0.3);
+  bw_drop *drop = NULL;
+  const bw_drop_options good = towards(0, 0, -1);
+  bw_drop_options bad = good;
+  bad.height = 0;
+  check_fails(context, BW_INVALID, "would not move",
+              bw_drop_of_model(context, model, NULL, &bad, NULL, &drop));
+  bad = good;
+  bad.down[2] = 0;
+  check_fails(context, BW_INVALID, "direction",
+              bw_drop_of_model(context, model, NULL, &bad, NULL, &drop));
+  bad = good;
+  bad.damping.mass = 1;
+  check_fails(context, BW_UNSUPPORTED, "slow the fall",
+              bw_drop_of_model(context, model, NULL, &bad, NULL, &drop));
+  bad = good;
+  bad.impacts = 0;
+  check_fails(context, BW_INVALID, "0 impacts",
+              bw_drop_of_model(context, model, NULL, &bad, NULL, &drop));
+  bw_model *other = model_of(context, body_box(context, 0.02, 0.02, 0.02, 1, 1, 1, 1), 0.3);
+  bw_modes *modes = lowest(context, other, 5, NULL);
+  bad = good;
+  bad.modes = modes;
+  check_fails(context, BW_INVALID, "not elastic modes of this model",
+              bw_drop_of_model(context, model, NULL, &bad, NULL, &drop));
+  bw_selection *face = NULL;
+  const double origin[3] = {0, 0, 0}, axis[3] = {0, 0, 1};
+  check_ok(context, bw_select_plane(context, model->mesh, origin, axis, 1e-9, &face));
+  check_ok(context, bw_model_fix(context, model, face));
+  check_fails(context, BW_INVALID, "neither supports nor loads",
+              bw_drop_of_model(context, model, NULL, NULL, NULL, &drop));
+  bw_release(face);
+  bw_release(modes);
+  bw_release(other);
+  bw_release(model);
+}
+
+static void test_memory_failures(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = model_of(context, body_box(context, 0.02, 0.02, 0.02, 1, 1, 1, 1), 0.3);
+  bw_system *system = NULL;
+  bw_modes *modes = lowest(context, model, 3, &system);
+  bw_drop_options options = towards(-1, -2, -3);
+  options.modes = modes;
+  options.samples = 2;
+  for (int64_t n = 1;; n++) {
+    bw_drop *drop = NULL;
+    bw_fail_allocation(n, false);
+    bw_status status = bw_drop_of_model(context, model, system, &options, NULL, &drop);
+    bw_fail_allocation(0, false);
+    if (status == BW_OK) {
+      bw_release(drop);
+      break;
+    }
+    assert_int_equal(status, BW_MEMORY);
+    assert_null(drop);
+  }
+  bw_release(modes);
+  bw_release(system);
+  bw_release(model);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(test_rod),
+      check_test(test_hertz),
+      check_test(test_corner),
+      check_test(test_bounces),
+      check_test(test_plane),
+      check_test(test_bad_input),
+      check_test(test_memory_failures),
+  };
+  return cmocka_run_group_tests_name("drop", tests, NULL, NULL);
+}
