@@ -7,18 +7,37 @@
 #include "barwright/joint.h"
 #include "model/internal.h"
 
-/* The displacements that supports and bonds allow: u = T x + g. */
+/* Constraints C x = d that reduced the unknowns once more, and what gives their multipliers R from
+ * the residual of the equations before: C_p^T R = (T^T (K u - f) - P^T (load - S q))_p, at as many
+ * pivot unknowns p as there are constraints. */
+typedef struct bwi_eliminated {
+  int count;
+  int *component;        /* count: which component of which point (6 p + k) is prescribed */
+  bw_sparse_matrix *row; /* count x 3 node_count: of T^T */
+  double *point;         /* count x 6 point_count: of P^T */
+  double *square;        /* count x count: C_p^T */
+} bwi_eliminated;
+
+/* The displacements that supports, bonds and couplings allow: u = T x + g, and those of remote
+ * points: q = P x + h. */
 typedef struct bwi_reduction {
   bw_dof_map *dof_map;          /* of the bodies apart */
   const bw_bond **bond_of;      /* node_count: the bond in which a node follows, or NULL */
   int32_t *row_of;              /* node_count: its row there */
-  int32_t *unknown;             /* node_count x 3, in the nodes' frames: the column, or -1 */
+  const bw_coupling *coupling;  /* of the model */
+  int point_count;              /* couplings */
+  int32_t *coupling_of;         /* node_count: the rigid coupling of a node, or -1 */
+  int32_t *unknown;             /* node_count x 3, in the nodes' frames: the column, or -1; */
+  int32_t *point_unknown;       /* point_count x 6, of rigid ones; both before pivots are gone */
   int32_t unknown_count;        /* columns */
   bw_sparse_matrix *t;          /* 3 node_count x unknown_count, global directions */
   bw_sparse_matrix *transposed; /* T^T */
   double *g;                    /* 3 node_count */
+  bw_sparse_matrix *p;          /* 6 point_count x unknown_count, or NULL without points */
+  double *h;                    /* 6 point_count */
+  bwi_eliminated gone;
 } bwi_reduction;
-/* Clear with bwi_reduction_clear in any case. */
+/* Clear with bwi_reduction_clear in any case. Refers to the couplings of the model. */
 bw_status bwi_reduction_open(bw_context *context, const bw_model *model, bwi_reduction *reduction);
 void bwi_reduction_clear(bwi_reduction *reduction);
 
@@ -28,7 +47,33 @@ bw_status bwi_reduce_matrix(bw_context *context, const bwi_reduction *reduction,
                             const bw_block_pattern *pattern, const double *values, int block,
                             bw_sparse_matrix **reduced);
 
-/* Moves forces (node_count x 3) at nodes that follow to the nodes that they follow. */
+/* Moves forces (node_count x 3) at nodes that follow in bonds to the nodes that they follow. */
 void bwi_reduction_move(const bwi_reduction *reduction, double *force);
+
+/* ---- points.c, eliminate.c ------------------------------------------------------------------- */
+
+/* BW_INVALID for a node of a rigid coupling that a support or a bond moves otherwise. */
+bw_status bwi_points_check(bw_context *context, const bw_model *model, const bwi_reduction *r);
+/* P and h, from T and g; then prescribed values of distributed couplings leave T and P. */
+bw_status bwi_points_open(bw_context *context, bwi_reduction *r);
+/* Adds the springs (else the masses) of remote points to a reduced matrix, which is replaced. */
+bw_status bwi_points_add(bw_context *context, const bwi_reduction *r, bool springs,
+                         bw_sparse_matrix **matrix);
+/* b += P^T (load - S h), with the weight of masses in `gravity` (m/s2). */
+void bwi_points_load(const bwi_reduction *r, const double gravity[3], double *b);
+/* Motions of the points and what they exert: of distributed ones from the residual K u - f in
+ * `force` (node_count x 3), in which what they exert is then left out. */
+bw_status bwi_points_spread(bw_context *context, const bwi_reduction *r, const double gravity[3],
+                            const double *x, double *force, bw_coupling_result *result);
+/* The same of rigid ones, after bwi_reduction_move. */
+void bwi_points_gather(const bwi_reduction *r, double *force, bw_coupling_result *result);
+/* Whether modes need a density. */
+bool bwi_point_has_mass(const bw_remote_point *point);
+
+/* Constraints of x: `count` rows (count x unknown_count) with values d reduce T, g, P and h. Each
+ * one is of a prescribed component (6 p + k). BW_INVALID where one depends on the others. Changes
+ * rows and d. */
+bw_status bwi_eliminate(bw_context *context, bwi_reduction *r, int count, const int *component,
+                        double *rows, double *d);
 
 #endif

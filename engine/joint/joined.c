@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Static solutions and modes of models with bonds, attached masses and springs. */
+/* Static solutions and modes of models with bonds, attached masses and springs, and couplings. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -58,6 +58,8 @@ static bw_status operator_of(bw_context *context, const equations *q, const doub
   bw_sparse_matrix *matrix = NULL;
   bw_status status = bwi_reduce_matrix(context, &q->reduction, q->pattern, values, block, &matrix);
   if (status == BW_OK)
+    status = bwi_points_add(context, &q->reduction, block == 9, &matrix);
+  if (status == BW_OK)
     status = bw_operator_of_matrix(context, matrix, name, out);
   bw_release(matrix);
   return status;
@@ -88,9 +90,9 @@ static bw_status fail_free(bw_context *context, const equations *q) {
   const double *centre = q->reduction.dof_map->body_centre + 3 * (int64_t)q->rigid_body;
   bw_fail(
       context, BW_UNCONSTRAINED,
-      "supports, bonds and springs leave %d rigid-body mode%s unconstrained, in which the body "
-      "around (%g, %g, %g) m moves: add supports, bonds or springs; inertia relief is for models "
-      "without bonds and attachments",
+      "supports, bonds, couplings and springs leave %d rigid-body mode%s unconstrained, in which "
+      "the body around (%g, %g, %g) m moves: add supports, bonds or springs; inertia relief is for "
+      "models without bonds, attachments and couplings",
       q->rigid_count, q->rigid_count == 1 ? "" : "s", centre[0], centre[1], centre[2]);
   bw_detail_number(context, "motions", q->rigid_count);
   return BW_UNCONSTRAINED;
@@ -151,19 +153,22 @@ static void add_to_sums(void *data, int32_t node, const double force[3]) {
   }
 }
 
+static void sum_gravity(const bw_model *model, double gravity[3]) {
+  memset(gravity, 0, 3 * sizeof *gravity);
+  for (int i = 0; i < model->load_count; i++)
+    for (int c = 0; c < 3 && model->load[i].kind == BW_LOAD_GRAVITY; c++)
+      gravity[c] += model->load[i].vector[c];
+}
+
 /* What attachments exert on the body. The energy of springs is no strain energy. */
-static bw_status sum_attachments(bw_context *context, bw_static *result) {
+static bw_status sum_attachments(bw_context *context, const double gravity[3], bw_static *result) {
   const bw_model *model = result->model;
-  double gravity[3] = {0};
   if (model->attachment_count == 0)
     return BW_OK;
   result->attachment = BW_NEW0(context, bw_joint_force, model->attachment_count);
   if (!result->attachment)
     return BW_MEMORY;
   result->attachment_count = model->attachment_count;
-  for (int i = 0; i < model->load_count; i++)
-    for (int c = 0; c < 3 && model->load[i].kind == BW_LOAD_GRAVITY; c++)
-      gravity[c] += model->load[i].vector[c];
   for (int a = 0; a < model->attachment_count; a++) {
     const bw_attachment *at = &model->attachment[a];
     sums s = {model->mesh, result->displacement, 0, &result->attachment[a]};
@@ -201,14 +206,22 @@ static bw_status solve(bw_context *context, const equations *q, const bw_solver 
   bw_status status = BW_OK;
   const bwi_reduction *r = &q->reduction;
   int64_t size = 3 * (int64_t)model->mesh->node_count, unknowns = r->unknown_count;
+  double gravity[3];
+  sum_gravity(model, gravity);
   double *rest = BW_NEW(context, double, size), *b = BW_NEW(context, double, unknowns),
          *x = BW_NEW0(context, double, unknowns), *kx = BW_NEW(context, double, unknowns);
   result->reaction = BW_NEW(context, double, size);
   BW_TRY_MEMORY(rest && b && x && kx && result->reaction);
+  if (r->point_count > 0) {
+    result->coupling = BW_NEW0(context, bw_coupling_result, r->point_count);
+    BW_TRY_MEMORY(result->coupling);
+    result->coupling_count = r->point_count;
+  }
   BW_TRY(bw_block_multiply(context, q->pattern, q->stiffness, 9, 3, 1, r->g, rest));
   for (int64_t i = 0; i < size; i++)
     rest[i] = result->force[i] - rest[i];
   BW_TRY(bw_sparse_matrix_apply(context, r->transposed, 1, rest, b));
+  bwi_points_load(r, gravity, b);
   if (unknowns > 0)
     status = bw_linear_solve(context, q->k, &(bw_linear_solve_options){.solver = solver}, 1, b, x,
                              &result->report);
@@ -231,9 +244,11 @@ static bw_status solve(bw_context *context, const equations *q, const bw_solver 
     result->energy += 0.5 * result->displacement[i] * result->reaction[i];
     result->reaction[i] -= result->force[i];
   }
+  BW_TRY(bwi_points_spread(context, r, gravity, x, result->reaction, result->coupling));
   BW_TRY(sum_bonds(context, r, result));
-  BW_TRY(sum_attachments(context, result));
+  BW_TRY(sum_attachments(context, gravity, result));
   bwi_reduction_move(r, result->reaction);
+  bwi_points_gather(r, result->reaction, result->coupling);
   bwi_keep_states(r->dof_map, 1u << BW_DOF_PRESCRIBED, result->reaction);
 done:
   bw_free(rest);
@@ -312,6 +327,12 @@ static bw_status check_density(bw_context *context, const bw_model *model) {
       return bw_fail(context, BW_INVALID,
                      "modes with attached masses need the density of the material \"%s\", which is "
                      "not given",
+                     model->material->name);
+  for (int p = 0; p < model->coupling_count; p++)
+    if (bwi_point_has_mass(&model->coupling[p].point) && !(model->material->density > 0))
+      return bw_fail(context, BW_INVALID,
+                     "modes with the mass of a remote point need the density of the material "
+                     "\"%s\", which is not given",
                      model->material->name);
   return BW_OK;
 }

@@ -1,7 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The displacements u = T x + g that supports and bonds allow, and matrices reduced to them. The
- * unknowns are components of nodes in the frames of their supports. A support at a node that
- * follows others wins: the node follows them in its free directions only. */
+/* The displacements u = T x + g that supports, bonds and couplings allow, and matrices reduced to
+ * them. The unknowns are components of nodes in the frames of their supports, and of remote points.
+ * A support at a node that follows others in a bond wins: the node follows them in its free
+ * directions only. The nodes of a rigid coupling follow its remote point. */
 #include "joint/internal.h"
 
 #include <string.h>
@@ -25,9 +26,16 @@ static bw_status fail_node(bw_context *context, const bw_mesh *mesh, int32_t nod
   return BW_INVALID;
 }
 
-/* Which nodes follow others, each in one bond, and none that follows itself. */
+/* Which nodes move with a remote point, and which follow others: each in one bond, and none that
+ * follows itself. */
 static bw_status find_followers(bw_context *context, const bw_model *model, bwi_reduction *r) {
   bw_status status = BW_OK;
+  for (int32_t i = 0; i < model->mesh->node_count; i++)
+    r->coupling_of[i] = -1;
+  for (int p = 0; p < model->coupling_count; p++)
+    for (int32_t i = 0;
+         model->coupling[p].point.kind == BW_RIGID && i < model->coupling[p].node_count; i++)
+      r->coupling_of[model->coupling[p].node[i]] = p;
   for (int b = 0; b < model->bond_count; b++)
     for (int32_t i = 0; i < model->bond[b].node_count; i++) {
       int32_t node = model->bond[b].node[i];
@@ -71,11 +79,38 @@ static int64_t add_own(const bwi_reduction *r, int32_t node, int k, double facto
   return column >= 0;
 }
 
-/* The displacement of a node that follows none along d. */
+/* The displacement along d of a node that moves with a remote point. */
+static int64_t add_coupled(const bwi_reduction *r, int32_t node, const double d[3], double factor,
+                           int32_t row, triplets *t) {
+  int32_t p = r->coupling_of[node];
+  const bw_remote_point *point = &r->coupling[p].point;
+  const double *x = r->dof_map->mesh->node + 3 * (int64_t)node;
+  double arm[3] = {x[0] - point->at[0], x[1] - point->at[1], x[2] - point->at[2]}, turn[3];
+  int64_t count = 0;
+  bw_cross(arm, d, turn);
+  for (int k = 0; k < 6; k++) {
+    int32_t column = r->point_unknown[6 * p + k];
+    double part = factor * (k < 3 ? d[k] : turn[k - 3]);
+    if (part == 0)
+      continue;
+    count += column >= 0;
+    if (t && column >= 0) {
+      t->row[t->count] = row;
+      t->column[t->count] = column;
+      t->value[t->count++] = part;
+    } else if (t)
+      r->g[row] += part * point->displacement[k];
+  }
+  return count;
+}
+
+/* The displacement along d of a node that follows none in a bond. */
 static int64_t add_along(const bwi_reduction *r, int32_t node, const double d[3], double factor,
                          int32_t row, triplets *t) {
   const double *frame = frame_of(r->dof_map, node);
   int64_t count = 0;
+  if (r->coupling_of[node] >= 0)
+    return add_coupled(r, node, d, factor, row, t);
   for (int k = 0; k < 3; k++)
     count += add_own(r, node, k, factor * bw_dot(frame + 3 * k, d), row, t);
   return count;
@@ -106,21 +141,33 @@ static void number_unknowns(bwi_reduction *r) {
   for (int32_t i = 0; i < r->dof_map->mesh->node_count; i++)
     for (int k = 0; k < 3; k++)
       r->unknown[3 * (int64_t)i + k] =
-          r->bond_of[i] || is_prescribed(r->dof_map, i, k) ? -1 : r->unknown_count++;
+          r->bond_of[i] || r->coupling_of[i] >= 0 || is_prescribed(r->dof_map, i, k)
+              ? -1
+              : r->unknown_count++;
+  for (int p = 0; p < r->point_count; p++)
+    for (int k = 0; k < 6; k++)
+      r->point_unknown[6 * p + k] =
+          r->coupling[p].point.kind == BW_RIGID && !r->coupling[p].point.fixed[k]
+              ? r->unknown_count++
+              : -1;
 }
 
 bw_status bwi_reduction_open(bw_context *context, const bw_model *model, bwi_reduction *r) {
   bw_status status = BW_OK;
   int32_t nodes = model->mesh->node_count;
   triplets t = {0};
-  *r = (bwi_reduction){0};
+  *r = (bwi_reduction){.coupling = model->coupling, .point_count = model->coupling_count};
   BW_TRY(bwi_dof_map_apart(context, model, &r->dof_map));
+  r->coupling_of = BW_NEW(context, int32_t, nodes);
+  r->point_unknown = BW_NEW(context, int32_t, 6 * (int64_t)r->point_count);
   r->bond_of = BW_NEW0(context, const bw_bond *, nodes);
   r->row_of = BW_NEW0(context, int32_t, nodes);
   r->unknown = BW_NEW(context, int32_t, 3 * (int64_t)nodes);
   r->g = BW_NEW0(context, double, 3 * (int64_t)nodes);
-  BW_TRY_MEMORY(r->bond_of && r->row_of && r->unknown && r->g);
+  BW_TRY_MEMORY(r->bond_of && r->row_of && r->unknown && r->g && r->coupling_of &&
+                r->point_unknown);
   BW_TRY(find_followers(context, model, r));
+  BW_TRY(bwi_points_check(context, model, r));
   number_unknowns(r);
   int64_t count = 0;
   for (int32_t i = 0; i < nodes; i++)
@@ -137,6 +184,7 @@ bw_status bwi_reduction_open(bw_context *context, const bw_model *model, bwi_red
                                  t.value, &r->t));
   BW_TRY(bw_sparse_matrix_create(context, r->unknown_count, 3 * nodes, t.count, t.column, t.row,
                                  t.value, &r->transposed));
+  BW_TRY(bwi_points_open(context, r));
 done:
   bw_free(t.row);
   bw_free(t.column);
@@ -152,6 +200,14 @@ void bwi_reduction_clear(bwi_reduction *r) {
   bw_free(r->row_of);
   bw_free(r->unknown);
   bw_free(r->g);
+  bw_free(r->coupling_of);
+  bw_free(r->point_unknown);
+  bw_release(r->p);
+  bw_free(r->h);
+  bw_free(r->gone.component);
+  bw_release(r->gone.row);
+  bw_free(r->gone.point);
+  bw_free(r->gone.square);
   *r = (bwi_reduction){0};
 }
 

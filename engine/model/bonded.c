@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The rigid-body modes of bodies that bonds join: the motions of the single bodies, six for each,
- * that agree with the supports, leave springs alone, and agree at the nodes of bonds. */
+/* The rigid-body modes of bodies that bonds join: the motions of the single bodies and remote
+ * points, six for each, that agree with the supports, leave springs alone, and agree at the nodes
+ * of bonds and couplings. */
 #include <math.h>
 #include <string.h>
 
@@ -16,11 +17,12 @@ bw_status bwi_refuse_joints(bw_context *context, const bw_model *model) {
     return BW_OK;
   return bw_fail(
       context, BW_UNSUPPORTED,
-      "the model has %d bond%s and %d attachment%s: it gives static solutions and modes, "
-      "but not what needs its equations otherwise; join the bodies in one mesh, and "
-      "leave masses and springs out for that",
+      "the model has %d bond%s, %d attachment%s and %d coupling%s: it gives static solutions and "
+      "modes, but not what needs its equations otherwise; join the bodies in one mesh, and "
+      "leave masses, springs and remote points out for that",
       model->bond_count, model->bond_count == 1 ? "" : "s", model->attachment_count,
-      model->attachment_count == 1 ? "" : "s");
+      model->attachment_count == 1 ? "" : "s", model->coupling_count,
+      model->coupling_count == 1 ? "" : "s");
 }
 
 typedef struct motions {
@@ -94,12 +96,55 @@ static void take_bond(const motions *m, const bw_bond *bond) {
     }
 }
 
+/* row += factor (motion k of remote point p). A point turns by the reach of its coupling. */
+static void add_point(const motions *m, const bw_coupling *coupling, int p, int k, double factor) {
+  int64_t at = 6 * ((int64_t)m->dof_map->mesh->component_count + p) + k;
+  m->row[at] += factor / (k < 3 ? 1 : coupling->reach);
+}
+
+static void take_coupling(const motions *m, const bw_coupling *coupling, int p) {
+  const bw_mesh *mesh = m->dof_map->mesh;
+  const bw_remote_point *point = &coupling->point;
+  int64_t width = 3 * (int64_t)coupling->node_count;
+  for (int k = 0; k < 6; k++) {
+    double scale = k < 3 ? 1 : coupling->reach;
+    if (point->fixed[k] || point->spring[k] > 0) {
+      add_point(m, coupling, p, k, scale);
+      take_row(m);
+    }
+    if (point->kind == BW_RIGID)
+      continue;
+    add_point(m, coupling, p, k, -scale);
+    for (int64_t i = 0; i < width; i++) {
+      int32_t node = coupling->node[i / 3];
+      const double d[3] = {i % 3 == 0, i % 3 == 1, i % 3 == 2};
+      add_motion(m, mesh->component[node], mesh->node + 3 * (int64_t)node, d,
+                 scale * coupling->mean[k * width + i], m->row);
+    }
+    take_row(m);
+  }
+  for (int64_t i = 0; point->kind == BW_RIGID && i < width; i++) {
+    int32_t node = coupling->node[i / 3];
+    const double *x = mesh->node + 3 * (int64_t)node;
+    const double d[3] = {i % 3 == 0, i % 3 == 1, i % 3 == 2};
+    double arm[3] = {x[0] - point->at[0], x[1] - point->at[1], x[2] - point->at[2]}, turn[3];
+    bw_cross(arm, d, turn);
+    add_motion(m, mesh->component[node], x, d, 1, m->row);
+    for (int k = 0; k < 3; k++) {
+      add_point(m, coupling, p, k, -d[k]);
+      add_point(m, coupling, p, 3 + k, -turn[k]);
+    }
+    take_row(m);
+  }
+}
+
 bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
                                  const bw_dof_map *dof_map, int *count, int32_t *body) {
   bw_status status = BW_OK;
   int32_t constrained = 0;
   bwi_constraint *constraint = NULL;
-  int64_t n = 6 * (int64_t)dof_map->mesh->component_count;
+  int64_t of_bodies = 6 * (int64_t)dof_map->mesh->component_count;
+  int64_t n = of_bodies + 6 * (int64_t)model->coupling_count;
   motions m = {.dof_map = dof_map, .count = (int)n};
   double *vector = NULL, largest = 0, most = 0;
   *count = 0;
@@ -114,13 +159,15 @@ bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
     take_bond(&m, &model->bond[i]);
   for (int i = 0; i < model->attachment_count; i++)
     take_spring(&m, &model->attachment[i]);
+  for (int i = 0; i < model->coupling_count; i++)
+    take_coupling(&m, &model->coupling[i], i);
   bwi_symmetric_eigen(m.count, m.count, m.square, vector, 1e-28, SWEEPS);
   for (int64_t i = 0; i < n; i++)
     largest = fmax(largest, m.square[i * n + i]);
   for (int64_t i = 0; i < n; i++) {
     if (m.square[i * n + i] > free_square * largest)
       continue;
-    for (int64_t k = 0; *count == 0 && k < n; k++)
+    for (int64_t k = 0; *count == 0 && k < of_bodies; k++)
       if (fabs(vector[i * n + k]) > most) {
         most = fabs(vector[i * n + k]);
         *body = (int32_t)(k / 6);

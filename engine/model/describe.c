@@ -235,6 +235,54 @@ static void describe_attachment(bwi_text *out, const bw_attachment *attachment, 
   bwi_text_add(out, "\n");
 }
 
+/* " {name} (x, y, z) unit" of three components that are not all 0. */
+static void describe_part(bwi_text *out, const char *name, const double v[3], const char *unit) {
+  if (bw_norm(v) == 0)
+    return;
+  bwi_text_add(out, name);
+  bwi_text_vector(out, v, 5, 0);
+  bwi_text_add(out, unit);
+}
+
+static void describe_coupling(bwi_text *out, const bw_coupling *coupling, int number, double size) {
+  static const char *const component[] = {"x", "y", "z", "rotation x", "rotation y", "rotation z"};
+  const bw_remote_point *point = &coupling->point;
+  const double diagonal[3] = {point->inertia[0], point->inertia[4], point->inertia[8]};
+  bool any = false;
+  bwi_text_add(out, "coupling ");
+  bwi_text_integer(out, number);
+  bwi_text_add(out, point->kind == BW_RIGID ? ": rigid, " : ": distributed, ");
+  bwi_text_number(out, coupling->area, 5, 0);
+  bwi_text_add(out, " m2, ");
+  bwi_text_integer(out, coupling->node_count);
+  bwi_text_add(out, " nodes, remote point at ");
+  bwi_text_vector(out, point->at, 5, 1e-9 * size);
+  bwi_text_add(out, " m");
+  describe_part(out, ", force ", point->load, " N");
+  describe_part(out, ", moment ", point->load + 3, " N m");
+  if (point->mass > 0) {
+    bwi_text_add(out, ", mass ");
+    bwi_text_number(out, point->mass, 5, 0);
+    bwi_text_add(out, " kg");
+  }
+  describe_part(out, ", inertia ", diagonal, " kg m2");
+  describe_part(out, ", spring ", point->spring, " N/m");
+  describe_part(out, ", spring ", point->spring + 3, " N m/rad");
+  for (int k = 0; k < 6; k++) {
+    if (!point->fixed[k])
+      continue;
+    bwi_text_add(out, any ? ", " : "; prescribes ");
+    any = true;
+    bwi_text_add(out, component[k]);
+    bwi_text_add(out, " = ");
+    bwi_text_number(out, point->displacement[k], 5, 0);
+    bwi_text_add(out, k < 3 ? " m" : " rad");
+  }
+  bwi_text_add(out, "; ");
+  describe_selection(out, coupling->on, size);
+  bwi_text_add(out, "\n");
+}
+
 /* The same of bodies with bonds and springs. */
 static bw_status describe_bonded(bw_context *context, bwi_text *out, const bw_model *model,
                                  const bw_dof_map *dof_map) {
@@ -319,6 +367,8 @@ bw_status bw_model_describe(bw_context *context, const bw_model *model, char **t
     describe_bond(&out, &model->bond[i], i + 1, size);
   for (int i = 0; i < model->attachment_count; i++)
     describe_attachment(&out, &model->attachment[i], i + 1, size);
+  for (int i = 0; i < model->coupling_count; i++)
+    describe_coupling(&out, &model->coupling[i], i + 1, size);
   bw_status status = describe_free(context, &out, model);
   if (status == BW_OK && out.failed)
     status = BW_MEMORY;

@@ -47,7 +47,7 @@ bw_status bwi_node_constraints(bw_context *context, const bw_model *model, int32
 bw_status bwi_bond_make(bw_context *context, const bw_selection *a, const bw_selection *b,
                         double gap, bw_bond *bond);
 void bwi_bond_clear(bw_bond *bond);
-/* Where a model has bonds or attachments: BW_UNSUPPORTED. */
+/* Where a model has bonds, attachments or couplings: BW_UNSUPPORTED. */
 bw_status bwi_refuse_joints(bw_context *context, const bw_model *model);
 /* The DOF map of a model as if it had no bonds and springs: its bodies may be free one by one. */
 bw_status bwi_dof_map_apart(bw_context *context, const bw_model *model, bw_dof_map **dof_map);
@@ -69,6 +69,13 @@ typedef void bwi_add_force(void *data, int32_t node, const double force[3]);
 void bwi_attachment_apply(const bw_attachment *attachment, const double factor[3],
                           const double *field, const double constant[3], bwi_add_force *add,
                           void *data);
+
+/* ---- coupling.c ------------------------------------------------------------------------------ */
+
+/* What bw_model_couple adds; retains the selection. Clear with bwi_coupling_clear. */
+bw_status bwi_coupling_make(bw_context *context, const bw_model *model, const bw_selection *on,
+                            const bw_remote_point *point, bw_coupling *coupling);
+void bwi_coupling_clear(bw_coupling *coupling);
 
 /* ---- moments.c, rigid.c, rigid_modes.c ----------------------------------------------------- */
 

@@ -194,6 +194,17 @@ bw_status bwi_load_measure(bw_context *context, const bw_model *model, bw_load *
   bw_status status = spread(context, model, load, NULL, add_sums, &s);
   if (status != BW_OK)
     return status;
+  for (int i = 0; i < model->coupling_count && load->kind == BW_LOAD_GRAVITY; i++) {
+    const bw_remote_point *point = &model->coupling[i].point;
+    double weight[3], moment[3];
+    for (int k = 0; k < 3; k++)
+      weight[k] = point->mass * load->vector[k];
+    bw_cross(point->at, weight, moment);
+    for (int k = 0; k < 3; k++) {
+      s.resultant[k] += weight[k];
+      s.moment[k] += moment[k];
+    }
+  }
   load->area = load->on ? bw_selection_area(load->on) : 0;
   memcpy(load->resultant, s.resultant, sizeof load->resultant);
   memcpy(load->moment, s.moment, sizeof load->moment);

@@ -26,10 +26,13 @@ static void model_destroy(void *object) {
     bwi_bond_clear(&model->bond[i]);
   for (int i = 0; i < model->attachment_count; i++)
     bw_release(model->attachment[i].on);
+  for (int i = 0; i < model->coupling_count; i++)
+    bwi_coupling_clear(&model->coupling[i]);
   bw_free(model->load);
   bw_free(model->support);
   bw_free(model->bond);
   bw_free(model->attachment);
+  bw_free(model->coupling);
   bw_release(model->mesh);
   bw_release(model->material);
   bw_free(model);
@@ -40,7 +43,8 @@ static size_t model_bytes(const void *object) {
   return sizeof *model + (size_t)model->load_count * sizeof *model->load +
          (size_t)model->support_count * sizeof *model->support +
          (size_t)model->bond_count * sizeof *model->bond +
-         (size_t)model->attachment_count * sizeof *model->attachment;
+         (size_t)model->attachment_count * sizeof *model->attachment +
+         (size_t)model->coupling_count * sizeof *model->coupling;
 }
 
 static const bw_kind model_kind = {"model", model_destroy, model_bytes};
@@ -76,7 +80,7 @@ bw_status bw_model_rotate_material(bw_context *context, bw_model *model, int32_t
   return BW_OK;
 }
 
-/* Gravity acts on materials and attached masses. */
+/* Gravity acts on materials and masses. */
 static bw_status measure_gravity(bw_context *context, bw_model *model) {
   bw_status status = BW_OK;
   for (int i = 0; i < model->load_count && status == BW_OK; i++)
@@ -384,6 +388,35 @@ bw_status bw_model_clear_attachments(bw_context *context, bw_model *model) {
   if (model->attachment_count > 0)
     model->object.revision++;
   model->attachment_count = 0;
+  return measure_gravity(context, model);
+}
+
+/* ---- couplings ------------------------------------------------------------------------------- */
+
+bw_status bw_model_couple(bw_context *context, bw_model *model, const bw_selection *on,
+                          const bw_remote_point *point) {
+  bw_status status;
+  BW_TRY(check_selection(context, model, on, true, "a coupling"));
+  bw_coupling *list = bw_resize(context, model->coupling, (size_t)model->coupling_count + 1,
+                                sizeof *model->coupling);
+  BW_TRY_MEMORY(list);
+  model->coupling = list;
+  BW_TRY(bwi_coupling_make(context, model, on, point, &list[model->coupling_count]));
+  model->coupling_count++;
+  model->object.revision++;
+  status = measure_gravity(context, model);
+  if (status != BW_OK)
+    bwi_coupling_clear(&list[--model->coupling_count]);
+done:
+  return status;
+}
+
+bw_status bw_model_clear_couplings(bw_context *context, bw_model *model) {
+  for (int i = 0; i < model->coupling_count; i++)
+    bwi_coupling_clear(&model->coupling[i]);
+  if (model->coupling_count > 0)
+    model->object.revision++;
+  model->coupling_count = 0;
   return measure_gravity(context, model);
 }
 

@@ -154,6 +154,15 @@ done:
   return status;
 }
 
+static bw_status transfer_coupling(transfer *t, const bw_coupling *coupling) {
+  bw_status status = BW_OK;
+  const bw_selection *on;
+  BW_TRY(transfer_selection(t, coupling->on, &on));
+  BW_TRY(bw_model_couple(t->context, t->to, on, &coupling->point));
+done:
+  return status;
+}
+
 /* Whether a load at nodes can be expressed at the new nodes: forces where no loaded node is gone, a
  * change of temperature that is the same everywhere. */
 static bw_status check_nodal(const transfer *t, int number, const bw_load *load) {
@@ -228,7 +237,7 @@ static bw_status transfer_model(bw_context *context, const bw_model *model, cons
   transfer t = {
       .context = context, .from = model, .node_from = node_from, .refinement = refinement};
   int max = model->support_count + model->load_count + 2 * model->bond_count +
-            model->attachment_count + also_count;
+            model->attachment_count + model->coupling_count + also_count;
   bw_material *material = NULL;
   BW_TRY(carry_material(context, model, mesh, node_from != NULL, refinement, &material));
   BW_TRY(bw_model_create(context, mesh, material, &t.to));
@@ -243,6 +252,8 @@ static bw_status transfer_model(bw_context *context, const bw_model *model, cons
     BW_TRY(transfer_bond(&t, &model->bond[i]));
   for (int i = 0; i < model->attachment_count; i++)
     BW_TRY(transfer_attachment(&t, &model->attachment[i]));
+  for (int i = 0; i < model->coupling_count; i++)
+    BW_TRY(transfer_coupling(&t, &model->coupling[i]));
   for (int i = 0; i < model->load_count; i++)
     BW_TRY(transfer_load(&t, i));
   for (int i = 0; i < also_count; i++) {

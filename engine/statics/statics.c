@@ -22,6 +22,7 @@ static void static_destroy(void *object) {
   bw_free(result->reaction);
   bw_free(result->bond);
   bw_free(result->attachment);
+  bw_free(result->coupling);
   bw_free(result->external);
   bw_free(result);
 }

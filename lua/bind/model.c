@@ -179,6 +179,84 @@ static int model_clear_attachments(lua_State *L) {
   return leave_self(L, bw_model_clear_attachments(lbw_enter(L), model));
 }
 
+/* ---- couplings ------------------------------------------------------------------------------- */
+
+static const char *const coupling_kinds[] = {"rigid", "distributed", NULL};
+
+/* Numbers for what is prescribed, false for what is free. */
+static void read_prescribed(lua_State *L, const char *key, const char *unit, bool *fixed,
+                            double *value) {
+  int type = lbw_option_get(L, 2, key);
+  bool fits = type == LUA_TNIL || (type == LUA_TTABLE && lua_rawlen(L, -1) == 3);
+  for (int i = 0; type == LUA_TTABLE && fits && i < 3; i++) {
+    int of = lua_rawgeti(L, -1, i + 1);
+    fixed[i] = of == LUA_TNUMBER;
+    value[i] = fixed[i] ? lua_tonumber(L, -1) : 0;
+    fits = fixed[i] || (of == LUA_TBOOLEAN && !lua_toboolean(L, -1));
+    lua_pop(L, 1);
+  }
+  if (!fits) {
+    lua_pushfstring(L, "{x, y, z} in %s, false where a component is free,", unit);
+    lua_insert(L, -2);
+    lbw_option_refused(L, "couple", key, lua_tostring(L, -2));
+  }
+  lua_pop(L, 1);
+}
+
+/* {xx, yy, zz} or {xx, yy, zz, yz, zx, xy} */
+static void read_inertia(lua_State *L, double inertia[9]) {
+  static const int place[6][2] = {{0, 0}, {4, 4}, {8, 8}, {5, 7}, {2, 6}, {1, 3}};
+  int type = lbw_option_get(L, 2, "inertia");
+  lua_Unsigned count = type == LUA_TTABLE ? lua_rawlen(L, -1) : 0;
+  bool fits = type == LUA_TNIL || count == 3 || count == 6;
+  for (lua_Unsigned i = 0; fits && i < count; i++) {
+    fits = lua_rawgeti(L, -1, (lua_Integer)i + 1) == LUA_TNUMBER;
+    inertia[place[i][0]] = inertia[place[i][1]] = lua_tonumber(L, -1);
+    lua_pop(L, 1);
+  }
+  if (!fits)
+    lbw_option_refused(L, "couple", "inertia", "three or six numbers {xx, yy, zz, yz, zx, xy}");
+  lua_pop(L, 1);
+}
+
+/* model:couple{on, kind, at, force, moment, mass, inertia, spring, rotational_spring, displacement,
+ * rotation} */
+static int model_couple(lua_State *L) {
+  bw_remote_point point = {0};
+  static const lbw_option list[] = {
+      {"on", LBW_OTHER, 0},
+      {"kind", LBW_OTHER, 0},
+      {"at", LBW_VECTOR, offsetof(bw_remote_point, at)},
+      {"force", LBW_VECTOR, offsetof(bw_remote_point, load)},
+      {"moment", LBW_VECTOR, offsetof(bw_remote_point, load) + 3 * sizeof(double)},
+      {"mass", LBW_REAL, offsetof(bw_remote_point, mass)},
+      {"inertia", LBW_OTHER, 0},
+      {"spring", LBW_VECTOR, offsetof(bw_remote_point, spring)},
+      {"rotational_spring", LBW_VECTOR, offsetof(bw_remote_point, spring) + 3 * sizeof(double)},
+      {"displacement", LBW_OTHER, 0},
+      {"rotation", LBW_OTHER, 0},
+      {NULL, LBW_OTHER, 0}};
+  bw_model *model = self(L);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  lbw_options(L, 2, "couple", list, &point);
+  point.kind =
+      (bw_coupling_kind)lbw_word_option(L, 2, "couple", "kind", coupling_kinds, BW_DISTRIBUTED);
+  read_prescribed(L, "displacement", "metres", point.fixed, point.displacement);
+  read_prescribed(L, "rotation", "radians", point.fixed + 3, point.displacement + 3);
+  read_inertia(L, point.inertia);
+  bool placed = option_present(L, "at");
+  const bw_selection *on = selection_option(L, "couple", "on");
+  if (!placed)
+    bw_selection_centre(on, point.at);
+  return leave_self(L, bw_model_couple(lbw_enter(L), model, on, &point));
+}
+
+static int model_clear_couplings(lua_State *L) {
+  bw_model *model = self(L);
+  return leave_self(L, bw_model_clear_couplings(lbw_enter(L), model));
+}
+
 /* ---- loads ----------------------------------------------------------------------------------- */
 
 /* model:gravity{x, y, z} */
@@ -638,6 +716,31 @@ static int model_attachments(lua_State *L) {
   return 1;
 }
 
+static int model_couplings(lua_State *L) {
+  const bw_model *model = self(L);
+  lua_createtable(L, model->coupling_count, 0);
+  for (int i = 0; i < model->coupling_count; i++) {
+    const bw_coupling *coupling = &model->coupling[i];
+    lua_createtable(L, 0, 7);
+    lbw_push(L, &lbw_selection_class, coupling->on);
+    lua_setfield(L, -2, "on");
+    lua_pushstring(L, coupling_kinds[coupling->point.kind]);
+    lua_setfield(L, -2, "kind");
+    lbw_push_vector(L, coupling->point.at);
+    lua_setfield(L, -2, "at");
+    lua_pushnumber(L, coupling->area);
+    lua_setfield(L, -2, "area");
+    lua_pushinteger(L, coupling->node_count);
+    lua_setfield(L, -2, "node_count");
+    lbw_push_vector(L, coupling->point.load);
+    lua_setfield(L, -2, "force");
+    lbw_push_vector(L, coupling->point.load + 3);
+    lua_setfield(L, -2, "moment");
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
 static int model_tostring(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   lbw_state *state = lbw_state_of(L);
@@ -680,6 +783,8 @@ static const luaL_Reg methods[] = {{"fix", model_fix},
                                    {"clear_bonds", model_clear_bonds},
                                    {"attach", model_attach},
                                    {"clear_attachments", model_clear_attachments},
+                                   {"couple", model_couple},
+                                   {"clear_couplings", model_clear_couplings},
                                    {"gravity", model_gravity},
                                    {"load", model_load},
                                    {"temperature", model_temperature},
@@ -699,6 +804,7 @@ static const luaL_Reg properties[] = {{"mesh", model_mesh},
                                       {"supports", model_supports},
                                       {"bonds", model_bonds},
                                       {"attachments", model_attachments},
+                                      {"couplings", model_couplings},
                                       {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", model_tostring}, {NULL, NULL}};
 const lbw_class lbw_model_class = {"model", methods, properties, meta, NULL};

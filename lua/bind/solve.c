@@ -217,6 +217,31 @@ static int static_attachments(lua_State *L) {
   return push_joint_forces(L, self(L)->attachment_count, self(L)->attachment);
 }
 
+/* What remote points do. */
+static int static_couplings(lua_State *L) {
+  const bw_static *result = self(L);
+  lua_createtable(L, result->coupling_count, 0);
+  for (int i = 0; i < result->coupling_count; i++) {
+    const bw_coupling_result *of = &result->coupling[i];
+    const struct {
+      const char *name;
+      const double *value;
+    } field[] = {{"displacement", of->displacement},
+                 {"rotation", of->displacement + 3},
+                 {"force", of->load},
+                 {"moment", of->load + 3},
+                 {"reaction", of->reaction},
+                 {"reaction_moment", of->reaction + 3}};
+    lua_createtable(L, 0, 6);
+    for (size_t k = 0; k < sizeof field / sizeof *field; k++) {
+      lbw_push_vector(L, field[k].value);
+      lua_setfield(L, -2, field[k].name);
+    }
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
 static int static_mesh(lua_State *L) {
   lbw_push(L, &lbw_mesh_class, self(L)->model->mesh);
   return 1;
@@ -359,6 +384,7 @@ static const luaL_Reg static_properties[] = {
     {"residual", static_residual},
     {"bonds", static_bonds},
     {"attachments", static_attachments},
+    {"couplings", static_couplings},
     {"locking", static_locking},
     {"mesh", static_mesh},
     {"material", static_material},

@@ -48,6 +48,7 @@ function bw.model(options) end
 ---@field supports bw.Support[] in the order in which they were added
 ---@field bonds bw.Bond[] in the order in which they were added
 ---@field attachments bw.Attachment[] in the order in which they were added
+---@field couplings bw.Coupling[] in the order in which they were added
 local Model = {}
 
 ---A load of a model.
@@ -80,6 +81,16 @@ local Model = {}
 ---@field area number (m2) that it is spread over; 0 at single nodes
 ---@field mass? number (kg) in all; nil of a spring
 ---@field spring? bw.Vector (N/m) stiffness in all, along x, y and z; nil of a mass
+
+---A coupling of a face with a remote point.
+---@class bw.Coupling
+---@field on bw.Selection what is coupled
+---@field kind "rigid"|"distributed" how the face follows the point
+---@field at bw.Vector (m) the remote point
+---@field area number (m2) of the face; 0 of single nodes
+---@field node_count integer (count) nodes that are coupled
+---@field force bw.Vector (N) on the remote point
+---@field moment bw.Vector (N m) on the remote point
 
 ---Fixes a selection in all directions. A selection without a facet raises, unless it is a node set. A warning states where it
 ---misses more than a tenth of a face along its border.
@@ -172,6 +183,50 @@ function Model:attach(options) end
 ---Removes all masses and springs.
 ---@return bw.Model self
 function Model:clear_attachments() end
+
+---Couples a face with a remote point, which has a displacement and a rotation. A rigid coupling moves all nodes of the face as a
+---rigid body with the point. A distributed coupling leaves the face free to deform: the point moves as the face does in the mean,
+---and its force and moment spread over the face as tractions that vary linearly. The point can carry a force, a moment, a mass and
+---springs to the ground, and its displacement and rotation can be prescribed. `static.couplings` has its motion and reactions.
+---Supports on nodes of a rigid coupling must agree with what the point prescribes. A model with couplings gives static solutions
+---and modes. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set. Nodes in
+---two rigid couplings raise.
+---```lua
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:fix(mesh.boundary:below("x", 0))
+---part:couple {on = mesh.boundary:above("x", 0.1), at = {0.15, 0.005, 0.005}, force = {0, 0, -20}}
+---print(assert(part:solve()).couplings[1].rotation)
+---```
+---
+---Errors: geometry (facets without area, nodes on one line). `part:solve` and `part:modes` refuse nodes that a support or a bond
+---moves otherwise, prescribed values that are over-constrained, and more than 2000 nodes of a distributed coupling with a mass,
+---springs or prescribed values.
+---
+---Source: docs/theory/joints.md.
+---@param options bw.CoupleOptions the face and the remote point
+---@return bw.Model? self the model
+---@return string? message
+---@return bw.Details? details
+function Model:couple(options) end
+
+---A face and its remote point.
+---@class bw.CoupleOptions
+---@field on bw.Selection the face, or a node set
+---@field kind? "rigid"|"distributed" how the face follows. Default: "distributed"
+---@field at? bw.Vector (m) the remote point. Default: the centre of the area, or of the nodes
+---@field force? bw.Vector (N) on the point. Default: 0
+---@field moment? bw.Vector (N m) on the point. Default: 0
+---@field mass? number (kg) at the point, 0 or more; gravity acts on it. Default: 0
+---@field inertia? number[] (kg m2, 3 or 6) of the mass about the point, as a tensor {xx, yy, zz, yz, zx, xy}; three numbers leave the others 0. Default: 0
+---@field spring? bw.Vector (N/m) to the ground, along x, y and z, 0 or more. Default: 0
+---@field rotational_spring? bw.Vector (N m/rad) to the ground, about x, y and z, 0 or more. Default: 0
+---@field displacement? (number|false)[] (m, 3) prescribed, false where a component is free. Default: free
+---@field rotation? (number|false)[] (rad, 3) prescribed, false where a component is free. Default: free
+
+---Removes all couplings.
+---@return bw.Model self
+function Model:clear_couplings() end
 
 ---Removes all supports.
 ---@return bw.Model self

@@ -32,6 +32,7 @@
 ---@field utilisation bw.Array (-, element_count × 1, per element) stress over strength of `element_stress`, see `material:utilisation`
 ---@field bonds bw.JointForce[] what each bond of the model transmits
 ---@field attachments bw.JointForce[] what each attachment of the model exerts on the body: the force of a spring, the weight of a mass
+---@field couplings bw.CouplingResult[] what each coupling of the model does
 ---@field energy number (J) strain energy
 ---@field residual number (-) |K u - f| / |f|
 ---@field locking string? a warning of volumetric locking, see `bw.Model`; nil where none is expected
@@ -46,6 +47,15 @@ local Static = {}
 ---@class bw.JointForce
 ---@field force bw.Vector (N) its resultant
 ---@field moment bw.Vector (N m) its moment about the origin
+
+---The motion of a remote point and its loads. Moments are about the point.
+---@class bw.CouplingResult
+---@field displacement bw.Vector (m) of the point
+---@field rotation bw.Vector (rad) of the point, small
+---@field force bw.Vector (N) that it exerts on the body
+---@field moment bw.Vector (N m) that it exerts on the body
+---@field reaction bw.Vector (N) that holds the point where its displacement is prescribed, 0 elsewhere
+---@field reaction_moment bw.Vector (N m) that holds the point where its rotation is prescribed, 0 elsewhere
 
 ---What the parts of a solution took.
 ---@class bw.SolveTimes
@@ -125,7 +135,7 @@ function Static:buckling(options) end
 ---included. Nodal forces there, and what a third region exerts, are divided evenly between the two. Where materials meet at
 ---the surface of a body, the stress can be singular and the tractions there grow without limit as elements become small.
 ---
----Errors: unsupported (a model with bonds or attachments). A model that has changed since it was solved is refused.
+---Errors: unsupported (a model with bonds, attachments or couplings). A model that has changed since it was solved is refused.
 ---
 ---Source: docs/theory/elements.md.
 ---```lua

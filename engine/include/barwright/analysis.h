@@ -49,8 +49,8 @@ typedef struct bw_interface_force {
  * elements of both (docs/theory/elements.md#interface-tractions). At nodes of their interface, 0
  * elsewhere: traction (Pa, node_count x 3), normal (Pa, node_count) positive in tension, shear (Pa,
  * node_count) the size of the rest. Mid-edge nodes have the means of their ends. BW_INVALID for
- * regions that are none, and for a model that has changed since, BW_UNSUPPORTED for one with bonds
- * or attachments. */
+ * regions that are none, and for a model that has changed since, BW_UNSUPPORTED for one with bonds,
+ * attachments or couplings. */
 BW_API bw_status bw_interface_traction(bw_context *context, const bw_static *result, int32_t a,
                                        int32_t b, double *traction, double *normal, double *shear,
                                        bw_interface_force *sum);

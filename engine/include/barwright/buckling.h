@@ -53,7 +53,7 @@ typedef struct bw_buckling {
  * K_sigma of the solution's stress, by the squares of the factors (docs/theory/stability.md). All
  * loads, temperatures and prescribed displacements of the model grow by the factor. Loads keep
  * their directions. `options` may be NULL. BW_UNCONSTRAINED for a body that supports leave free to
- * move, BW_UNSUPPORTED for a model with bonds or attachments and a solution without equations in
+ * move, BW_UNSUPPORTED for a joined model (bw_model_joined) and a solution without equations in
  * this process (of an external solver or an edit session) and for SLEPc, BW_INVALID where the load
  * causes no stress, BW_LIMIT for too many load factors; those of bw_system_factor and
  * bw_modes_elastic. */

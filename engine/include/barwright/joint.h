@@ -1,5 +1,5 @@
-/* joint: static solutions and modes of models with bonds, attached masses and springs
- * (docs/theory/joints.md). */
+/* joint: static solutions and modes of models with bonds, attached masses and springs, and remote
+ * points (docs/theory/joints.md). */
 #ifndef BARWRIGHT_JOINT_H
 #define BARWRIGHT_JOINT_H
 
@@ -10,17 +10,19 @@
 extern "C" {
 #endif
 
-/* The static solution of a model with bonds and attachments, or without: T^T K T x = T^T (f - K g)
- * for the displacements u = T x + g that bonds and supports allow. By a factor, or as
+/* The static solution of a model with bonds, attachments and couplings, or without: T^T K T x = T^T
+ * (f - K g) for the displacements u = T x + g that bonds and supports allow. By a factor, or as
  * options->solver says of sparse matrices (bw_linear_solve); of the other options only `tolerance`
  * is looked at. result->system is NULL. BW_UNCONSTRAINED where supports, bonds and springs leave
  * rigid-body modes, BW_SINGULAR for springs too soft beside the body, BW_INVALID for a node that
- * follows others in two bonds, or follows nodes that follow others; and those of bw_linear_solve.
- * `options` may be NULL. */
+ * follows others in two bonds, or follows nodes that follow others, for one of a rigid coupling
+ * that a support or a bond moves otherwise, and for prescribed values of a remote point that are
+ * over-constrained, BW_LIMIT for more than 2000 nodes of a distributed coupling with springs, a
+ * mass or prescribed values; and those of bw_linear_solve. `options` may be NULL. */
 BW_API bw_status bw_joined_statics(bw_context *context, const bw_model *model,
                                    const bw_statics_options *options, bw_static **result);
 /* Its lowest modes: those of T^T K T and T^T M T. Rigid-body modes are left out. BW_INVALID as
- * bw_joined_statics, and for attached masses without a density of the material; and those of
+ * bw_joined_statics, and for masses without a density of the material; and those of
  * bw_eigen_solve. `options` may be NULL. */
 BW_API bw_status bw_joined_modes(bw_context *context, const bw_model *model,
                                  const bw_modes_options *options, bw_modes **modes);

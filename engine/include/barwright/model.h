@@ -153,21 +153,55 @@ typedef struct bw_attachment {
   double area;            /* (m2) of the selection */
 } bw_attachment;
 
-/* A mesh with material, supports, loads, bonds and attachments. Mutable: its object's revision
- * grows with every one added, and when its material is turned. */
+/* How the nodes of a face and a remote point move together. */
+typedef enum bw_coupling_kind {
+  BW_RIGID,      /* all nodes move as a rigid body with the point */
+  BW_DISTRIBUTED /* the point moves as the face does in the mean, and the face can deform */
+} bw_coupling_kind;
+
+/* What acts on a remote point and holds it. Components are those of translations along x, y and z,
+ * then of rotations about them. */
+typedef struct bw_remote_point {
+  bw_coupling_kind kind;  /* how the face follows */
+  double at[3];           /* (m) where it is */
+  double load[6];         /* (N, N m) force, and moment about the point */
+  double mass;            /* (kg) 0 or more */
+  double inertia[9];      /* (kg m2) about the point, symmetric and not negative; of a body on it */
+  double spring[6];       /* (N/m, N m/rad) to the ground, 0 or more */
+  bool fixed[6];          /* which components have a prescribed value */
+  double displacement[6]; /* (m, rad) these values */
+} bw_remote_point;
+
+/* A coupling of a face, or of a node set, with a remote point (docs/theory/joints.md). The model
+ * releases what it points to. */
+typedef struct bw_coupling {
+  const bw_selection *on; /* retained */
+  bw_remote_point point;  /* as given */
+  double area;            /* (m2) of the selection */
+  double reach;           /* (m) radius of gyration of its nodes about the point */
+  int32_t node_count;     /* nodes that are coupled */
+  int32_t *node;          /* (index, node_count) these nodes, ascending */
+  double *mean;           /* (-, 1/m, 6 x 3 node_count) of a distributed one: displacement and
+                             rotation of the point from the displacements of the nodes; else NULL */
+} bw_coupling;
+
+/* A mesh with material, supports, loads, bonds, attachments and couplings. Mutable: its object's
+ * revision grows with every one added, and when its material is turned. */
 typedef struct bw_model {
   bw_object object;
   const bw_mesh *mesh;         /* retained */
   const bw_material *material; /* retained */
-  int load_count, support_count, bond_count, attachment_count;
+  int load_count, support_count, bond_count, attachment_count, coupling_count;
   bw_load *load;             /* load_count loads */
   bw_support *support;       /* support_count supports */
   bw_bond *bond;             /* bond_count bonds */
   bw_attachment *attachment; /* attachment_count masses and springs */
+  bw_coupling *coupling;     /* coupling_count couplings with remote points */
 } bw_model;
-/* Whether it has bonds or attachments: only the functions of joint.h know its equations. */
+/* Whether it has bonds, attachments or couplings: only the functions of joint.h know its
+ * equations. */
 static inline bool bw_model_joined(const bw_model *model) {
-  return model->bond_count > 0 || model->attachment_count > 0;
+  return model->bond_count > 0 || model->attachment_count > 0 || model->coupling_count > 0;
 }
 
 /* The material of a mesh with regions, part (mesh->region_count) for each of them in order. One
@@ -266,6 +300,16 @@ BW_API bw_status bw_model_attach_spring(bw_context *context, bw_model *model,
                                         const bw_selection *on, const double stiffness[3]);
 /* Removes all masses and springs. */
 BW_API bw_status bw_model_clear_attachments(bw_context *context, bw_model *model);
+/* Couples the nodes of a face, or of a node set without facets, with a remote point, which is
+ * copied. Gravity acts on its mass. joint.h has static solutions and modes of such a model; other
+ * functions refuse one where they need its equations. BW_EMPTY as for supports. BW_INVALID for a
+ * node in two rigid couplings, numbers that are not finite, springs and masses below 0, and an
+ * inertia that is not symmetric or negative. BW_GEOMETRY for facets without area, and for nodes on
+ * one line: they leave the rotation about it undefined. */
+BW_API bw_status bw_model_couple(bw_context *context, bw_model *model, const bw_selection *on,
+                                 const bw_remote_point *point);
+/* Removes all couplings. */
+BW_API bw_status bw_model_clear_couplings(bw_context *context, bw_model *model);
 /* A place where stresses, or fluxes of heat, are recovered: a node, as one of the materials around
  * it sees it. */
 typedef struct bw_stress_point {

@@ -14,6 +14,14 @@ typedef struct bw_joint_force {
   double moment[3]; /* (N m) about the origin */
 } bw_joint_force;
 
+/* What a coupling does. Components are those of translations, then of rotations, along the axes;
+ * moments are about the remote point. */
+typedef struct bw_coupling_result {
+  double displacement[6]; /* (m, rad) of the remote point */
+  double load[6];         /* (N, N m) that it exerts on the body */
+  double reaction[6];     /* (N, N m) that holds the point where it has prescribed values; else 0 */
+} bw_coupling_result;
+
 /* A static solution. */
 typedef struct bw_static {
   bw_object object;
@@ -29,6 +37,8 @@ typedef struct bw_static {
   int attachment_count;                /* of the model's masses and springs */
   bw_joint_force *attachment;          /* attachment_count, or NULL: a spring's force, a mass's
                                           weight (which `force` contains) */
+  int coupling_count;                  /* of the model's couplings */
+  bw_coupling_result *coupling;        /* coupling_count, or NULL; `force` is without their loads */
   double energy;                       /* (J) strain energy */
   double residual;                     /* (-) |K u - f| at unknowns over |f| */
   struct bw_external_report *external; /* of an external solver, or NULL */

@@ -132,6 +132,12 @@ add {
     local on = p:variant("bw.Selection", 2)
     return r:one_of {{on = on, mass = 0.1}, {on = on, spring = {1e3, 0, 1e6}}}
   end,
+  ["Model:couple"] = function(p, r)
+    local on = p:variant("bw.Selection", 2)
+    return r:one_of {{on = on, force = {1, 0, 2}}, {on = on, kind = "rigid", at = {0.1, 0, 0}, mass = 1},
+      {on = on, displacement = {0, false, 1e-4}, rotation = {false, 0, 0}},
+      {on = on, spring = {1e3, 0, 1e6}, inertia = {1, 1, 2}}}
+  end,
   ["Model:gravity"] = function() return {0, 0, -9.81} end,
   ["Model:load"] = function(p, r)
     local on = p:variant("bw.Selection", 2)
