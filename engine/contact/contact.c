@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Contact without friction on the compliance S = B G B^T of the candidates, whose displacements are
- * u = u_0 + G B^T p + R a (docs/theory/contact.md). */
+/* Contact on the compliance S = B G B^T of the candidates, whose displacements are u = u_0 + G B^T
+ * p
+ * + R a (docs/theory/contact.md). */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,15 +11,18 @@
 #include "model/internal.h"
 
 enum {
-  ROUNDS = 500,       /* of the working set and of the springs on motions */
-  MOST_MOTIONS = 6000 /* a dense matrix */
+  ROUNDS = 500,        /* of the working set and of the springs on motions */
+  MOST_MOTIONS = 6000, /* a dense matrix */
+  STANDSTILL = 20 /* rounds in which springs carry the same: what they carry nothing else does */
 };
 
-static const double spring = 1e-6;    /* of the stiffness of the motions */
-static const double rounding = 1e-12; /* of the diagonal of the mesh */
+static const double spring = 1e-6;               /* of the stiffness of the motions */
+static const double stiffer = 100, softer = 0.1; /* from one try to the next */
+static const double stiffest = 1e8;              /* of the softest springs */
+static const double rounding = 1e-12;            /* of the diagonal of the mesh */
 
 void bw_contact_options_default(bw_contact_options *options) {
-  *options = (bw_contact_options){.tolerance = 1e-6, .max_iterations = 30};
+  *options = (bw_contact_options){.tolerance = 1e-6, .max_iterations = 30, .steps = 1};
 }
 
 /* ---- the state of a solution ----------------------------------------------------------------- */
@@ -27,6 +31,7 @@ static void problem_clear(bwi_contact_problem *c) {
   bw_release(c->system);
   bw_release(c->start);
   bwi_contact_rows_clear(&c->rows);
+  bw_free(c->base);
   bw_free(c->load);
   bw_free(c->a);
   bw_free(c->q);
@@ -34,6 +39,10 @@ static void problem_clear(bwi_contact_problem *c) {
   bw_free(c->p);
   bw_free(c->w);
   bw_free(c->now);
+  bw_free(c->before);
+  bw_free(c->slip);
+  bw_free(c->work);
+  bw_free(c->row);
   bw_free(c->member);
   bw_free(c->place);
   bw_free(c->active);
@@ -63,24 +72,30 @@ static bw_status prepare(bw_context *context, bwi_contact_problem *c, int pair_c
                    "%d rigid-body modes are free, and contact takes at most %d: add supports, or "
                    "join bodies in the mesh",
                    c->motions, (int)MOST_MOTIONS));
-  int count = c->count, m = c->motions;
+  int count = c->count, rows = c->rows.row_count, m = c->motions;
+  int64_t size = bwi_contact_size(c);
+  c->base = BW_NEW(context, double, size);
   c->load = BW_NEW0(context, double, m);
   c->a = BW_NEW0(context, double, m);
   c->h = BW_NEW0(context, double, (int64_t)m *m);
-  c->q = BW_NEW(context, double, count);
-  c->e = BW_NEW0(context, double, (int64_t)count *m);
-  c->p = BW_NEW0(context, double, count);
-  c->w = BW_NEW0(context, double, count);
-  c->now = BW_NEW(context, double, bwi_contact_size(c));
+  c->q = BW_NEW(context, double, rows);
+  c->e = BW_NEW0(context, double, (int64_t)rows *m);
+  c->p = BW_NEW0(context, double, rows);
+  c->w = BW_NEW0(context, double, rows);
+  c->now = BW_NEW(context, double, size);
   c->member = BW_NEW(context, int32_t, count);
   c->place = BW_NEW(context, int32_t, count);
   c->active = BW_NEW0(context, uint8_t, count);
-  BW_TRY_MEMORY(c->load && c->a && c->h && c->q && c->e && c->p && c->w && c->now && c->member &&
-                c->place && c->active);
-  memcpy(c->now, c->start->displacement, (size_t)bwi_contact_size(c) * sizeof *c->now);
+  c->row = BW_NEW(context, int32_t, rows);
+  BW_TRY_MEMORY(c->base && c->load && c->a && c->h && c->q && c->e && c->p && c->w && c->now &&
+                c->member && c->place && c->active && c->row);
   memset(c->place, 0xff, (size_t)count * sizeof *c->place);
-  if (m > 0)
-    bw_rigid_modes_dot(c->system->dof_map, c->start->force, c->load);
+  if (rows > count) {
+    c->before = BW_NEW0(context, double, size);
+    c->slip = BW_NEW0(context, double, 3 * (int64_t)count);
+    c->work = BW_NEW0(context, double, pair_count);
+    BW_TRY_MEMORY(c->before && c->slip && c->work);
+  }
 done:
   return status;
 }
@@ -88,16 +103,22 @@ done:
 /* q and E about the present normals; `gap` are the gaps of `now`. */
 static bw_status linearise(bw_context *context, bwi_contact_problem *c, const double *gap) {
   bw_status status = BW_OK;
-  int count = c->count, m = c->motions;
-  double *row = BW_NEW(context, double, count), *field = NULL, *unit = BW_NEW0(context, double, m);
+  int rows = c->rows.row_count, m = c->motions;
+  double *row = BW_NEW(context, double, rows), *field = NULL, *unit = BW_NEW0(context, double, m);
   BW_TRY_MEMORY(row && unit);
-  memcpy(c->q, gap, (size_t)count * sizeof *gap);
+  memcpy(c->q, gap, (size_t)rows * sizeof *gap);
   bwi_contact_rows_measure(&c->rows, c->now, row);
-  for (int i = 0; i < count; i++)
-    c->q[i] -= row[i];
-  bwi_contact_rows_measure(&c->rows, c->start->displacement, row);
-  for (int i = 0; i < count; i++)
-    c->q[i] += row[i];
+  for (int i = 0; i < c->count; i++)
+    c->q[c->rows.first[i]] -= row[c->rows.first[i]];
+  bwi_contact_rows_measure(&c->rows, c->base, row);
+  for (int r = 0; r < rows; r++)
+    c->q[r] += row[r];
+  if (c->before) { /* slip is since the step before */
+    bwi_contact_rows_measure(&c->rows, c->before, row);
+    for (int i = 0; i < c->count; i++)
+      for (int r = c->rows.first[i] + 1; r < c->rows.first[i + 1]; r++)
+        c->q[r] -= row[r];
+  }
   if (m > 0) {
     field = BW_NEW(context, double, bwi_contact_size(c));
     BW_TRY_MEMORY(field);
@@ -108,7 +129,7 @@ static bw_status linearise(bw_context *context, bwi_contact_problem *c, const do
     bw_rigid_modes_add(c->system->dof_map, unit, field);
     unit[k] = 0;
     bwi_contact_rows_measure(&c->rows, field, row);
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < rows; i++)
       c->e[(int64_t)i * m + k] = row[i];
   }
 done:
@@ -135,29 +156,52 @@ static bw_status fail_unheld(bw_context *context, const bwi_contact_problem *c,
   return BW_UNCONSTRAINED;
 }
 
-/* A first motion of free bodies. */
+/* A first motion of free bodies. Where normals alone do not stop it, friction may. */
 static bw_status find_start(bw_context *context, bwi_contact_problem *c) {
   bw_status status = BW_OK;
   double volume = 0;
-  double *unheld = BW_NEW(context, double, c->motions);
-  BW_TRY_MEMORY(unheld);
+  int rows = c->rows.row_count, m = c->motions, count = 0;
+  double *unheld = BW_NEW(context, double, m), *q = BW_NEW(context, double, rows);
+  double *e = BW_NEW(context, double, (int64_t)rows *m), *area = BW_NEW(context, double, rows);
+  uint8_t *pulls = BW_NEW0(context, uint8_t, rows);
+  BW_TRY_MEMORY(unheld && q && e && area && pulls);
+  for (int along = 0; along < 2; along++) /* normals, then tangents */
+    for (int i = 0; i < c->count; i++)
+      for (int r = c->rows.first[i] + along;
+           r < (along ? c->rows.first[i + 1] : c->rows.first[i] + 1); r++) {
+        q[count] = along ? 0 : c->q[r];
+        area[count] = c->rows.area[i];
+        pulls[count] = along > 0;
+        memcpy(e + (int64_t)count++ * m, c->e + (int64_t)r * m, (size_t)m * sizeof *e);
+      }
   for (int32_t b = 0; b < c->rows.mesh->component_count; b++)
     volume += c->system->dof_map->body_volume[b];
   bwi_rigid_start start = {.count = c->count,
-                           .motions = c->motions,
-                           .q = c->q,
-                           .e = c->e,
-                           .area = c->rows.area,
+                           .motions = m,
+                           .q = q,
+                           .e = e,
+                           .area = area,
+                           .pulls = pulls,
                            .load = c->load,
                            .stiffness = c->young / cbrt(volume),
                            .a = c->a,
                            .unheld = unheld};
   BW_TRY(bwi_rigid_start_find(context, &start));
+  if (!start.held && rows > c->count) {
+    start.count = rows;
+    BW_TRY(bwi_rigid_start_find(context, &start));
+  }
   if (!start.held)
     BW_TRY(fail_unheld(context, c, unheld, start.reach));
-  c->epsilon = spring * start.scale;
+  c->softest = c->epsilon = spring * start.scale;
+  if (c->options->after)
+    bw_rigid_modes_measure(c->system->dof_map, c->now, c->a);
 done:
   bw_free(unheld);
+  bw_free(q);
+  bw_free(e);
+  bw_free(area);
+  bw_free(pulls);
   return status;
 }
 
@@ -166,8 +210,8 @@ static double spring_fraction(const bwi_contact_problem *c, const double *centre
   double carried = 0, whole = bwi_dot(c->motions, c->load, c->load);
   for (int k = 0; k < c->motions; k++) {
     double part = 0;
-    for (int i = 0; i < c->count; i++)
-      part += fabs(c->p[i] * c->e[(int64_t)i * c->motions + k]);
+    for (int r = 0; r < c->rows.row_count; r++)
+      part += fabs(c->p[r] * c->e[(int64_t)r * c->motions + k]);
     whole += part * part;
     part = c->epsilon * (c->a[k] - centre[k]);
     carried += part * part;
@@ -175,27 +219,45 @@ static double spring_fraction(const bwi_contact_problem *c, const double *centre
   return whole > 0 ? sqrt(carried / whole) : 0;
 }
 
+/* The problem on the working set. With friction it may have no solution that Newton's method finds
+ * from afar: then stiffer springs make the way shorter. */
+static bw_status solve_on_springs(bw_context *context, bwi_contact_problem *c,
+                                  const double *centre) {
+  bw_status status = BW_OK;
+  for (;; c->epsilon *= stiffer) {
+    c->last_try = c->motions == 0 || !(c->epsilon < stiffest * c->softest);
+    status = bwi_contact_solve_working(context, c, centre);
+    if (status != BW_CONVERGENCE || c->last_try || !c->before)
+      return status;
+  }
+}
+
 /* Equations (2) to (5) about the present normals. */
 static bw_status solve_linearised(bw_context *context, bwi_contact_problem *c) {
   bw_status status = BW_OK;
-  int m = c->motions, added = 0;
+  int m = c->motions, added = 0, still = 0;
   double fraction = 0, before = INFINITY;
   double *centre = BW_NEW(context, double, m);
   BW_TRY_MEMORY(centre);
   for (int round = 0; round < ROUNDS; round++) {
     memcpy(centre, c->a, (size_t)m * sizeof *centre);
     if (round == 0 && c->working == 0)
-      for (int i = 0; i < c->count; i++)
-        c->w[i] = c->q[i] + bwi_dot(m, c->e + (int64_t)i * m, c->a);
+      for (int r = 0; r < c->rows.row_count; r++)
+        c->w[r] = c->q[r] + bwi_dot(m, c->e + (int64_t)r * m, c->a);
     else
-      BW_TRY(bwi_contact_solve_working(context, c, centre));
+      BW_TRY(solve_on_springs(context, c, centre));
     BW_TRY(bwi_contact_take_deepest(context, c, &added));
     /* without a candidate, the load is as yet unbalanced */
     fraction = c->working > 0 || round > 0 ? spring_fraction(c, centre) : m > 0 ? 1 : 0;
     if (added == 0 && (fraction < 1e-4 * BWI_CONTACT_BALANCED ||
                        (fraction < BWI_CONTACT_BALANCED && fraction > 0.5 * before)))
       goto done;
+    still = added == 0 && fraction > 0.999 * before && c->epsilon <= c->softest ? still + 1 : 0;
+    if (fraction > 0.5 * before)
+      c->epsilon = fmax(c->softest, softer * c->epsilon);
     before = added > 0 ? INFINITY : fraction;
+    if (c->before && still == STANDSTILL && fraction > BWI_CONTACT_BALANCED)
+      break; /* it slides away */
   }
   for (int k = 0; k < m; k++)
     centre[k] = c->a[k] - centre[k];
@@ -220,7 +282,7 @@ static bw_status find_displacement(bw_context *context, bwi_contact_problem *c) 
   BW_TRY(bw_system_solve(context, c->system, 1, c->now, c->now));
   c->solves++;
   for (int64_t i = 0; i < bwi_contact_size(c); i++)
-    c->now[i] += c->start->displacement[i];
+    c->now[i] += c->base[i];
   if (c->motions > 0)
     bw_rigid_modes_add(c->system->dof_map, c->a, c->now);
 done:
@@ -232,7 +294,8 @@ static bool has_converged(const bwi_contact_problem *c, const double *gap, doubl
   *worst = 0;
   *at = 0;
   for (int i = 0; i < c->count; i++) {
-    double mean = gap[i] / c->rows.area[i], off = c->p[i] > 0 ? fabs(mean) : fmax(-mean, 0);
+    double mean = gap[c->rows.first[i]] / c->rows.area[i];
+    double off = c->p[c->rows.first[i]] > 0 ? fabs(mean) : fmax(-mean, 0);
     if (off > *worst) {
       *worst = off;
       *at = i;
@@ -241,18 +304,20 @@ static bool has_converged(const bwi_contact_problem *c, const double *gap, doubl
   return *worst <= fmax(c->options->tolerance * c->elastic, c->rounded);
 }
 
-static bw_status solve_contact(bw_context *context, bwi_contact_problem *c) {
+/* The loads of this step. */
+static bw_status solve_step(bw_context *context, bwi_contact_problem *c) {
   bw_status status = BW_OK;
   double worst = 0;
   int at = 0;
-  double *gap = BW_NEW(context, double, c->count);
+  double *gap = BW_NEW(context, double, c->rows.row_count);
   BW_TRY_MEMORY(gap);
   bwi_contact_rows_linearise(&c->rows, c->now, gap);
-  for (c->iterations = 1; c->iterations <= c->options->max_iterations; c->iterations++) {
+  for (int i = 1; i <= c->options->max_iterations; i++) {
+    c->iterations++;
     BW_TRY(linearise(context, c, gap));
-    if (c->iterations > 1)
+    if (c->iterations > 1 && c->curved)
       BW_TRY(bwi_contact_renew(context, c));
-    else if (c->motions > 0)
+    else if (c->iterations == 1 && c->motions > 0)
       BW_TRY(find_start(context, c));
     BW_TRY(solve_linearised(context, c));
     BW_TRY(find_displacement(context, c));
@@ -271,6 +336,93 @@ done:
   return status;
 }
 
+/* Adds the slip of a step, and the work of the tractions at its end on it. */
+static bw_status take_slip(bw_context *context, bwi_contact_problem *c) {
+  bw_status status = BW_OK;
+  double *after = BW_NEW(context, double, c->rows.row_count);
+  double *row = BW_NEW(context, double, c->rows.row_count);
+  BW_TRY_MEMORY(after && row);
+  bwi_contact_rows_measure(&c->rows, c->now, after);
+  bwi_contact_rows_measure(&c->rows, c->before, row);
+  for (int i = 0; i < c->count; i++) {
+    int32_t r = c->rows.first[i];
+    for (int k = 1; k < c->rows.first[i + 1] - r && c->place[i] >= 0; k++) {
+      double moved = after[r + k] - row[r + k];
+      if (c->active[c->place[i]] != BWI_SLIPS)
+        continue;
+      c->work[c->rows.of[i]] -= c->p[r + k] * moved;
+      for (int l = 0; l < 3; l++)
+        c->slip[3 * (int64_t)i + l] +=
+            moved / c->rows.area[i] * c->rows.tangent[6 * (int64_t)i + 3 * (k - 1) + l];
+    }
+  }
+  memcpy(c->before, c->now, (size_t)bwi_contact_size(c) * sizeof *c->now);
+done:
+  bw_free(after);
+  bw_free(row);
+  return status;
+}
+
+/* Where the path of the loads begins: at rest, or after another contact. */
+static bw_status begin(bw_context *context, bwi_contact_problem *c) {
+  const bw_contact *after = c->options->after;
+  if (!after) {
+    memcpy(c->now, c->start->displacement, (size_t)bwi_contact_size(c) * sizeof *c->now);
+    for (int64_t i = 0; i < bwi_contact_size(c); i++)
+      c->now[i] /= c->options->steps;
+    return BW_OK;
+  }
+  if (after->model->mesh != c->model->mesh || after->pair_count != c->rows.pair_count)
+    return bw_fail(context, BW_INVALID,
+                   "contact after another needs its mesh and its %d contact pairs",
+                   after->pair_count);
+  for (int i = 0; i < after->pair_count; i++)
+    if (after->pair[i].on != c->rows.pair[i].on ||
+        after->pair[i].against != c->rows.pair[i].against)
+      return bw_fail(context, BW_INVALID,
+                     "contact pair %d is of other facets than in the contact that it follows: give "
+                     "the same selections",
+                     i + 1);
+  if (!c->before || !after->start)
+    return bw_fail(context, BW_INVALID,
+                   "contact follows another where both have friction: without it the path of the "
+                   "loads does not matter");
+  memcpy(c->now, after->solution->displacement, (size_t)bwi_contact_size(c) * sizeof *c->now);
+  memcpy(c->before, c->now, (size_t)bwi_contact_size(c) * sizeof *c->now);
+  memcpy(c->work, after->work, (size_t)after->pair_count * sizeof *c->work);
+  memcpy(c->slip, after->corner_slip, 3 * (size_t)c->count * sizeof *c->slip);
+  return BW_OK;
+}
+
+/* The loads grow in proportion from those before. */
+static bw_status solve_contact(bw_context *context, bwi_contact_problem *c) {
+  bw_status status = BW_OK;
+  const bw_static *from = c->options->after ? c->options->after->start : NULL;
+  double *load = BW_NEW0(context, double, c->motions),
+         *first = BW_NEW0(context, double, c->motions);
+  BW_TRY_MEMORY(load && first);
+  BW_TRY(begin(context, c));
+  if (c->motions > 0) {
+    bw_rigid_modes_dot(c->system->dof_map, c->start->force, load);
+    if (from)
+      bw_rigid_modes_dot(c->system->dof_map, from->force, first);
+  }
+  for (c->step = 1; c->step <= c->options->steps; c->step++) {
+    double part = (double)c->step / c->options->steps, rest = 1 - part;
+    for (int64_t i = 0; i < bwi_contact_size(c); i++)
+      c->base[i] = part * c->start->displacement[i] + (from ? rest * from->displacement[i] : 0);
+    for (int k = 0; k < c->motions; k++)
+      c->load[k] = part * load[k] + rest * first[k];
+    BW_TRY(solve_step(context, c));
+    if (c->before)
+      BW_TRY(take_slip(context, c));
+  }
+done:
+  bw_free(load);
+  bw_free(first);
+  return status;
+}
+
 /* ---- together -------------------------------------------------------------------------------- */
 
 static bw_status check_options(bw_context *context, int pair_count,
@@ -283,6 +435,8 @@ static bw_status check_options(bw_context *context, int pair_count,
   if (options->max_iterations < 1)
     return bw_fail(context, BW_INVALID, "contact has %d iterations; it needs 1 or more",
                    options->max_iterations);
+  if (options->steps < 1)
+    return bw_fail(context, BW_INVALID, "contact has %d steps; it needs 1 or more", options->steps);
   if (options->solver && options->solver->options.backend == BW_BACKEND_PETSC)
     return bw_fail(context, BW_UNSUPPORTED,
                    "contact is not implemented by the external solver: give bw.solver.cholesky or "

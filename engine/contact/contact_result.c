@@ -26,7 +26,13 @@ static void contact_destroy(void *object) {
   bw_release(contact->solution);
   bw_free(contact->pair);
   bw_free(contact->state);
+  bw_release(contact->start);
   bw_free(contact->pressure);
+  bw_free(contact->traction);
+  bw_free(contact->slip);
+  bw_free(contact->corner_slip);
+  bw_free(contact->work);
+  bw_free(contact->status);
   bw_free(contact->gap);
   bw_free(contact->free_text);
   bw_free(contact->notes);
@@ -35,7 +41,9 @@ static void contact_destroy(void *object) {
 
 static size_t contact_bytes(const void *object) {
   const bw_contact *contact = object;
-  return sizeof *contact + 2 * (size_t)contact->model->mesh->node_count * sizeof(double) +
+  return sizeof *contact +
+         (contact->has_friction ? 8 : 2) * (size_t)contact->model->mesh->node_count *
+             sizeof(double) +
          (size_t)contact->pair_count * (sizeof *contact->pair + sizeof *contact->state);
 }
 
@@ -52,7 +60,7 @@ static bw_status take_solution(bw_context *context, bwi_contact_problem *c, bw_c
   bool closed = false;
   BW_TRY_MEMORY(a);
   for (int i = 0; i < c->count; i++)
-    closed = closed || c->p[i] > 0;
+    closed = closed || c->p[c->rows.first[i]] > 0;
   BW_TRY(bw_model_moved(context, c->model, c->model->mesh, &loaded));
   BW_TRY(bw_array_create(context, BW_F64, c->model->mesh->node_count, 3, &force));
   bwi_contact_rows_force(&c->rows, c->p, force->data);
@@ -82,7 +90,7 @@ static void take_pressure(const bwi_contact_problem *c, double *own, bw_contact 
     memset(own, 0, (size_t)mesh->node_count * sizeof *own);
     for (int i = 0; i < c->count; i++)
       if (c->rows.of[i] == pair)
-        own[c->rows.node[i]] = c->p[i];
+        own[c->rows.node[i]] = c->p[c->rows.first[i]];
     for (int32_t f = 0; f < on->facet_count; f++) {
       const int32_t *node = mesh->facet + (int64_t)on->facet[f] * mesh->nodes_per_facet;
       for (int k = 0; k < mesh->nodes_per_facet; k++) {
@@ -91,6 +99,38 @@ static void take_pressure(const bwi_contact_problem *c, double *own, bw_contact 
       }
     }
   }
+}
+
+/* Traction, slip and status of the corners; mid-edge nodes have the traction's mean. Where pairs
+ * meet, that of the last which touches. */
+static void take_friction(bwi_contact_problem *c, bw_contact *out) {
+  const bw_mesh *mesh = c->model->mesh;
+  for (int i = 0; i < c->count; i++) {
+    int32_t node = c->rows.node[i], r = c->rows.first[i];
+    double *traction = out->traction + 3 * (int64_t)node;
+    if (!(c->p[r] > 0))
+      continue;
+    out->status[node] = c->active[c->place[i]] == BWI_STICKS ? BW_CONTACT_STICKS : BW_CONTACT_SLIPS;
+    memcpy(out->slip + 3 * (int64_t)node, c->slip + 3 * (int64_t)i, 3 * sizeof *c->slip);
+    memset(traction, 0, 3 * sizeof *traction);
+    for (int k = 1; k < c->rows.first[i + 1] - r; k++)
+      for (int l = 0; l < 3; l++)
+        traction[l] += c->p[r + k] * c->rows.tangent[6 * (int64_t)i + 3 * (k - 1) + l];
+  }
+  for (int pair = 0; pair < out->pair_count && mesh->nodes_per_facet > 3; pair++)
+    for (int32_t f = 0; f < out->pair[pair].on->facet_count; f++) {
+      const int32_t *node =
+          mesh->facet + (int64_t)out->pair[pair].on->facet[f] * mesh->nodes_per_facet;
+      for (int k = 3; k < 6; k++)
+        for (int l = 0; l < 3; l++)
+          out->traction[3 * (int64_t)node[k] + l] =
+              (out->traction[3 * (int64_t)node[k - 3] + l] +
+               out->traction[3 * (int64_t)node[(k - 2) % 3] + l]) /
+              2;
+    }
+  out->work = c->work;
+  out->corner_slip = c->slip;
+  c->work = c->slip = NULL;
 }
 
 static void take_gaps(const bwi_contact_problem *c, bw_contact *out) {
@@ -102,7 +142,8 @@ static void take_gaps(const bwi_contact_problem *c, bw_contact *out) {
     out->state[pair].gap = INFINITY;
     for (int k = 0; k < c->count && !out->pair[pair].with; k++)
       if (c->rows.of[k] == pair) {
-        double gap = c->p[k] > 0 ? 0 : c->w[k] / c->rows.area[k];
+        int32_t r = c->rows.first[k];
+        double gap = c->p[r] > 0 ? 0 : c->w[r] / c->rows.area[k];
         out->gap[c->rows.node[k]] = fmin(out->gap[c->rows.node[k]], gap);
         out->state[pair].gap = fmin(out->state[pair].gap, gap);
       }
@@ -129,13 +170,24 @@ static void take_states(const bwi_contact_problem *c, double *force, bw_contact 
     for (int i = 0; i < c->count; i++) {
       if (c->rows.of[i] != pair)
         continue;
+      double p = c->p[c->rows.first[i]];
       state->candidates++;
-      state->active += c->p[i] > 0;
-      state->area += c->p[i] > 0 ? c->rows.area[i] : 0;
-      if (c->p[i] > state->pressure) {
-        state->pressure = c->p[i];
+      state->active += p > 0;
+      state->area += p > 0 ? c->rows.area[i] : 0;
+      if (p > state->pressure) {
+        state->pressure = p;
         state->node = c->rows.node[i];
       }
+      if (out->pair[pair].friction > 0 && p > 0) {
+        state->stick_area += c->active[c->place[i]] == BWI_STICKS ? c->rows.area[i] : 0;
+        state->slip = fmax(state->slip, bw_norm(c->slip + 3 * (int64_t)i));
+      }
+    }
+    state->work = c->work ? c->work[pair] : 0;
+    if (out->pair[pair].friction > 0) {
+      bwi_contact_rows_pair_force(&c->rows, pair, true, c->p, force);
+      for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++)
+        state->friction[i % 3] += force[i];
     }
     if (state->active > 0)
       state->gap = 0;
@@ -144,7 +196,7 @@ static void take_states(const bwi_contact_problem *c, double *force, bw_contact 
         state->penetration = fmax(state->penetration, -c->rows.point[k].gap);
     if (state->penetration < bwi_contact_small_gap(c))
       state->penetration = 0;
-    bwi_contact_rows_pair_force(&c->rows, pair, c->p, force);
+    bwi_contact_rows_pair_force(&c->rows, pair, false, c->p, force);
     for (int64_t i = 0; i < mesh->node_count; i++) {
       double moment[3];
       bw_cross(mesh->node + 3 * i, force + 3 * i, moment);
@@ -160,18 +212,18 @@ static void take_states(const bwi_contact_problem *c, double *force, bw_contact 
 static bw_status take_undetermined(bw_context *context, const bwi_contact_problem *c,
                                    bw_contact *out) {
   bw_status status = BW_OK;
-  int m = c->motions, length = 8 * m + 8, info = 0;
-  double *value = BW_NEW(context, double, m), *work = BW_NEW(context, double, length);
+  int m = c->motions, length = 8 * m + 8, info = 0, one = 1;
+  double *value = BW_NEW(context, double, m), *work = BW_NEW(context, double, length), none = 0;
   out->free_text = BW_NEW0(context, char, (size_t)m * 300 + 1);
   BW_TRY_MEMORY(value && work && out->free_text);
-  if (m > 0) {
+  if (m > 0) { /* H^T by columns = U diag(value) V^T: U takes its place */
     bwi_blas_enter();
-    dsyev_("V", "U", &m, c->h, &m, value, work, &length, &info);
+    dgesvd_("O", "N", &m, &m, c->h, &m, value, &none, &one, &none, &one, work, &length, &info);
     bwi_blas_leave();
     if (info != 0)
-      BW_TRY(bw_fail(context, BW_INTERNAL, "dsyev failed on %d motions (%d)", m, info));
+      BW_TRY(bw_fail(context, BW_INTERNAL, "dgesvd failed on %d motions (%d)", m, info));
   }
-  for (int k = 0; k < m && value[k] <= undecided * value[m - 1]; k++) {
+  for (int k = m - 1; k >= 0 && value[k] <= undecided * value[0]; k--) {
     char *end = out->free_text + strlen(out->free_text);
     if (out->free_count++)
       *end++ = '\n';
@@ -266,14 +318,24 @@ bw_status bwi_contact_take_result(bw_context *context, bwi_contact_problem *c,
   BW_TRY_MEMORY(force && out->pair && out->state && out->pressure && out->gap);
   out->pair_count = c->rows.pair_count;
   for (int i = 0; i < out->pair_count; i++)
-    out->pair[i] =
-        (bw_contact_pair){bw_retain(c->rows.pair[i].on), bw_retain(c->rows.pair[i].with),
-                          bw_retain(c->rows.pair[i].against), c->rows.pair[i].interference};
+    out->pair[i] = (bw_contact_pair){bw_retain(c->rows.pair[i].on), bw_retain(c->rows.pair[i].with),
+                                     bw_retain(c->rows.pair[i].against),
+                                     c->rows.pair[i].interference, c->rows.pair[i].friction};
   BW_TRY(take_solution(context, c, out));
   BW_TRY(take_undetermined(context, c, out));
   take_pressure(c, force, out);
   take_gaps(c, out);
   take_states(c, force, out);
+  out->steps = c->options->steps + (c->options->after ? c->options->after->steps : 0);
+  out->has_friction = c->before != NULL;
+  if (out->has_friction) {
+    out->start = bw_retain(c->start);
+    out->traction = BW_NEW0(context, double, 3 * nodes);
+    out->slip = BW_NEW0(context, double, 3 * nodes);
+    out->status = BW_NEW0(context, uint8_t, nodes);
+    BW_TRY_MEMORY(out->traction && out->slip && out->status);
+    take_friction(c, out);
+  }
   out->iterations = c->iterations;
   out->changes = c->changes;
   out->solves = c->solves;

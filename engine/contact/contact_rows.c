@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The constraints of contact in the mean of hat functions (docs/theory/contact.md, eq. 2): points
- * of a rule on the selected facets, the rows B of the candidates, and products with them. */
+/* The constraints of contact in the mean of hat functions (docs/theory/contact.md, eq. 2 and 6):
+ * points of a rule on the selected facets, the rows B of the candidates, and products with them. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -12,7 +12,8 @@ enum {
   DEGREE = 6,     /* of the rule against smooth surfaces; */
   CUT = 3,        /* against facets each edge is cut into so many, */
   DEGREE_CUT = 4, /* for a rule of this degree on each of the parts */
-  MOST_POINTS = CUT * CUT * BW_QUADRATURE_POINTS
+  MOST_POINTS = CUT * CUT * BW_QUADRATURE_POINTS,
+  MOST_FRICTION = 100
 };
 
 /* The points of the rule on a facet; how many. */
@@ -57,6 +58,10 @@ static bw_status check_pair(bw_context *context, const bw_mesh *mesh, int i,
   if (!isfinite(pair->interference))
     return bw_fail(context, BW_INVALID, "contact pair %d has an interference that is not finite",
                    i + 1);
+  if (!(pair->friction >= 0 && pair->friction <= MOST_FRICTION))
+    return bw_fail(context, BW_INVALID,
+                   "contact pair %d has the coefficient of friction %g; it is from 0 to %d", i + 1,
+                   pair->friction, (int)MOST_FRICTION);
   BW_TRY(check_facets(context, mesh, i, pair->on));
   if (pair->against) {
     char what[80];
@@ -140,24 +145,32 @@ bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int 
     facets += pair[i].on->facet_count;
     points += (int64_t)pair[i].on->facet_count * rule(pair[i].against, barycentric, weight);
   }
-  if (3 * facets > INT32_MAX)
+  if (9 * facets > INT32_MAX)
     BW_TRY(bw_fail(context, BW_LIMIT, "contact on %lld facets is too much", (long long)facets));
+  rows->first = BW_NEW0(context, int32_t, 3 * facets + 1);
+  rows->tangent = BW_NEW0(context, double, 18 * facets);
   rows->node = BW_NEW(context, int32_t, 3 * facets);
   rows->of = BW_NEW(context, int32_t, 3 * facets);
   rows->area = BW_NEW0(context, double, 3 * facets);
   rows->point = BW_NEW(context, bwi_contact_point, points);
-  BW_TRY_MEMORY(rows->node && rows->of && rows->area && rows->point);
+  BW_TRY_MEMORY(rows->first && rows->tangent && rows->node && rows->of && rows->area &&
+                rows->point);
   for (int i = 0; i < pair_count; i++) {
     int64_t first = rows->point_count;
     BW_TRY(add_points(context, rows, i));
     number_corners(rows, i, first, number);
   }
+  for (int32_t i = 0; i < rows->count; i++)
+    rows->first[i + 1] = rows->first[i] + (pair[rows->of[i]].friction > 0 ? 3 : 1);
+  rows->row_count = rows->first[rows->count];
 done:
   bw_free(number);
   return status;
 }
 
 void bwi_contact_rows_clear(bwi_contact_rows *rows) {
+  bw_free(rows->first);
+  bw_free(rows->tangent);
   bw_free(rows->node);
   bw_free(rows->of);
   bw_free(rows->area);
@@ -182,8 +195,45 @@ static void at_point(const bw_mesh *mesh, const bwi_contact_point *point, const 
     add_at(mesh, point->opposite, point->far, -1, u, out);
 }
 
+/* Two tangents of each candidate with friction, about the mean of its normals: near to those
+ * before, or to an axis. */
+static void take_tangents(bwi_contact_rows *rows) {
+  double *normal = rows->tangent + 3; /* summed in the place of the second */
+  for (int32_t i = 0; i < rows->count; i++)
+    memset(normal + 6 * (int64_t)i, 0, 3 * sizeof *normal);
+  for (int64_t p = 0; p < rows->point_count; p++) {
+    const bwi_contact_point *point = &rows->point[p];
+    for (int k = 0; k < 3; k++)
+      for (int l = 0; l < 3; l++)
+        normal[6 * (int64_t)point->candidate[k] + l] +=
+            point->area * point->hat[k] * point->normal[l];
+  }
+  for (int32_t i = 0; i < rows->count; i++) {
+    double *first = rows->tangent + 6 * (int64_t)i, *second = first + 3, n[3], along = 0, length;
+    int least = 0;
+    memcpy(n, second, sizeof n);
+    length = bw_norm(n);
+    for (int k = 0; k < 3; k++) {
+      n[k] = length > 0 ? n[k] / length : k == 2;
+      least = fabs(n[k]) < fabs(n[least]) ? k : least;
+    }
+    along = bw_dot(first, n);
+    if (!(bw_dot(first, first) - along * along > 0.1)) {
+      memset(first, 0, 3 * sizeof *first);
+      first[least] = 1;
+      along = n[least];
+    }
+    for (int k = 0; k < 3; k++)
+      first[k] -= along * n[k];
+    length = bw_norm(first);
+    for (int k = 0; k < 3; k++)
+      first[k] /= length;
+    bw_cross(n, first, second);
+  }
+}
+
 void bwi_contact_rows_linearise(bwi_contact_rows *rows, const double *displacement, double *gap) {
-  memset(gap, 0, (size_t)rows->count * sizeof *gap);
+  memset(gap, 0, (size_t)rows->row_count * sizeof *gap);
   for (int64_t p = 0; p < rows->point_count; p++) {
     bwi_contact_point *point = &rows->point[p];
     const bw_contact_pair *pair = &rows->pair[point->pair];
@@ -196,32 +246,62 @@ void bwi_contact_rows_linearise(bwi_contact_rows *rows, const double *displaceme
       point->gap = point->apart + bw_dot(point->normal, x);
     point->gap -= pair->interference;
     for (int k = 0; k < 3; k++)
-      gap[point->candidate[k]] += point->area * point->hat[k] * point->gap;
+      gap[rows->first[point->candidate[k]]] += point->area * point->hat[k] * point->gap;
   }
+  if (rows->row_count > rows->count)
+    take_tangents(rows);
+}
+
+/* Rows of candidate i: 1, or 3 with friction. */
+static int width(const bwi_contact_rows *rows, int32_t i) {
+  return rows->first[i + 1] - rows->first[i];
 }
 
 void bwi_contact_rows_measure(const bwi_contact_rows *rows, const double *u, double *gap) {
-  memset(gap, 0, (size_t)rows->count * sizeof *gap);
+  memset(gap, 0, (size_t)rows->row_count * sizeof *gap);
   for (int64_t p = 0; p < rows->point_count; p++) {
     const bwi_contact_point *point = &rows->point[p];
-    double at[3];
+    double at[3], along;
     at_point(rows->mesh, point, u, at);
-    for (int k = 0; k < 3; k++)
-      gap[point->candidate[k]] += point->area * point->hat[k] * bw_dot(point->normal, at);
+    along = bw_dot(point->normal, at);
+    for (int l = 0; l < 3; l++)
+      at[l] -= along * point->normal[l];
+    for (int k = 0; k < 3; k++) {
+      int32_t i = point->candidate[k];
+      double weight = point->area * point->hat[k], *row = gap + rows->first[i];
+      row[0] += weight * along;
+      for (int l = 1; l < width(rows, i); l++)
+        row[l] += weight * bw_dot(rows->tangent + 6 * (int64_t)i + 3 * (l - 1), at);
+    }
   }
 }
 
-/* force += pressure n at a point, and the opposite where `both` and the point faces a facet. */
-static void add_force(const bw_mesh *mesh, const bwi_contact_point *point, double pressure,
+/* out += factor times the direction of row `l` of candidate i at a point: the normal there, or a
+ * tangent of the candidate without its part along this normal. */
+static void add_direction(const bwi_contact_rows *rows, const bwi_contact_point *point, int32_t i,
+                          int l, double factor, double out[3]) {
+  if (l == 0)
+    for (int k = 0; k < 3; k++)
+      out[k] += factor * point->normal[k];
+  else {
+    const double *tangent = rows->tangent + 6 * (int64_t)i + 3 * (l - 1);
+    double along = bw_dot(tangent, point->normal);
+    for (int k = 0; k < 3; k++)
+      out[k] += factor * (tangent[k] - along * point->normal[k]);
+  }
+}
+
+/* force += the traction at a point, and the opposite where `both` and the point faces a facet. */
+static void add_force(const bw_mesh *mesh, const bwi_contact_point *point, const double traction[3],
                       bool both, double *force) {
   for (int side = 0; side < (both && point->opposite >= 0 ? 2 : 1); side++) {
     const int32_t *node =
         mesh->facet + (int64_t)(side ? point->opposite : point->facet) * mesh->nodes_per_facet;
     const double *shape = side ? point->far : point->shape;
-    double factor = (side ? -1 : 1) * point->area * pressure;
+    double factor = (side ? -1 : 1) * point->area;
     for (int a = 0; a < mesh->nodes_per_facet; a++)
       for (int k = 0; k < 3; k++)
-        force[3 * (int64_t)node[a] + k] += factor * shape[a] * point->normal[k];
+        force[3 * (int64_t)node[a] + k] += factor * shape[a] * traction[k];
   }
 }
 
@@ -232,32 +312,40 @@ void bwi_contact_rows_columns(const bwi_contact_rows *rows, int columns, const i
   for (int64_t p = 0; p < rows->point_count; p++) {
     const bwi_contact_point *point = &rows->point[p];
     for (int k = 0; k < 3; k++)
-      for (int c = 0; c < columns; c++)
-        if (which[c] == point->candidate[k])
-          add_force(rows->mesh, point, point->hat[k], true, force + c * size);
+      for (int c = 0; c < columns; c++) {
+        int32_t i = point->candidate[k];
+        double traction[3] = {0};
+        if (which[c] < rows->first[i] || which[c] >= rows->first[i + 1])
+          continue;
+        add_direction(rows, point, i, which[c] - rows->first[i], point->hat[k], traction);
+        add_force(rows->mesh, point, traction, true, force + c * size);
+      }
   }
 }
 
-static void sum_forces(const bwi_contact_rows *rows, int pair, const double *pressure,
+static void sum_forces(const bwi_contact_rows *rows, int pair, bool tangential, const double *p,
                        double *force) {
   memset(force, 0, 3 * (size_t)rows->mesh->node_count * sizeof *force);
-  for (int64_t p = 0; p < rows->point_count; p++) {
-    const bwi_contact_point *point = &rows->point[p];
-    double value = 0;
+  for (int64_t n = 0; n < rows->point_count; n++) {
+    const bwi_contact_point *point = &rows->point[n];
+    double traction[3] = {0};
     if (pair >= 0 && point->pair != pair)
       continue;
-    for (int k = 0; k < 3; k++)
-      value += point->hat[k] * pressure[point->candidate[k]];
-    if (value != 0)
-      add_force(rows->mesh, point, value, pair < 0, force);
+    for (int k = 0; k < 3; k++) {
+      int32_t i = point->candidate[k];
+      for (int l = tangential; p[rows->first[i]] > 0 && l < width(rows, i); l++)
+        add_direction(rows, point, i, l, point->hat[k] * p[rows->first[i] + l], traction);
+    }
+    if (traction[0] != 0 || traction[1] != 0 || traction[2] != 0)
+      add_force(rows->mesh, point, traction, pair < 0, force);
   }
 }
 
-void bwi_contact_rows_force(const bwi_contact_rows *rows, const double *pressure, double *force) {
-  sum_forces(rows, -1, pressure, force);
+void bwi_contact_rows_force(const bwi_contact_rows *rows, const double *p, double *force) {
+  sum_forces(rows, -1, false, p, force);
 }
 
-void bwi_contact_rows_pair_force(const bwi_contact_rows *rows, int pair, const double *pressure,
-                                 double *force) {
-  sum_forces(rows, pair, pressure, force);
+void bwi_contact_rows_pair_force(const bwi_contact_rows *rows, int pair, bool tangential,
+                                 const double *p, double *force) {
+  sum_forces(rows, pair, tangential, p, force);
 }

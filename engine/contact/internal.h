@@ -30,7 +30,8 @@ typedef struct bwi_contact_point {
   double apart;         /* and the gap without displacement */
 } bwi_contact_point;
 
-/* The rows B of all pairs: a candidate is a corner of the facets of one pair. */
+/* The rows B of all pairs: a candidate is a corner of the facets of one pair. It has a row along
+ * the normal, and with friction two along its tangents. */
 typedef struct bwi_contact_rows {
   const bw_mesh *mesh;
   int pair_count;
@@ -39,6 +40,10 @@ typedef struct bwi_contact_rows {
   int32_t *node; /* (count) */
   int32_t *of;   /* (count) the pair */
   double *area;  /* (count) integral of the hat function */
+  int32_t row_count;
+  int32_t *first; /* (count + 1) row of each candidate, which is that along the normal */
+  double
+      *tangent; /* (count x 6) two of each, of length 1 and orthogonal; unused without friction */
   int64_t point_count;
   bwi_contact_point *point;
 } bwi_contact_rows;
@@ -46,19 +51,19 @@ typedef struct bwi_contact_rows {
 bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int pair_count,
                                   const bw_contact_pair *pair, bwi_contact_rows *rows);
 void bwi_contact_rows_clear(bwi_contact_rows *rows);
-/* Takes normals and gaps where the displacement brings the points; gap (count) are their integrals
- * with the hat functions. */
+/* Takes normals and gaps where the displacement brings the points; gap (row_count) are their
+ * integrals with the hat functions, 0 along tangents. */
 void bwi_contact_rows_linearise(bwi_contact_rows *rows, const double *displacement, double *gap);
-/* gap (count) = B u. */
+/* gap (row_count) = B u. */
 void bwi_contact_rows_measure(const bwi_contact_rows *rows, const double *u, double *gap);
-/* force (columns x node_count x 3) = the columns B^T e_j of the candidates j = which[0], ... */
+/* force (columns x node_count x 3) = the columns B^T e_j of the rows j = which[0], ... */
 void bwi_contact_rows_columns(const bwi_contact_rows *rows, int columns, const int32_t *which,
                               double *force);
-/* force (node_count x 3) = B^T p. */
-void bwi_contact_rows_force(const bwi_contact_rows *rows, const double *pressure, double *force);
-/* The same of one pair, on its facets `on` alone. */
-void bwi_contact_rows_pair_force(const bwi_contact_rows *rows, int pair, const double *pressure,
-                                 double *force);
+/* force (node_count x 3) = B^T p for p (row_count). */
+void bwi_contact_rows_force(const bwi_contact_rows *rows, const double *p, double *force);
+/* The same of one pair, on its facets `on` alone, of friction alone or in all. */
+void bwi_contact_rows_pair_force(const bwi_contact_rows *rows, int pair, bool friction,
+                                 const double *p, double *force);
 
 /* ---- opposite_facets.c ----------------------------------------------------------------------- */
 
@@ -89,13 +94,45 @@ typedef struct bwi_complementarity {
 /* BW_CONVERGENCE where rounding keeps the candidates changing. */
 bw_status bwi_complementarity_solve(bw_context *context, bwi_complementarity *problem);
 
+/* ---- friction.c ------------------------------------------------------------------------------ */
+
+/* What a candidate does. */
+typedef enum bwi_contact_status { BWI_OPEN, BWI_STICKS, BWI_SLIPS } bwi_contact_status;
+
+/* Coulomb's law on the rows of candidates: find p and a with w = q + S p + E a and
+ * E^T p + load = epsilon (a - centre). The first row of a candidate is as in bwi_complementarity;
+ * its two others, where it has friction, are tangential: |t| <= friction p, and w is 0 or against t
+ * on the cone. */
+typedef struct bwi_friction {
+  int count, rows, motions;
+  const int32_t *first;   /* (count + 1) row of each candidate */
+  const double *friction; /* (count) */
+  const double *s;        /* (rows x rows) as there, like what follows */
+  const double *q;        /* (rows) */
+  const double *e;        /* (rows x motions) */
+  const double *load, *centre;
+  double epsilon;
+  bool patient;        /* takes long before it fails */
+  const double *slack; /* (count) of rows along normals */
+  uint8_t *state;      /* (count) the result: bwi_contact_status */
+  double *p;           /* (rows) where it begins, and the result */
+  double *a;           /* (motions) likewise */
+  double *h;           /* (motions x motions) by which forces on motions grow with these */
+  int changes;         /* grows by candidates that changed their state */
+  int worst;           /* of BW_CONVERGENCE: the candidate that is farthest from its law, */
+  double change;       /* and by how much, over the largest pressure */
+} bwi_friction;
+/* BW_CONVERGENCE, without a message, where no equilibrium is found. */
+bw_status bwi_friction_solve(bw_context *context, bwi_friction *problem);
+
 /* ---- rigid_start.c --------------------------------------------------------------------------- */
 
-/* Motions a of rigid bodies on springs of stiffness (N/m3) at the candidates, whose gaps are q + E
- * a and whose areas are area. */
+/* Motions a of rigid bodies on springs of stiffness (N/m3) at the rows, whose gaps are q + E a and
+ * whose areas are area. */
 typedef struct bwi_rigid_start {
   int count, motions;
   const double *q, *e, *area; /* as in bwi_complementarity; (count) */
+  const uint8_t *pulls;       /* (count) springs along tangents, which pull too */
   const double *load;         /* (motions) */
   double stiffness;
   double *a;      /* (motions) the result */
@@ -113,28 +150,36 @@ typedef struct bwi_contact_problem {
   const bw_model *model;
   const bw_contact_options *options;
   bw_system *system;
-  bw_static *start; /* u_0 */
+  bw_static *start; /* the solution without contact */
+  int step;         /* of options->steps, from 1 */
   bwi_contact_rows rows;
   int count, motions;
   bool curved;
   double young;    /* of the first element, to tell sizes */
-  double *load;    /* (motions) R^T f */
+  double *base;    /* (node_count x 3) u_0: that of the loads of this step */
+  double *load;    /* (motions) R^T f of this step */
   double *a;       /* (motions) */
-  double *q;       /* (count) gaps of u_0 */
-  double *e;       /* (count x motions) */
-  double *p;       /* (count) */
-  double *w;       /* (count) gaps */
+  double *q;       /* (rows) gaps of u_0; slip of u_0 since the step before */
+  double *e;       /* (rows x motions) */
+  double *p;       /* (rows) */
+  double *w;       /* (rows) gaps and slip */
   double *now;     /* (node_count x 3) u */
+  double *before;  /* (node_count x 3) u after the step before; NULL without friction */
+  double *slip;    /* (count x 3) summed over the steps, in the mean; NULL without friction */
+  double *work;    /* (pair_count) of friction, summed over the steps */
   int working;     /* candidates in the working set, */
   int32_t *member; /* (count) which, */
   int32_t *place;  /* (count) their place in it, or -1, */
-  uint8_t *active; /* (count) by place, */
-  double *column;  /* (capacity x count) and their columns of S */
+  uint8_t *active; /* (count) by place: not 0, or with friction bwi_contact_status, */
+  int row_count;   /* their rows, */
+  int32_t *row;    /* (rows) which, */
+  double *column;  /* (capacity x rows) and their columns of S */
   int capacity;
-  double elastic; /* the largest mean displacement that pressure causes at a candidate */
-  double rounded; /* (m) of gaps between coordinates */
-  double epsilon;
-  double *h; /* (motions x motions) */
+  double elastic;          /* the largest mean displacement that pressure causes at a candidate */
+  double rounded;          /* (m) of gaps between coordinates */
+  double epsilon, softest; /* springs on motions */
+  bool last_try;           /* springs are not made stiffer */
+  double *h;               /* (motions x motions) */
   int iterations, changes, solves;
 } bwi_contact_problem;
 static inline int64_t bwi_contact_size(const bwi_contact_problem *problem) {

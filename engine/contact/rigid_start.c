@@ -2,7 +2,7 @@
 /* Where contact first brings bodies that it alone restrains: rigid bodies on springs at the
  * candidates, and springs of stiffness epsilon on their motions, which goes to zero. The energy
  *     epsilon |a|^2 / 2 - load . a + sum stiffness / area min(0, q + E a)^2 / 2
- * is convex and has a piecewise constant second derivative. */
+ * is convex and has a piecewise constant second derivative. Springs along tangents pull too. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -31,7 +31,7 @@ static double evaluate(const bwi_rigid_start *s, double epsilon, const double *a
   for (int i = 0; i < s->count; i++) {
     const double *e = s->e + (size_t)i * (size_t)m;
     double gap = s->q[i] + bwi_dot(m, e, a), c = s->stiffness / s->area[i];
-    if (gap >= 0)
+    if (gap >= 0 && !(s->pulls && s->pulls[i]))
       continue;
     energy += c * gap * gap / 2;
     int count = 0; /* a candidate moves with one or two of the bodies */

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The working set of contact: candidates for which a column of S = B G B^T is known, and the
+/* The working set of contact: candidates for which the columns of S = B G B^T are known, and the
  * problem on them (docs/theory/contact.md). */
 #include <math.h>
 #include <stdlib.h>
@@ -9,9 +9,9 @@
 #include "contact/internal.h"
 
 enum {
-  SIDES = 16,            /* right-hand sides at once */
-  AT_ONCE = 32,          /* candidates that may enter in a round at least */
-  MOST_CANDIDATES = 8000 /* a dense matrix */
+  SIDES = 16,      /* right-hand sides at once */
+  AT_ONCE = 32,    /* candidates that may enter in a round at least */
+  MOST_ROWS = 8000 /* a dense matrix */
 };
 
 static const double held = 1e-8; /* of the compliance of a free surface: supports constrain it */
@@ -22,60 +22,70 @@ static bw_status compute_columns(bw_context *context, bwi_contact_problem *c, in
   int64_t size = bwi_contact_size(c);
   double *block = BW_NEW(context, double, SIDES *size);
   BW_TRY_MEMORY(block);
-  for (; first < c->working; first += SIDES) {
-    int part = c->working - first < SIDES ? c->working - first : SIDES;
+  for (; first < c->row_count; first += SIDES) {
+    int part = c->row_count - first < SIDES ? c->row_count - first : SIDES;
     BW_TRY(bw_check_cancel(context));
-    bw_progress(context, "contact", (double)first / c->working);
-    bwi_contact_rows_columns(&c->rows, part, c->member + first, block);
+    bw_progress(context, "contact", (double)first / c->row_count);
+    bwi_contact_rows_columns(&c->rows, part, c->row + first, block);
     BW_TRY(bw_system_solve(context, c->system, part, block, block));
     c->solves += part;
     for (int k = 0; k < part; k++)
       bwi_contact_rows_measure(&c->rows, block + k * size,
-                               c->column + (int64_t)(first + k) * c->count);
+                               c->column + (int64_t)(first + k) * c->rows.row_count);
   }
 done:
   bw_free(block);
   return status;
 }
 
+/* Puts candidate i at the end, with its rows. */
+static void append(bwi_contact_problem *c, int32_t i) {
+  c->member[c->working] = i;
+  c->place[i] = c->working++;
+  for (int32_t r = c->rows.first[i]; r < c->rows.first[i + 1]; r++)
+    c->row[c->row_count++] = r;
+}
+
 static bw_status extend(bw_context *context, bwi_contact_problem *c, int added,
                         const int32_t *which) {
   bw_status status = BW_OK;
-  int first = c->working;
-  if (first + added > MOST_CANDIDATES)
-    BW_TRY(
-        bw_fail(context, BW_LIMIT,
-                "more than %d corners of facets are in contact: select fewer facets, or make the "
-                "mesh coarser there",
-                (int)MOST_CANDIDATES));
-  if (first + added > c->capacity) {
-    int capacity = first + added > 2 * c->capacity ? first + added : 2 * c->capacity;
-    double *larger = BW_NEW(context, double, (int64_t)capacity * c->count);
+  int first = c->row_count, member = c->working, rows = first;
+  for (int k = 0; k < added; k++)
+    rows += c->rows.first[which[k] + 1] - c->rows.first[which[k]];
+  if (rows > MOST_ROWS)
+    BW_TRY(bw_fail(context, BW_LIMIT,
+                   "the corners of facets in contact have more than %d unknowns, one each or three "
+                   "with friction: select fewer facets, or make the mesh coarser there",
+                   (int)MOST_ROWS));
+  if (rows > c->capacity) {
+    int capacity = rows > 2 * c->capacity ? rows : 2 * c->capacity;
+    double *larger = BW_NEW(context, double, (int64_t)capacity * c->rows.row_count);
     BW_TRY_MEMORY(larger);
     if (first > 0)
-      memcpy(larger, c->column, (size_t)first * (size_t)c->count * sizeof *larger);
+      memcpy(larger, c->column, (size_t)first * (size_t)c->rows.row_count * sizeof *larger);
     bw_free(c->column);
     c->column = larger;
     c->capacity = capacity;
   }
   for (int k = 0; k < added; k++) {
-    c->member[c->working] = which[k];
     c->active[c->working] = 1;
-    c->place[which[k]] = c->working++;
+    append(c, which[k]);
   }
   c->changes += added;
   BW_TRY(compute_columns(context, c, first));
-  for (int k = first; k < c->working; k++) {
-    int32_t i = c->member[k];
+  for (; member < c->working; member++) {
+    int32_t i = c->member[member];
     double area = c->rows.area[i], softness = area * sqrt(area) / c->young;
     const double *x = c->rows.mesh->node + 3 * (int64_t)c->rows.node[i];
-    if (c->column[(int64_t)k * c->count + i] > held * softness)
+    double compliance = c->column[(int64_t)first * c->rows.row_count + c->rows.first[i]];
+    first += c->rows.first[i + 1] - c->rows.first[i];
+    if (compliance > held * softness)
       continue;
     status = bw_fail(
         context, BW_INVALID,
         "contact pair %d penetrates by %.3g m at (%g, %g, %g), where supports constrain the "
         "body: take the supported facets out of the pair, or move the surface",
-        c->rows.of[i] + 1, -c->w[i] / area, x[0], x[1], x[2]);
+        c->rows.of[i] + 1, -c->w[c->rows.first[i]] / area, x[0], x[1], x[2]);
     goto done;
   }
 done:
@@ -101,9 +111,11 @@ bw_status bwi_contact_take_deepest(bw_context *context, bwi_contact_problem *c, 
   deep *list = BW_NEW(context, deep, c->count);
   int32_t *which = BW_NEW(context, int32_t, c->count);
   BW_TRY_MEMORY(list && which);
-  for (int i = 0; i < c->count; i++)
-    if (c->place[i] < 0 && c->w[i] < -slack * c->rows.area[i])
-      list[found++] = (deep){c->w[i] / c->rows.area[i], i};
+  for (int i = 0; i < c->count; i++) {
+    double gap = c->w[c->rows.first[i]] / c->rows.area[i];
+    if (c->place[i] < 0 && gap < -slack)
+      list[found++] = (deep){gap, i};
+  }
   qsort(list, (size_t)found, sizeof *list, deeper);
   *added = found < most ? found : most;
   for (int k = 0; k < *added; k++)
@@ -116,66 +128,109 @@ done:
 }
 
 bw_status bwi_contact_renew(bw_context *context, bwi_contact_problem *c) {
-  int kept = 0;
-  for (int k = 0; k < c->working; k++) {
+  int before = c->working;
+  c->working = c->row_count = 0;
+  for (int k = 0; k < before; k++) {
     int32_t i = c->member[k];
     c->place[i] = -1;
-    if (c->p[i] > 0) {
-      c->place[i] = kept;
-      c->active[kept] = 1;
-      c->member[kept++] = i;
+    if (c->p[c->rows.first[i]] > 0) {
+      c->active[c->working] = 1;
+      append(c, i);
     }
   }
-  c->working = kept;
   return compute_columns(context, c, 0);
+}
+
+/* The place of the candidate that keeps contact with friction from an equilibrium, in words. */
+static void say_where(bw_context *context, const bwi_contact_problem *c, const bwi_friction *f) {
+  int32_t i = c->member[f->worst];
+  const double *x = c->rows.mesh->node + 3 * (int64_t)c->rows.node[i];
+  bw_fail(context, BW_CONVERGENCE,
+          "contact with friction finds no equilibrium in step %d of %d: pair %d keeps changing "
+          "between stick and slip about (%g, %g, %g), by the fraction %.2g of the largest "
+          "pressure. Take more steps, or a smaller coefficient of friction",
+          c->step, c->options->steps, c->rows.of[i] + 1, x[0], x[1], x[2], f->change);
 }
 
 bw_status bwi_contact_solve_working(bw_context *context, bwi_contact_problem *c,
                                     const double *centre) {
   bw_status status = BW_OK;
-  int n = c->working, m = c->motions, count = c->count;
+  int n = c->row_count, m = c->motions, rows = c->rows.row_count;
+  bool friction = c->rows.row_count > c->count;
   double *s = BW_NEW(context, double, (int64_t)n *n), *q = BW_NEW(context, double, n);
-  double *e = BW_NEW(context, double, (int64_t)n *m), *slack = BW_NEW(context, double, n);
+  double *e = BW_NEW(context, double, (int64_t)n *m), *slack = BW_NEW(context, double, c->working);
   double *p = BW_NEW(context, double, n), *w = BW_NEW(context, double, n);
-  BW_TRY_MEMORY(s && q && e && slack && p && w);
+  double *coefficient = BW_NEW(context, double, c->working);
+  int32_t *first = BW_NEW0(context, int32_t, c->working + 1);
+  BW_TRY_MEMORY(s && q && e && slack && p && w && coefficient && first);
   for (int k = 0; k < n; k++) {
-    int32_t i = c->member[k];
+    int32_t r = c->row[k];
     for (int l = 0; l < n; l++) /* the mean of the two that rounding tells apart */
       s[(int64_t)k * n + l] =
-          0.5 * (c->column[(int64_t)k * count + c->member[l]] + c->column[(int64_t)l * count + i]);
-    q[k] = c->q[i];
-    memcpy(e + (int64_t)k * m, c->e + (int64_t)i * m, (size_t)m * sizeof *e);
-    slack[k] = 0.1 * bwi_contact_small_gap(c) * c->rows.area[i];
+          0.5 * (c->column[(int64_t)k * rows + c->row[l]] + c->column[(int64_t)l * rows + r]);
+    q[k] = c->q[r];
+    p[k] = c->p[r];
+    memcpy(e + (int64_t)k * m, c->e + (int64_t)r * m, (size_t)m * sizeof *e);
   }
-  bwi_complementarity problem = {.count = n,
-                                 .motions = m,
-                                 .s = s,
-                                 .q = q,
-                                 .e = e,
-                                 .load = c->load,
-                                 .centre = centre,
-                                 .epsilon = c->epsilon,
-                                 .slack = slack,
-                                 .active = c->active,
-                                 .p = p,
-                                 .w = w,
-                                 .a = c->a,
-                                 .h = c->h};
-  BW_TRY(bwi_complementarity_solve(context, &problem));
-  c->changes += problem.changes;
-  memset(c->p, 0, (size_t)count * sizeof *c->p);
-  for (int i = 0; i < count; i++)
-    c->w[i] = 0;
+  for (int k = 0; k < c->working; k++) {
+    int32_t i = c->member[k];
+    slack[k] = 0.1 * bwi_contact_small_gap(c) * c->rows.area[i];
+    coefficient[k] = c->rows.pair[c->rows.of[i]].friction;
+    first[k + 1] = first[k] + c->rows.first[i + 1] - c->rows.first[i];
+  }
+  if (friction) {
+    bwi_friction problem = {.count = c->working,
+                            .rows = n,
+                            .motions = m,
+                            .first = first,
+                            .friction = coefficient,
+                            .s = s,
+                            .q = q,
+                            .e = e,
+                            .load = c->load,
+                            .centre = centre,
+                            .epsilon = c->epsilon,
+                            .patient = c->last_try,
+                            .slack = slack,
+                            .state = c->active,
+                            .p = p,
+                            .a = c->a,
+                            .h = c->h};
+    status = bwi_friction_solve(context, &problem);
+    c->changes += problem.changes;
+    if (status == BW_CONVERGENCE && c->last_try)
+      say_where(context, c, &problem);
+  } else {
+    bwi_complementarity problem = {.count = n,
+                                   .motions = m,
+                                   .s = s,
+                                   .q = q,
+                                   .e = e,
+                                   .load = c->load,
+                                   .centre = centre,
+                                   .epsilon = c->epsilon,
+                                   .slack = slack,
+                                   .active = c->active,
+                                   .p = p,
+                                   .w = w,
+                                   .a = c->a,
+                                   .h = c->h};
+    status = bwi_complementarity_solve(context, &problem);
+    c->changes += problem.changes;
+  }
+  BW_TRY(status);
+  memset(c->p, 0, (size_t)rows * sizeof *c->p);
+  memset(c->w, 0, (size_t)rows * sizeof *c->w);
   for (int k = 0; k < n; k++) {
-    c->p[c->member[k]] = p[k];
-    for (int i = 0; p[k] > 0 && i < count; i++)
-      c->w[i] += p[k] * c->column[(int64_t)k * count + i];
+    c->p[c->row[k]] = p[k];
+    for (int r = 0; p[k] != 0 && r < rows; r++)
+      c->w[r] += p[k] * c->column[(int64_t)k * rows + r];
   }
   c->elastic = 0;
-  for (int i = 0; i < count; i++) {
-    c->elastic = fmax(c->elastic, fabs(c->w[i]) / c->rows.area[i]);
-    c->w[i] += c->q[i] + bwi_dot(m, c->e + (int64_t)i * m, c->a);
-  }
+  for (int i = 0; i < c->count; i++)
+    c->elastic = fmax(c->elastic, fabs(c->w[c->rows.first[i]]) / c->rows.area[i]);
+  for (int r = 0; r < rows; r++)
+    c->w[r] += c->q[r] + bwi_dot(m, c->e + (int64_t)r * m, c->a);
 done:
   bw_free(s);
   bw_free(q);
@@ -183,5 +238,7 @@ done:
   bw_free(slack);
   bw_free(p);
   bw_free(w);
+  bw_free(coefficient);
+  bw_free(first);
   return status;
 }

@@ -133,6 +133,7 @@ static bw_contact_pair read_pair(lua_State *L, int i) {
       {"on", LBW_OTHER, 0},
       {"with", LBW_OTHER, 0},
       {"interference", LBW_REAL, offsetof(bw_contact_pair, interference)},
+      {"friction", LBW_REAL, offsetof(bw_contact_pair, friction)},
       {NULL, LBW_OTHER, 0}};
   char function[40];
   bw_contact_pair pair = {0};
@@ -155,12 +156,14 @@ static bw_contact_pair read_pair(lua_State *L, int i) {
   return pair;
 }
 
-/* model:contact(pairs, {solver, tolerance, max_iterations}) */
+/* model:contact(pairs, {solver, tolerance, max_iterations, steps, after}) */
 static int model_contact(lua_State *L) {
   static const lbw_option list[] = {
       {"solver", LBW_OTHER, 0},
       {"tolerance", LBW_REAL, offsetof(bw_contact_options, tolerance)},
       {"max_iterations", LBW_INT, offsetof(bw_contact_options, max_iterations)},
+      {"steps", LBW_INT, offsetof(bw_contact_options, steps)},
+      {"after", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   bw_contact_options options;
   bw_contact_options_default(&options);
@@ -169,6 +172,8 @@ static int model_contact(lua_State *L) {
   lua_settop(L, 3);
   lbw_options(L, 3, "contact", list, &options);
   options.solver = lbw_solver_option(L, 3, "contact");
+  options.after = (const bw_contact *)lbw_object_option(L, 3, "contact", "after",
+                                                        &lbw_contact_class, "an open contact");
   int count = (int)lua_rawlen(L, 2);
   if (count == 0)
     return lbw_error(L, "contact: a list of pairs {{on = , with = }, ...} expected");
@@ -213,6 +218,27 @@ static int contact_gap(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, contact->model->mesh->node_count, 1, contact->gap, contact);
 }
 
+/* The array with `columns` numbers for each node, or nil without friction. */
+static int push_friction(lua_State *L, bw_type type, int columns, void *data) {
+  const bw_contact *contact = self(L);
+  if (contact->has_friction)
+    return lbw_push_borrowed(L, type, contact->model->mesh->node_count, columns, data, contact);
+  lua_pushnil(L);
+  return 1;
+}
+
+static int contact_traction(lua_State *L) {
+  return push_friction(L, BW_F64, 3, self(L)->traction);
+}
+
+static int contact_slip(lua_State *L) {
+  return push_friction(L, BW_F64, 3, self(L)->slip);
+}
+
+static int contact_status(lua_State *L) {
+  return push_friction(L, BW_U8, 1, self(L)->status);
+}
+
 static void set_number(lua_State *L, const char *key, double value) {
   lua_pushnumber(L, value);
   lua_setfield(L, -2, key);
@@ -223,7 +249,7 @@ static int contact_pairs(lua_State *L) {
   lua_createtable(L, contact->pair_count, 0);
   for (int i = 0; i < contact->pair_count; i++) {
     const bw_contact_state *state = &contact->state[i];
-    lua_createtable(L, 0, 10);
+    lua_createtable(L, 0, 14);
     set_number(L, "area", state->area);
     set_number(L, "pressure", state->pressure);
     set_number(L, "gap", state->gap);
@@ -235,6 +261,13 @@ static int contact_pairs(lua_State *L) {
     if (state->node >= 0) {
       lbw_push_vector(L, contact->model->mesh->node + 3 * (int64_t)state->node);
       lua_setfield(L, -2, "at");
+    }
+    if (contact->pair[i].friction > 0) {
+      lbw_push_vector(L, state->friction);
+      lua_setfield(L, -2, "friction");
+      set_number(L, "stick_area", state->stick_area);
+      set_number(L, "slip", state->slip);
+      set_number(L, "work", state->work);
     }
     lua_pushinteger(L, state->candidates);
     lua_setfield(L, -2, "candidates");
@@ -265,6 +298,7 @@ static int contact_undetermined(lua_State *L) {
 INTEGER(contact_iterations, iterations)
 INTEGER(contact_changes, changes)
 INTEGER(contact_solves, solves)
+INTEGER(contact_steps, steps)
 #undef INTEGER
 
 static int contact_report(lua_State *L) {
@@ -277,11 +311,17 @@ static int contact_tostring(lua_State *L) {
   luaL_Buffer text;
   luaL_buffinit(L, &text);
   lua_pushfstring(L,
-                  "contact without friction, %d pair%s, %d iteration%s, %d changes of the active "
+                  "contact with%s friction, %d pair%s, %d iteration%s, %d changes of the active "
                   "set, %d solves",
-                  contact->pair_count, contact->pair_count == 1 ? "" : "s", contact->iterations,
+                  contact->has_friction ? "" : "out", contact->pair_count,
+                  contact->pair_count == 1 ? "" : "s", contact->iterations,
                   contact->iterations == 1 ? "" : "s", contact->changes, contact->solves);
   luaL_addvalue(&text);
+  if (contact->has_friction) {
+    lua_pushfstring(L, "\n  loads in %d step%s; with friction the result depends on their path",
+                    contact->steps, contact->steps == 1 ? "" : "s");
+    luaL_addvalue(&text);
+  }
   for (int i = 0; i < contact->pair_count; i++) {
     const bw_contact_state *state = &contact->state[i];
     if (state->active == 0 && state->penetration > 0)
@@ -296,6 +336,15 @@ static int contact_tostring(lua_State *L) {
           lbw_point(contact->model->mesh->node + 3 * (int64_t)state->node).text,
           lbw_quantity(state->penetration, "m").text);
     luaL_addvalue(&text);
+    if (state->active > 0 && contact->pair[i].friction > 0) {
+      lua_pushfstring(L,
+                      "\n    friction %f: %s of it, sticks on %s, slips by up to %s, took "
+                      "%s; " LBW_ERROR_UNKNOWN,
+                      contact->pair[i].friction, lbw_triple(state->friction, 1, "N").text,
+                      lbw_quantity(state->stick_area, "m2").text,
+                      lbw_quantity(state->slip, "m").text, lbw_quantity(state->work, "J").text);
+      luaL_addvalue(&text);
+    }
   }
   for (const char *line = contact->notes; *line;) {
     size_t length = strcspn(line, "\n");
@@ -318,6 +367,10 @@ static const luaL_Reg properties[] = {{"static", contact_static},
                                       {"mesh", contact_mesh},
                                       {"pressure", contact_pressure},
                                       {"gap", contact_gap},
+                                      {"traction", contact_traction},
+                                      {"slip", contact_slip},
+                                      {"status", contact_status},
+                                      {"steps", contact_steps},
                                       {"pairs", contact_pairs},
                                       {"undetermined", contact_undetermined},
                                       {"iterations", contact_iterations},

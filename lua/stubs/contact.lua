@@ -4,7 +4,7 @@
 --
 -- Contact
 --
--- Rigid surfaces, and parts that touch them or each other without friction.
+-- Rigid surfaces, and parts that touch them or each other, without friction or with Coulomb's.
 
 ---Rigid surfaces that parts touch: `bw.rigid`.
 ---@class bw.RigidModule
@@ -71,8 +71,8 @@ local RigidSurface = {}
 ---Releases its memory at once.
 function RigidSurface:close() end
 
----A part in contact without friction. Displacements and sliding are small: areas and lever arms are those of the undeformed part.
----The gap is zero in the mean of the hat function of each corner, and pressure is linear on each facet.
+---A part in contact. Displacements and sliding are small: areas and lever arms are those of the undeformed part.
+---The gap is zero in the mean of the hat function of each corner, and pressure is linear on each facet. Friction holds at the corners.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.2, 0.1, 0.05}, cells = {8, 4, 2}}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}
@@ -85,6 +85,10 @@ function RigidSurface:close() end
 ---@field mesh bw.Mesh of the model
 ---@field pressure bw.Array (Pa, node_count × 1, per node) on the facets `on` of the pairs; 0 where nothing touches, the larger where pairs meet
 ---@field gap bw.Array (m, node_count × 1, per node) of the deformed part at the nodes of `on` of the pairs, negative inside of the rigid surface; against facets the mean gap at their corners; infinite elsewhere
+---@field traction? bw.Array (Pa, node_count × 3, per node) friction on the facets `on` of the pairs, as `pressure`; nil without friction
+---@field slip? bw.Array (m, node_count × 3, per node) of the corners of `on` against what they touch, in the mean, summed over the steps in which they slip; nil without friction
+---@field status? bw.Array (-, node_count × 1, per node) 0 where nothing touches, 1 where it sticks, 2 where it slips; nil without friction
+---@field steps integer (count) in which the loads grew, with those of the contact before
 ---@field pairs bw.ContactState[] what each pair does
 ---@field undetermined string[] motions along which nothing decides the position, such as "translation along (1, 0, 0)"; stress and pressure do not depend on it
 ---@field iterations integer (count) of linearisations
@@ -96,16 +100,21 @@ local Contact = {}
 ---What a pair of contact does.
 ---@class bw.ContactState
 ---@field area number (m2) that carries pressure; its border is known to within one element
----@field force bw.Vector (N) on the facets `on`; what they are against has the opposite
+---@field force bw.Vector (N) on the facets `on`, with friction; what they are against has the opposite
 ---@field moment bw.Vector (N m) about the origin
 ---@field pressure number (Pa) the largest
 ---@field at? bw.Vector (m) where that is; nil of an open pair
 ---@field gap number (m) the smallest of an open pair; 0 of a closed one
 ---@field penetration number (m) the deepest point between corners: a measure of the error of the mesh
+---@field friction? bw.Vector (N) the part of `force` that is friction; nil without it
+---@field stick_area? number (m2) the part of `area` that sticks; nil without friction
+---@field slip? number (m) the largest at a corner that touches, summed over the steps; nil without friction
+---@field work? number (J) that friction took over all steps, by the tractions at the end of each: too large where they grow within a step; nil without friction
 ---@field candidates integer (count) corners of the facets
 ---@field active integer (count) corners that carry pressure
 
----Writes the fields of the static solution and `contact_pressure` as a mesh file.
+---Writes the fields of the static solution and `contact_pressure` as a mesh file, with friction also `friction`, `slip` and
+---`contact_status`.
 ---
 ---Errors: io (the file cannot be written).
 ---```lua

@@ -495,16 +495,15 @@ function Model:harmonic(options) end
 ---@field stiffness? number (s) b of it. Range: 0 or more. Default: 0
 ---@field loss? number (-) loss factor h of the stiffness (1 + i h) K, not in time. Range: 0 or more. Default: 0
 
----The part in contact with rigid surfaces, or parts of its mesh with each other, without friction, for small
----displacements: contact pressure, resultants and the static
----solution. Supports may leave motions that contact restrains. The factor is that of the part's equations; each candidate that
+---The part in contact with rigid surfaces, or parts of its mesh with each other, without friction or with Coulomb's, for
+---small displacements: contact pressure, friction, resultants and the static solution. Supports may leave motions that contact restrains. The factor is that of the part's equations; each candidate that
 ---may touch takes one solution with it.
 ---
 ---A warning names pairs that stay open or penetrate for want of smaller facets, motions that nothing decides, and rotations that
 ---are not small.
 ---
 ---Errors: unconstrained (neither supports nor contact balance the load; `details.motion` says along which motion), convergence
----(the part slides far on a curved surface), invalid (supports press the part into a surface), empty (a pair without a facet);
+---(the part slides far on a curved surface, or friction finds no equilibrium: the message says where), invalid (supports press the part into a surface), empty (a pair without a facet);
 ---those of `solve`.
 ---
 ---Source: docs/theory/contact.md.
@@ -527,12 +526,15 @@ function Model:contact(pairs, options) end
 ---@field on bw.Selection with facets; the pressure is on these
 ---@field with bw.RigidSurface|bw.Selection what they may touch; of facets those that they face in the undeformed mesh
 ---@field interference? number (m) by which gaps are smaller than in the mesh, as of a press fit; negative: larger. Default: 0
+---@field friction? number (-) Coulomb's coefficient of friction. Range: 0 to 100. Default: 0
 
 ---How contact is found.
 ---@class bw.ContactOptions
 ---@field solver? bw.Solver|"auto" of the equations. Default: "auto"
 ---@field tolerance? number (-) mean gap of a corner in contact with a curved surface over the largest displacement of the facets. Range: above 0, below 1. Default: 1e-6
----@field max_iterations? integer (count) of linearisations of curved surfaces, 1 or more. Default: 30
+---@field max_iterations? integer (count) of linearisations of curved surfaces in each step, 1 or more. Default: 30
+---@field steps? integer (count) in which the loads grow in proportion, 1 or more; with friction the result depends on their path. Default: 1
+---@field after? bw.Contact with friction: the path goes on from the loads, the place and the slip of this contact with the same mesh and selections. Default: from rest, without load
 
 ---The equations of the model, ready for many right-hand sides: with a factor, or with the preconditioner of conjugate
 ---gradients. The model keeps them for what follows.

@@ -66,6 +66,36 @@ describe("contact", function()
     assert.matches("of body 2", contact.undetermined[1])
   end)
 
+  it("has friction, along a path of loads", function()
+    local pairs = {{on = foot, with = floor, friction = 0.5}}
+    local part = block {pressure = 2e6}
+    local pressed = assert(part:contact(pairs))
+    part:load {on = top, traction = {0.4e6, 0, 0}}
+    local sheared = assert(part:contact(pairs, {steps = 2, after = pressed}))
+    local pair = sheared.pairs[1]
+    assert.are.equal(3, sheared.steps)
+    assert.is_true(math.abs(pair.friction[1] + 0.4e6 * 0.06) < 1)
+    assert.is_true(pair.stick_area > 0 and pair.stick_area <= pair.area)
+    assert.is_true(pair.work >= pressed.pairs[1].work and pair.slip > 0)
+    for _, i in ipairs(foot.nodes:totable()) do
+      local t = math.sqrt(sheared.traction(i, 1) ^ 2 + sheared.traction(i, 2) ^ 2)
+      assert.is_true(t <= 0.5 * sheared.pressure(i) + 1)
+    end
+    assert.is_true(sheared.status:max() == 2 and sheared.slip:column(1):min() < 0)
+    assert.matches("contact with friction", tostring(sheared))
+    assert.matches("loads in 3 steps; with friction the result depends on their path", tostring(sheared))
+    assert.matches("friction 0.5: %(%-24000, .*sticks on .*took .*; error unknown", tostring(sheared))
+    local path = os.tmpname() .. ".vtu"
+    assert(sheared:write(path))
+    assert.is_not_nil(assert(bw.mesh.read(path)))
+    os.remove(path)
+    check.raises("both have friction", part.contact, part, {{on = foot, with = floor}}, {after = pressed})
+    assert.is_nil(assert(part.contact(block {pressure = 1e6}, {{on = foot, with = floor}})).traction)
+    check.raises("option 'after': an open contact", part.contact, part, pairs, {after = 3})
+    pressed:close()
+    check.raises("option 'after': this contact is closed", part.contact, part, pairs, {after = pressed})
+  end)
+
   it("says what nothing stops", function()
     local contact, message, details = block {force = {0, 10, -100}}:contact {{on = foot, with = floor}}
     assert.is_nil(contact)

@@ -1,4 +1,4 @@
-/* contact: bodies that touch rigid surfaces or each other, without friction
+/* contact: bodies that touch rigid surfaces or each other, without friction or with Coulomb's
  * (docs/theory/contact.md). */
 #ifndef BARWRIGHT_CONTACT_H
 #define BARWRIGHT_CONTACT_H
@@ -43,7 +43,10 @@ typedef struct bw_contact_pair {
   const bw_rigid_surface *with; /* retained by results; or NULL */
   const bw_selection *against;  /* retained by results; else: with facets that face those of `on` */
   double interference; /* (m) by which gaps are smaller than in the mesh, any sign; default 0 */
+  double friction;     /* (-) Coulomb's coefficient of friction, 0 to 100; default 0 */
 } bw_contact_pair;
+/* A body in contact. It does not change. */
+typedef struct bw_contact bw_contact;
 
 /* How contact is found. */
 typedef struct bw_contact_options {
@@ -51,7 +54,12 @@ typedef struct bw_contact_options {
   double tolerance;        /* (-) mean gap of an active candidate on a curved surface over the
                               largest displacement by the pressure; above 0 and below 1; default
                               1e-6 */
-  int max_iterations;      /* (count) of linearisations, 1 or more; default 30 */
+  int max_iterations;      /* (count) of linearisations in each step, 1 or more; default 30 */
+  int steps; /* (count) in which the loads grow in proportion, 1 or more; default 1. With friction
+                the result depends on the path of the loads */
+  const bw_contact *after; /* with friction, borrowed: the path goes on from the loads, the place
+                              and the slip of this contact with the same pairs; default NULL: at
+                              rest, without load */
 } bw_contact_options;
 /* The defaults. */
 BW_API void bw_contact_options_default(bw_contact_options *options);
@@ -59,17 +67,26 @@ BW_API void bw_contact_options_default(bw_contact_options *options);
 /* What a pair does. */
 typedef struct bw_contact_state {
   double area;        /* (m2) that carries pressure; its border is known to within one element */
-  double force[3];    /* (N) on the body at the selected facets */
+  double force[3];    /* (N) on the body at the selected facets, with friction */
   double moment[3];   /* (N m) about the origin */
   double pressure;    /* (Pa) the largest */
   int32_t node;       /* (index) where that is; -1 of an open pair */
   double gap;         /* (m) the smallest of an open pair, 0 of a closed one */
   double penetration; /* (m) the deepest point of the rule: gaps are zero in the mean alone */
   int32_t candidates, active; /* (count) corners of the facets, and those that carry pressure */
+  double friction[3];         /* (N) the part of `force` that is friction */
+  double stick_area;          /* (m2) the part of `area` that sticks; 0 without friction */
+  double slip;                /* (m) the largest at a corner that touches, summed over the steps */
+  double work;                /* (J) that friction took, over all steps */
 } bw_contact_state;
+/* What a node of the facets does. */
+typedef enum bw_contact_status {
+  BW_CONTACT_OPEN,   /* it carries no pressure */
+  BW_CONTACT_STICKS, /* it carries pressure and does not slip */
+  BW_CONTACT_SLIPS   /* as all that touches without friction */
+} bw_contact_status;
 
-/* A body in contact. It does not change. */
-typedef struct bw_contact {
+struct bw_contact {
   bw_object object;
   const bw_model *model; /* retained */
   bw_static *solution;   /* retained: of the model with the contact's forces as a load */
@@ -80,25 +97,36 @@ typedef struct bw_contact {
                        the corners; the larger where pairs meet */
   double *gap; /* (m, node_count) of the deformed body at the nodes of `on`, negative inside of the
                   surface; against facets the mean gap at the corners; infinite at the others */
-  int iterations;  /* linearisations */
-  int changes;     /* of the active set: candidates that entered or left it */
-  int solves;      /* right-hand sides solved for */
-  int free_count;  /* motions along which nothing decides the position */
-  char *free_text; /* these motions, one in each line; "" without */
+  bool has_friction;   /* in some pair; else the next five are NULL */
+  double *traction;    /* (Pa, node_count x 3) friction on the facets `on`, as `pressure` */
+  double *slip;        /* (m, node_count x 3) of the corners of `on` against what they touch, in the
+                          mean, summed over the steps in which they slip; 0 at mid-edge nodes */
+  double *corner_slip; /* (m, candidates x 3) the same by candidates of all pairs */
+  double *work;        /* (J, pair_count) that friction took */
+  bw_static *start;    /* retained: the solution without contact */
+  uint8_t *status;     /* (node_count) bw_contact_status of the corners of `on` */
+  int steps;           /* in which the loads grew, with those of the contact before */
+  int iterations;      /* linearisations */
+  int changes;         /* of the active set: candidates that entered or left it */
+  int solves;          /* right-hand sides solved for */
+  int free_count;      /* motions along which nothing decides the position */
+  char *free_text;     /* these motions, one in each line; "" without */
   char *notes; /* what the result leaves undecided and what is beyond its theory: the warnings of
                   bw_contact_solve, one in each line; "" without */
   bw_solver_report report; /* of the equations */
-} bw_contact;
-/* A model in contact by pair (pair_count, 1 or more), without friction, for small displacements.
+};
+/* A model in contact by pair (pair_count, 1 or more), for small displacements and small sliding.
  * `given` as of bw_system_of_model. `options` may be NULL. A warning names pairs that stay open or
  * penetrate for want of smaller facets, motions that nothing decides, and rotations that are not
  * small. BW_UNCONSTRAINED where neither supports nor contact balance the load, and for loads of
  * bw_statics that no support takes; BW_CONVERGENCE where the linearisation of curved surfaces or
- * the active set do not come to an end; BW_INVALID for a selection of another mesh, a pair without
- * exactly one of `with` and `against`, which may have no node in common with `on`, facets of which
- * none faces those, and where supports press the body into a surface; BW_EMPTY for a selection
- * without a facet, BW_LIMIT for more than 8000 corners that touch or 6000 free rigid-body
- * modes, BW_UNSUPPORTED for an external solver; those of bw_statics and bw_system_solve. */
+ * the active set do not come to an end, and where friction finds no equilibrium; BW_INVALID for a
+ * selection of another mesh, a pair without exactly one of `with` and `against`, which may have no
+ * node in common with `on`, facets of which none faces those, an `after` of another mesh, of other
+ * facets or without friction, and where supports press the body into a surface; BW_EMPTY for a
+ * selection without a facet, BW_LIMIT for more than 8000 unknowns of corners that touch, one each
+ * or three with friction, or 6000 free rigid-body modes, BW_UNSUPPORTED for an external solver;
+ * those of bw_statics and bw_system_solve. */
 BW_API bw_status bw_contact_solve(bw_context *context, const bw_model *model, int pair_count,
                                   const bw_contact_pair *pair, bw_system *given,
                                   const bw_contact_options *options, bw_contact **contact);

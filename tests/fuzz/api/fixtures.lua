@@ -114,6 +114,9 @@ makers.RigidSurface = {
 }
 makers.Contact = {function(p)
   return assert(p.Model:contact {{on = p.Mesh.boundary:below(3, 0), with = bw.rigid.plane {normal = {0, 0, 1}}}})
+end, function(p)
+  return assert(p.Model:contact {{on = p.Mesh.boundary:above(3, 0.02), friction = 0.2,
+    with = bw.rigid.plane {point = {0, 0, 1}, normal = {0, 0, -1}}}})
 end}
 makers.Deposition = {function()
   local mesh = bw.mesh.box {cells = {2, 2, 2}}
