@@ -9,7 +9,7 @@
 #include "linear/blas.h"
 #include "linear/multivector.h"
 
-static const double *vector_of(const bw_harmonic *h, int k) {
+const double *bwi_harmonic_vector(const bw_harmonic *h, int k) {
   int64_t size = 3 * (int64_t)h->model->mesh->node_count;
   int modes = h->modes->count;
   return k < modes ? h->modes->shape + k * size : h->residual + (k - modes) * size;
@@ -65,7 +65,7 @@ bw_status bw_harmonic_curve(bw_context *context, const bw_harmonic *h, int32_t n
     memset(out, 0, 6 * sizeof *out);
     for (int k = 0; k < h->count; k++)
       for (int c = 0; c < 6; c++)
-        out[c] += q[2 * k + c / 3] * vector_of(h, k)[3 * (int64_t)node + c % 3];
+        out[c] += q[2 * k + c / 3] * bwi_harmonic_vector(h, k)[3 * (int64_t)node + c % 3];
   }
 done:
   bw_free(q);

@@ -9,6 +9,8 @@
 double bwi_half_width(const bw_damping *damping, double omega);
 /* For qsort of doubles. */
 int bwi_compare_numbers(const void *a, const void *b);
+/* Vector k (node_count x 3) of a response. */
+const double *bwi_harmonic_vector(const bw_harmonic *harmonic, int k);
 /* sum of weight (harmonic->count) times vector: field (node_count x 3). */
 bw_status bwi_harmonic_combine(bw_context *context, const bw_harmonic *harmonic,
                                const double *weight, double *field);

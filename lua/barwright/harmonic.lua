@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Harmonic responses: curves over the frequency as CSV and plots, files, pictures and animations of a frequency.
+-- Harmonic responses: curves and envelopes over the frequency, files, pictures and animations of a frequency.
 -- docs/theory/dynamics.md
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
@@ -96,6 +96,70 @@ function curve:__tostring()
 end
 
 arguments.methods("harmonic_curve", curve, curve, {peak = "axis: string", write = "path: string", figure = ""})
+
+-- ---- the largest over frequencies -----------------------------------------------------------------
+
+local envelope = {}
+envelope.__index = members("envelope", envelope, {})
+envelope.__name = "barwright.harmonic_envelope"
+
+local largest_of = harmonic.envelope
+
+--- The largest displacement and von Mises stress at each node, over frequencies and phases: {frequencies =}.
+function harmonic:envelope(given)
+  local opts = options.read("envelope", given, {frequencies = {type = "any"}})
+  local made = {mesh = self.mesh, largest = {},
+    frequencies = opts.frequencies and core.array.new(opts.frequencies) or self.frequencies}
+  for _, name in ipairs {"displacement", "von_mises"} do
+    local values, at, peaks, places = largest_of(self, name == "von_mises", made.frequencies)
+    if not values then return nil, at, peaks end
+    local i = peaks:argmax()
+    made[name], made[name .. "_frequency"] = values, at
+    made[name .. "_peaks"], made[name .. "_nodes"] = peaks, places
+    local node = places[i]
+    made.largest[name] = {value = peaks[i], frequency = made.frequencies[i], node = node,
+      at = self.mesh.nodes:rows(node, node):totable()[1]}
+  end
+  return setmetatable(made, envelope)
+end
+
+--- The largest values and their frequencies as .vtu (or what the ending says).
+function envelope:write(path, given)
+  local opts = options.copied(given)
+  opts.fields = options.copied(opts.fields, "fields")
+  for _, name in ipairs {"displacement", "von_mises"} do
+    opts.fields["largest_" .. name] = {self[name], on = "nodes"}
+    opts.fields[name .. "_frequency"] = {self[name .. "_frequency"], on = "nodes"}
+  end
+  return self.mesh:write(path, opts)
+end
+
+--- The body coloured by the largest von Mises stress; options of bw.picture.
+function envelope:picture(path, given)
+  local opts = options.copied(given)
+  local surface, nodes, details = fine_boundary(self.mesh)
+  if not surface then return nil, nodes, details end
+  opts.values = self.von_mises:gather(nodes)
+  opts.unit, opts.scale = opts.unit or "largest von Mises stress over frequencies, MPa", opts.scale or 1e-6
+  return core.picture(surface, path, opts)
+end
+
+--- A plot of the largest von Mises stress of the body over the frequency, logarithmic upwards.
+function envelope:figure()
+  return plot.lines {series = {{x = self.frequencies, y = self.von_mises_peaks}},
+    x = {label = "frequency", unit = "Hz", prefix = false},
+    y = {label = "largest amplitude of von Mises stress", unit = "Pa", scale = "log"}}
+end
+
+function envelope:__tostring()
+  local u, s = self.largest.displacement, self.largest.von_mises
+  return ("envelope over %d frequencies: largest displacement %s at %s Hz, node %d; largest von Mises stress %s "
+    .. "at %s Hz, node %d; error of the mesh unknown"):format(#self.frequencies, core.quantity(u.value, "m"),
+    shown.number(u.frequency), u.node, core.quantity(s.value, "Pa"), shown.number(s.frequency), s.node)
+end
+
+arguments.methods("harmonic_envelope", envelope, envelope, {write = "path: string, options?: options",
+  picture = "path: string, options?: options", figure = ""})
 
 -- ---- random vibration ----------------------------------------------------------------------------
 
@@ -227,6 +291,7 @@ function harmonic:animate(frequency, path, given)
 end
 
 arguments.methods("harmonic", harmonic, nil, {curve = "options: options", random = "options: options",
+  envelope = "options?: options",
   write = "path: string, frequency: number, options?: options",
   picture = "frequency: number, path: string, options?: options",
   animate = "frequency: number, path: string, options?: options"})

@@ -110,21 +110,47 @@ static int harmonic_von_mises(lua_State *L) {
   return lbw_leave(L, bw_harmonic_stress(lbw_enter(L), h, frequency, NULL, NULL, out), 1);
 }
 
+/* The frequencies of argument 3, or those of the response: 1 to a million. */
+static const double *frequencies_of(lua_State *L, const bw_harmonic *h, const char *what,
+                                    int64_t *count) {
+  const double *frequency = h->frequency;
+  *count = h->frequency_count;
+  if (!lua_isnil(L, 3))
+    frequency = lbw_to_doubles(L, 3, what, 1, count);
+  if (*count < 1 || *count > 1000000)
+    lbw_error(L, "%s: 1 to 1000000 frequencies expected", what);
+  return frequency;
+}
+
 /* harmonic:at_node(node, frequencies): a row for each frequency, real then imaginary part */
 static int harmonic_at_node(lua_State *L) {
   const bw_harmonic *h = self(L);
   int64_t node = lbw_check_index(L, 2, "node", h->model->mesh->node_count), count;
   lua_settop(L, 3);
-  const double *frequency = h->frequency;
-  if (lua_isnil(L, 3))
-    count = h->frequency_count;
-  else
-    frequency = lbw_to_doubles(L, 3, "at_node: frequencies", 1, &count);
-  if (count < 1 || count > 1000000)
-    return lbw_error(L, "at_node: 1 to 1000000 frequencies expected");
+  const double *frequency = frequencies_of(L, h, "at_node: frequencies", &count);
   double *out = (double *)lbw_push_array(L, BW_F64, count, 6)->data;
   return lbw_leave(L, bw_harmonic_curve(lbw_enter(L), h, (int32_t)node, (int)count, frequency, out),
                    1);
+}
+
+/* harmonic:envelope(of_stress, frequencies): of von Mises stress, else of displacement, the largest
+ * at each node and its frequency, and the largest at each frequency and its node */
+static int harmonic_envelope(lua_State *L) {
+  const bw_harmonic *h = self(L);
+  bool of_stress = lua_toboolean(L, 2);
+  int64_t nodes = h->model->mesh->node_count, count;
+  lua_settop(L, 3);
+  const double *frequency = frequencies_of(L, h, "envelope: option 'frequencies'", &count);
+  double *value = (double *)lbw_push_array(L, BW_F64, nodes, 1)->data;
+  double *at = (double *)lbw_push_array(L, BW_F64, nodes, 1)->data;
+  double *peak = (double *)lbw_push_array(L, BW_F64, count, 1)->data;
+  int32_t *place = (int32_t *)lbw_push_array(L, BW_I32, count, 1)->data;
+  bw_status status = bw_harmonic_envelope(
+      lbw_enter(L), h, of_stress ? BW_HARMONIC_VON_MISES : BW_HARMONIC_DISPLACEMENT, (int)count,
+      frequency, value, at, peak, place);
+  for (int64_t i = 0; i < count; i++)
+    place[i]++;
+  return lbw_leave(L, status, 4);
 }
 
 /* harmonic:random(psd), rows {Hz, density}: root mean squares of displacement and von Mises stress,
@@ -201,6 +227,7 @@ static const luaL_Reg methods[] = {{"displacement", harmonic_displacement},
                                    {"stress", harmonic_stress},
                                    {"von_mises", harmonic_von_mises},
                                    {"at_node", harmonic_at_node},
+                                   {"envelope", harmonic_envelope},
                                    {"random", harmonic_random},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {{"frequencies", harmonic_frequencies},

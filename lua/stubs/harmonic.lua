@@ -84,6 +84,28 @@ function Harmonic:curve(options) end
 ---@field at bw.Vector (m) the place
 ---@field frequencies? number[]|bw.Array (Hz, n × 1) 0 or more each. Default: those of the response
 
+---The largest displacement and von Mises stress of each node over frequencies, each over its period. The stress of each vector of
+---the basis is computed once.
+---
+---Errors: those of `displacement`.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local shaken = assert(part:harmonic {range = {0, 500}, base = {0, 0, 9.81}, damping = {ratio = 0.02}})
+---local envelope = assert(shaken:envelope())
+---print(envelope, envelope.largest.von_mises.frequency)
+---assert(envelope:write "envelope.vtu" and envelope:figure():write "stress.svg")
+---```
+---@param options? bw.HarmonicEnvelopeOptions the frequencies
+---@return bw.HarmonicEnvelope? envelope the largest values
+---@return string? message
+---@return bw.Details? details
+function Harmonic:envelope(options) end
+
+---Frequencies of an envelope.
+---@class bw.HarmonicEnvelopeOptions
+---@field frequencies? number[]|bw.Array (Hz, n × 1) 0 or more each. Default: those of the response
+
 ---Root mean squares where loads and base are multiplied by one random process, stationary and of mean 0.
 ---
 ---Errors: singular (nothing damps a mode or a residual vector in the range; a ratio damps modes alone). Points that do not ascend, are negative or reach beyond the highest
@@ -184,6 +206,60 @@ function HarmonicCurve:write(path) end
 ---A plot of the amplitudes over the frequency.
 ---@return bw.Figure figure the plot
 function HarmonicCurve:figure() end
+
+---The largest displacement and von Mises stress over frequencies. The frequencies of a range meet the peaks of modes; those of a
+---list may miss them.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local shaken = assert(part:harmonic {range = {0, 300}, base = {0, 0, 1}, damping = {ratio = 0.01}})
+---local envelope = assert(shaken:envelope {frequencies = {50, 100, 200}})
+---print(envelope.von_mises_peaks:max(), envelope.von_mises_frequency[1])
+---```
+---@class bw.HarmonicEnvelope
+---@field frequencies bw.Array (Hz, n × 1) the frequencies
+---@field displacement bw.Array (m, node_count × 1, per node) the largest length of the displacement
+---@field displacement_frequency bw.Array (Hz, node_count × 1, per node) the frequency of it
+---@field displacement_peaks bw.Array (m, n × 1) the largest over the nodes, at each frequency
+---@field displacement_nodes bw.Array (index from 1, n × 1) its node
+---@field von_mises bw.Array (Pa, node_count × 1, per node) the largest von Mises stress
+---@field von_mises_frequency bw.Array (Hz, node_count × 1, per node) the frequency of it
+---@field von_mises_peaks bw.Array (Pa, n × 1) the largest over the nodes, at each frequency
+---@field von_mises_nodes bw.Array (index from 1, n × 1) its node
+---@field largest table<string, bw.HarmonicLargest> the largest of all, as `largest.displacement` and `largest.von_mises`
+---@field mesh bw.Mesh of the model
+local HarmonicEnvelope = {}
+
+---The largest value of an envelope.
+---@class bw.HarmonicLargest
+---@field value number (any) the value, in m or Pa
+---@field frequency number (Hz) the first frequency at which it is reached
+---@field node integer (index from 1) its node
+---@field at number[] (m, 3) where the node is
+
+---Writes the largest values and their frequencies to a .vtu file. Other endings of `mesh:write` work, too.
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@param options? bw.MeshWriteOptions further fields, unit and version
+---@return true? written true
+---@return string? message
+---@return bw.Details? details
+function HarmonicEnvelope:write(path, options) end
+
+---Draws the body as a PNG file, coloured by the largest von Mises stress.
+---
+---Errors: those of `bw.picture`.
+---@param path string the file
+---@param options? bw.PictureOptions how it is drawn
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
+function HarmonicEnvelope:picture(path, options) end
+
+---A plot of the largest von Mises stress of the body over the frequency.
+---@return bw.Figure figure the plot
+function HarmonicEnvelope:figure() end
 
 ---Root mean squares of a response to a random process.
 ---```lua

@@ -104,6 +104,29 @@ describe("harmonic", function()
     assert(response:animate(100, folder .. "moving.png", {pictures = 4, width = 200, height = 150}))
   end)
 
+  it("has an envelope over the frequencies: that of its fields", function()
+    local response = assert(beam({0, 3, 10}):harmonic {range = {0, 2 * bending}, damping = {ratio = 0.02}})
+    local envelope = assert(response:envelope())
+    local largest = envelope.largest.von_mises
+    local field = response:von_mises(largest.frequency)
+    check.near(field:max(), largest.value, 1e-12)
+    assert.equal(field:argmax(), largest.node)
+    assert.equal(#response.frequencies, #envelope.von_mises_peaks)
+    assert.equal(envelope.von_mises:max(), envelope.von_mises_peaks:max())
+    assert.equal(largest.frequency, envelope.von_mises_frequency[largest.node])
+    for i = 1, #response.frequencies, 20 do
+      check.near(response:von_mises(response.frequencies[i]):max(), envelope.von_mises_peaks[i], 1e-12)
+    end
+    local one = assert(response:envelope {frequencies = {100}})
+    local u, v = response:displacement(100)
+    local node = one.displacement_nodes[1]
+    local length = math.max(bw.array.map("norm(a)", {a = u})[node], bw.array.map("norm(a)", {a = v})[node])
+    assert.is_true(one.largest.displacement.value >= length and one.largest.displacement.frequency == 100)
+    assert.truthy(tostring(envelope):find("envelope over %d+ frequencies: largest displacement .* Hz, node %d+"))
+    assert(envelope:write(folder .. "envelope.vtu") and envelope:picture(folder .. "envelope.png"))
+    assert(envelope:figure():write(folder .. "envelope.svg"))
+  end)
+
   it("refuses misuse in a sentence", function()
     local part = beam {0, 0, 1}
     local response = assert(part:harmonic {frequencies = {10}})
@@ -117,6 +140,8 @@ describe("harmonic", function()
       ["401 residual vectors"] = function() part:harmonic {range = {0, 1}, residual_vectors = 401} end,
       ["nothing excites"] = function() beam():harmonic {range = {0, 1}} end,
       ["-1 Hz"] = function() response:displacement(-1) end,
+      ["envelope: option 'frequencies': 1 to 1000000"] = function() response:envelope {frequencies = {}} end,
+      ["unknown option 'frequency'"] = function() response:envelope {frequency = {1}} end,
       ["option 'psd' is missing"] = function() response:random {} end,
       ["2 points or more"] = function() response:random {psd = {{1, 1}}} end,
       ["larger range"] = function() response:random {psd = {{1, 1}, {11, 1}}} end,

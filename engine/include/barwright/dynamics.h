@@ -88,6 +88,21 @@ BW_API bw_status bw_harmonic_stress(bw_context *context, const bw_harmonic *harm
                                     double frequency, double *real, double *imaginary,
                                     double *von_mises);
 
+/* What an envelope is of. */
+typedef enum bw_harmonic_field {
+  BW_HARMONIC_DISPLACEMENT, /* (m) its length */
+  BW_HARMONIC_VON_MISES     /* (Pa) */
+} bw_harmonic_field;
+/* The largest of a field over the phase and over frequencies, frequency (Hz, count): value (any,
+ * node_count), in m or Pa, and at (Hz, node_count), the frequency of it; peak (any, count), the
+ * largest over the nodes at each frequency, and node (index, count) where that is. The first of
+ * equal ones. Each may be NULL. The values are those of bw_harmonic_stress up to rounding; the
+ * field of each vector is computed once, and kept meanwhile. BW_INVALID for no frequency; those of
+ * bw_harmonic_coordinates. */
+BW_API bw_status bw_harmonic_envelope(bw_context *context, const bw_harmonic *harmonic,
+                                      bw_harmonic_field what, int count, const double *frequency,
+                                      double *value, double *at, double *peak, int32_t *node);
+
 /* ---- random vibration ------------------------------------------------------------------------ */
 
 /* Root mean squares of the response where the loads, and the base's acceleration, are multiplied by

@@ -8,45 +8,9 @@ local output = require "barwright.command.output"
 local places = require "barwright.command.places"
 local shown = require "barwright.shown"
 
-local map = core.array.map
-
--- The largest length of a displacement over a period, of each node, squared.
-local function squared_amplitude(real, imaginary)
-  return map("0.5*(p + q + hypot(p - q, s - p - q))", {p = map("norm(a)^2", {a = real}),
-    q = map("norm(a)^2", {a = imaginary}), s = map("norm(a)^2", {a = real + imaginary})})
-end
-
--- The largest of a field over nodes and frequencies: {value =, frequency =, at =}; field(frequency) gives it.
-local function largest(response, field)
-  local best = {value = -1}
-  for _, frequency in ipairs(response.frequencies:totable()) do
-    local values, message, details = field(frequency)
-    if not values then return nil, message, details end
-    local value = values:max()
-    if value > best.value then best = {value = value, frequency = frequency, node = values:argmax()} end
-  end
-  best.at = response.mesh.nodes:rows(best.node, best.node):totable()[1]
-  return best
-end
-
 local function respond(part, opts, base)
   return model.try(part.harmonic, part,
     {range = {opts.from, opts.to}, damping = {ratio = opts.damping}, base = base})
-end
-
-local function largest_stress(response)
-  return largest(response, function(frequency) return response:von_mises(frequency) end)
-end
-
-local function largest_displacement(response)
-  local found, message, details = largest(response, function(frequency)
-    local real, imaginary, more = response:displacement(frequency)
-    if not real then return nil, imaginary, more end
-    return squared_amplitude(real, imaginary)
-  end)
-  if not found then return nil, message, details end
-  found.value = math.sqrt(found.value)
-  return found
 end
 
 -- Largest stress and displacement on a coarser mesh, and its elements; nil where there is none to compare with.
@@ -54,8 +18,9 @@ local function on_coarser(read, opts, given, material)
   return model.on_coarser(read, opts, 2, function(mesh)
     local part = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, given, {say = function() end})
     local response = part and respond(part, opts, given.base)
-    local stress, displacement = response and largest_stress(response), response and largest_displacement(response)
-    return stress and displacement and {stress = stress.value, displacement = displacement.value,
+    local envelope = response and response:envelope()
+    local largest = envelope and envelope.largest
+    return largest and {stress = largest.von_mises.value, displacement = largest.displacement.value,
       elements = mesh.element_count}
   end)
 end
@@ -71,10 +36,10 @@ local function analyse(opts, given, out)
   found.response, message, details = respond(part, opts, given.base)
   out:warnings()
   if not found.response then return nil, message, details end
-  found.displacement, message, details = largest_displacement(found.response)
-  if not found.displacement then return nil, message, details end
-  found.stress, message, details = largest_stress(found.response)
-  if not found.stress then return nil, message, details end
+  local envelope
+  envelope, message, details = found.response:envelope()
+  if not envelope then return nil, message, details end
+  found.displacement, found.stress = envelope.largest.displacement, envelope.largest.von_mises
   found.coarse = on_coarser(read, opts, given, material)
   found.singular = model.find_singular(part, read, found.stress.at,
     {stress = found.stress.value, elements = mesh.element_count}, found.coarse)

@@ -315,6 +315,99 @@ static void peaks_are_met(void **state) {
   bw_release(mesh);
 }
 
+/* The envelope of a body of two materials is the largest of the fields at each frequency, on any
+ * number of threads. Its 250 frequencies take several products. */
+static void envelope_of_fields(void **state) {
+  enum { COUNT = 250 };
+  bw_context *context = check_context(state);
+  const double force[3] = {-100, 20, 30};
+  bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 9, 2, 1, 2);
+  bw_material *soft = NULL;
+  int32_t nodes = mesh->node_count, node[COUNT];
+  int64_t size = 3 * (int64_t)nodes;
+  double frequency[COUNT], peak[COUNT], *u = numbers(2 * size), *field = numbers(nodes);
+  double *value = numbers(4 * (int64_t)nodes), *at = value + nodes, *other = at + nodes;
+  double *most = other + nodes;
+  int32_t *of = (int32_t *)calloc((size_t)mesh->element_count, sizeof *of);
+  bw_material *all = NULL, *hard = body_material(context);
+  check_ok(context, bw_material_named(context, "pla", &soft));
+  const bw_material *part[2] = {hard, soft};
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    of[e] = e % 5 == 0;
+  check_ok(context, bw_material_by_element(context, mesh->element_count, 2, of, part, &all));
+  bw_model *mixed = NULL;
+  check_ok(context, bw_model_create(context, mesh, all, &mixed));
+  bw_selection *held = plane(context, mesh, 0, 0), *loaded = plane(context, mesh, 0, 0.3);
+  check_ok(context, bw_model_fix(context, mixed, held));
+  check_ok(context, bw_model_force(context, mixed, loaded, force));
+  bw_harmonic_options options;
+  bw_harmonic_options_default(&options);
+  for (int i = 0; i < COUNT; i++)
+    frequency[i] = 1000 - 4.0 * i; /* in any order */
+  options.frequency_count = COUNT;
+  options.frequency = frequency;
+  options.damping = (bw_damping){.ratio = 0.01, .loss = 0.03};
+  bw_harmonic *h = answered(context, mixed, &options);
+  for (int what = 0; what < 2; what++) {
+    bw_harmonic_field kind = what ? BW_HARMONIC_VON_MISES : BW_HARMONIC_DISPLACEMENT;
+    check_ok(context, bw_set_threads(context, 1));
+    check_ok(context,
+             bw_harmonic_envelope(context, h, kind, COUNT, frequency, value, at, peak, node));
+    check_ok(context, bw_set_threads(context, 3));
+    check_ok(context,
+             bw_harmonic_envelope(context, h, kind, COUNT, frequency, other, NULL, NULL, NULL));
+    assert_memory_equal(value, other, (size_t)nodes * sizeof(double));
+    memset(most, 0, (size_t)nodes * sizeof *most);
+    for (int f = 0; f < COUNT; f++) {
+      double largest = 0;
+      if (what)
+        check_ok(context, bw_harmonic_stress(context, h, frequency[f], NULL, NULL, field));
+      else
+        check_ok(context, bw_harmonic_displacement(context, h, frequency[f], u, u + size));
+      for (int32_t i = 0; i < nodes; i++) {
+        if (!what) { /* over the phase, sampled at its extremes */
+          double aa = 0, bb = 0, ab = 0;
+          for (int c = 0; c < 3; c++) {
+            double a = u[3 * i + c], b = u[size + 3 * i + c];
+            aa += a * a, bb += b * b, ab += a * b;
+          }
+          double phase = atan2(-2 * ab, aa - bb) / 2;
+          field[i] = sqrt(fmax(aa * cos(phase) * cos(phase) + bb * sin(phase) * sin(phase) -
+                                   2 * ab * sin(phase) * cos(phase),
+                               0));
+        }
+        if (at[i] == frequency[f])
+          check_near(value[i], field[i], 1e-10 * field[i] + 1e-300);
+        most[i] = fmax(most[i], field[i]);
+        largest = fmax(largest, field[i]);
+      }
+      check_near(peak[f], largest, 1e-10 * largest);
+      check_near(field[node[f]], largest, 1e-10 * largest);
+    }
+    for (int32_t i = 0; i < nodes; i++)
+      check_near(value[i], most[i], 1e-10 * most[i]);
+  }
+  assert_int_equal(
+      bw_harmonic_envelope(context, h, BW_HARMONIC_VON_MISES, 0, NULL, value, NULL, NULL, NULL),
+      BW_INVALID);
+  void *none = NULL;
+  check_allocations(
+      context, none,
+      bw_harmonic_envelope(context, h, BW_HARMONIC_VON_MISES, 2, frequency, value, at, peak, node));
+  free(of);
+  free(u);
+  free(field);
+  free(value);
+  bw_release(h);
+  bw_release(mixed);
+  bw_release(held);
+  bw_release(loaded);
+  bw_release(all);
+  bw_release(hard);
+  bw_release(soft);
+  bw_release(mesh);
+}
+
 static void same_bits(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-1, 2, 0};
@@ -668,11 +761,9 @@ static void calculix_agrees(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(against_dense),    check_test(single_mode),
-      check_test(statics_and_base), check_test(peaks_are_met),
-      check_test(same_bits),        check_test(refused),
-      check_test(memory_failures),  check_test(random_single_mode),
-      check_test(random_by_sums),   check_test(random_far_from_peaks),
-      check_test(calculix_agrees)};
+      check_test(against_dense),  check_test(single_mode),           check_test(statics_and_base),
+      check_test(peaks_are_met),  check_test(envelope_of_fields),    check_test(same_bits),
+      check_test(refused),        check_test(memory_failures),       check_test(random_single_mode),
+      check_test(random_by_sums), check_test(random_far_from_peaks), check_test(calculix_agrees)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
