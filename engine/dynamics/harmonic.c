@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "barwright/dynamics.h"
+#include "dynamics/harmonic_regions.h"
 #include "dynamics/internal.h"
 #include "linear/blas.h"
 #include "linear/internal.h"
@@ -41,14 +42,16 @@ static void harmonic_destroy(void *object) {
   bw_free(harmonic->load);
   bw_free(harmonic->tail);
   bw_free(harmonic->residual);
+  bw_free(harmonic->loss);
+  bwi_coupling_destroy(harmonic->coupling);
   bw_free(harmonic);
 }
 
 static size_t harmonic_bytes(const void *object) {
   const bw_harmonic *h = object;
   size_t vectors = (size_t)(h->count - h->modes->count);
-  return sizeof *h + bw_bytes(h->modes) +
-         (vectors * 3 * (size_t)h->model->mesh->node_count + 3 * (size_t)h->count +
+  return sizeof *h + bw_bytes(h->modes) + (h->coupling ? bwi_coupling_bytes(h->coupling) : 0) +
+         (vectors * 3 * (size_t)h->model->mesh->node_count + 4 * (size_t)h->count +
           2 * (size_t)h->frequency_count) *
              sizeof(double);
 }
@@ -82,6 +85,8 @@ bw_status bw_harmonic_coordinates(bw_context *context, const bw_harmonic *h, dou
   if (!(frequency >= 0 && frequency < INFINITY))
     return bw_fail(context, BW_INVALID, "the frequency is %g Hz; it must be 0 or more, and finite",
                    frequency);
+  if (h->coupling)
+    return bwi_coupling_coordinates(context, h, omega, coordinate, error);
   factors(&h->damping, omega, &s, &m);
   for (int k = 0; k < h->count; k++) {
     double lambda = h->eigenvalue[k], ratio = k < h->modes->count ? h->damping.ratio : 0;
@@ -348,8 +353,10 @@ int bwi_compare_numbers(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-double bwi_half_width(const bw_damping *d, double omega) {
-  return d->ratio + (d->mass / omega + d->stiffness * omega + d->loss) / 2;
+double bwi_half_width(const bw_harmonic *h, int k) {
+  const bw_damping *d = &h->damping;
+  double omega = sqrt(h->eigenvalue[k]), ratio = k < h->modes->count ? d->ratio : 0;
+  return ratio + (d->mass / omega + d->stiffness * omega + h->loss[k]) / 2;
 }
 
 /* Even steps, and around each mode steps of the width of its peak. */
@@ -364,7 +371,7 @@ static bw_status choose_frequencies(bw_context *context, const bw_harmonic_optio
   for (int k = 0; k <= EVENLY; k++)
     h->frequency[n++] = options->from + (options->to - options->from) * k / EVENLY;
   for (int i = 0; i < h->modes->count; i++) {
-    double f = h->modes->frequency[i], width = bwi_half_width(&h->damping, 2 * pi * f);
+    double f = h->modes->frequency[i], width = bwi_half_width(h, i);
     for (int k = 0; k < 2 * STEPS; k++) {
       double at = f * (1 + (k % 2 ? -1 : 1) * step[k / 2] * width);
       if (at >= options->from && at <= options->to && width > 0)
@@ -410,7 +417,8 @@ static bw_status check_damping(bw_context *context, const bw_damping *d) {
   return BW_OK;
 }
 
-static bw_status check_options(bw_context *context, const bw_harmonic_options *o, double *highest) {
+static bw_status check_options(bw_context *context, const bw_mesh *mesh,
+                               const bw_harmonic_options *o, double *highest) {
   bw_status status = BW_OK;
   BW_TRY(check_damping(context, &o->damping));
   if (o->frequency_count < 0 || o->frequency_count > MOST_FREQUENCIES)
@@ -427,6 +435,14 @@ static bw_status check_options(bw_context *context, const bw_harmonic_options *o
                      k + 1, o->frequency[k]);
     *highest = fmax(*highest, o->frequency[k]);
   }
+  if (o->region_loss && mesh->region_count == 0)
+    return bw_fail(context, BW_INVALID,
+                   "the mesh has no regions to which loss factors could be given");
+  for (int32_t r = 0; o->region_loss && r < mesh->region_count; r++)
+    if (!(o->region_loss[r] >= 0 && o->region_loss[r] < INFINITY))
+      return bw_fail(context, BW_INVALID,
+                     "the loss factor of region %s is %g; it must be 0 or more, and finite",
+                     mesh->regions[r].name.text, o->region_loss[r]);
   if (o->modes < 0)
     return bw_fail(context, BW_INVALID, "%d modes were requested: at least 1 expected", o->modes);
   if (o->vectors < 0 || o->vectors > MOST_VECTORS)
@@ -535,9 +551,12 @@ static bw_status vectors_new(bw_context *context, const bw_harmonic_options *opt
   h->eigenvalue = BW_NEW0(context, double, most);
   h->load = BW_NEW0(context, double, most);
   h->tail = BW_NEW0(context, double, most);
-  if (!h->eigenvalue || !h->load || !h->tail)
+  h->loss = BW_NEW0(context, double, most);
+  if (!h->eigenvalue || !h->load || !h->tail || !h->loss)
     return BW_MEMORY;
   h->count = h->modes->count;
+  for (int k = 0; k < most; k++)
+    h->loss[k] = h->damping.loss;
   memcpy(h->eigenvalue, h->modes->eigenvalue, (size_t)h->count * sizeof *h->eigenvalue);
   h->bound = h->count ? 1 / h->eigenvalue[h->count - 1] : INFINITY;
   return BW_OK;
@@ -549,9 +568,9 @@ bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_sy
   bw_status status = BW_OK;
   bw_system *used = NULL;
   bw_harmonic *h = NULL;
-  double *force = NULL, highest = 0;
+  double *force = NULL, highest = 0, error;
   bwi_blas_enter();
-  BW_TRY(check_options(context, options, &highest));
+  BW_TRY(check_options(context, model->mesh, options, &highest));
   BW_TRY(check_model(context, model));
   h = BW_NEW0(context, bw_harmonic, 1);
   BW_TRY_MEMORY(h);
@@ -564,9 +583,14 @@ bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_sy
   force = BW_NEW(context, double, size_of(used));
   BW_TRY_MEMORY(force);
   BW_TRY(force_of(context, model, used, h->base, force));
-  BW_TRY(take_frequencies(context, options, h));
   BW_TRY(vectors_new(context, options, h));
-  BW_TRY(add_vectors(context, used, options, force, h));
+  if (options->region_loss)
+    BW_TRY(bwi_coupling_create(context, used, options, force, h));
+  BW_TRY(take_frequencies(context, options, h));
+  BW_TRY(options->region_loss ? bwi_coupling_grow(context, used, options, h)
+                              : add_vectors(context, used, options, force, h));
+  if (h->coupling)
+    BW_TRY(find_errors(context, h, &error));
   *harmonic = h;
   h = NULL;
 done:

@@ -5,8 +5,8 @@
 
 #include "barwright/dynamics.h"
 
-/* Half of the width of the peak of a mode (rad/s) over its frequency. */
-double bwi_half_width(const bw_damping *damping, double omega);
+/* Half of the width of the peak of vector k (rad/s) over its frequency. */
+double bwi_half_width(const bw_harmonic *harmonic, int k);
 /* For qsort of doubles. */
 int bwi_compare_numbers(const void *a, const void *b);
 /* Vector k (node_count x 3) of a response. */

@@ -78,10 +78,8 @@ static bw_status choose_ends(bw_context *context, const bw_harmonic *h, const sp
       end[n++] = f;
   }
   for (int i = 0; i < h->count; i++) {
-    bw_damping damping = h->damping;
-    damping.ratio = i < modes ? damping.ratio : 0;
     double f = sqrt(h->eigenvalue[i]) / (2 * pi);
-    double width = f * bwi_half_width(&damping, 2 * pi * f);
+    double width = f * bwi_half_width(h, i);
     double outside = fmax(fmax(first - f, f - last), 0);
     if (outside == 0 && !(width > 0) && h->load[i] != 0)
       BW_TRY(bw_fail(context, BW_SINGULAR,

@@ -263,6 +263,67 @@ done:
   return status;
 }
 
+/* The same material with its moduli multiplied. */
+static bw_material *stiffened(bw_context *context, const bw_material *material, double factor) {
+  bw_material *m = bwi_material_copy(context, material);
+  if (!m)
+    return NULL;
+  m->lame_lambda *= factor;
+  m->lame_mu *= factor;
+  for (int k = 0; k < 36; k++) {
+    m->elasticity[k] *= factor;
+    m->compliance[k] /= factor;
+  }
+  for (int k = 0; k < 3; k++) {
+    m->young[k] *= factor;
+    m->shear[k] *= factor;
+  }
+  bwi_material_values(m);
+  return m;
+}
+
+bw_status bw_material_stiffened(bw_context *context, const bw_material *material,
+                                int32_t element_count, int32_t group_count,
+                                const int32_t *of_element, const double *factor,
+                                bw_material **result) {
+  bw_status status = BW_OK;
+  bw_material_parts *p = NULL;
+  int32_t *pair = NULL;
+  BW_TRY(check_groups(context, "group", element_count, group_count, of_element));
+  BW_TRY(bw_material_fits(context, material, element_count));
+  for (int32_t g = 0; g < group_count; g++)
+    if (!(factor[g] > 0 && factor[g] < INFINITY))
+      return bw_fail(context, BW_INVALID,
+                     "the factor of group %d is %g; it must be above 0, and finite", g + 1,
+                     factor[g]);
+  int64_t pairs = (int64_t)bw_material_part_count(material) * group_count;
+  pair = BW_NEW(context, int32_t, pairs);
+  BW_TRY_MEMORY(pair);
+  p = parts_create(context, element_count,
+                   number_pairs(material, element_count, group_count, of_element, pair));
+  BW_TRY_MEMORY(p);
+  for (int64_t k = 0; k < pairs; k++) {
+    if (pair[k] < 0)
+      continue;
+    const bw_material *part = bw_material_part(material, (int32_t)(k / group_count));
+    bw_material *own = stiffened(context, part, factor[k % group_count]);
+    BW_TRY_MEMORY(own);
+    status = set_part(context, p, pair[k], own, NULL);
+    bw_release(own);
+    BW_TRY(status);
+  }
+  for (int32_t e = 0; e < element_count; e++)
+    p->of_element[e] =
+        pair[(material->parts ? material->parts->of_element[e] : 0) * (int64_t)group_count +
+             of_element[e]];
+  status = compose(context, p, result);
+  p = NULL;
+done:
+  bw_free(pair);
+  bwi_material_parts_destroy(p);
+  return status;
+}
+
 /* A material with parts of which every one becomes another: by a rotation of the whole, or by a
  * formulation. */
 static bw_status each_part(bw_context *context, const bw_material_parts *from,

@@ -290,8 +290,10 @@ const void *lbw_object_option(lua_State *L, int index, const char *function, con
 const bw_solver *lbw_solver_option(lua_State *L, int index, const char *function);
 const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char *function);
 const bw_lp_solver *lbw_lp_option(lua_State *L, int index, const char *function);
-/* The option "damping"; what a model does not serve, the engine refuses. */
-void lbw_damping_option(lua_State *L, int index, const char *function, bw_damping *damping);
+/* The option "damping"; what a model does not serve, the engine refuses. With a mesh its loss may
+ * be a table by regions, *region_loss, whose memory is pushed; else something else is. */
+void lbw_damping_option(lua_State *L, int index, const char *function, bw_damping *damping,
+                        const bw_mesh *mesh, const double **region_loss);
 /* Whether it works on the processes of barwright.distributed. */
 bool lbw_solver_is_external(const bw_solver *solver);
 

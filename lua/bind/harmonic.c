@@ -9,21 +9,50 @@ static const bw_harmonic *self(lua_State *L) {
   return (const bw_harmonic *)lbw_check(L, 1, &lbw_harmonic_class);
 }
 
-void lbw_damping_option(lua_State *L, int index, const char *function, bw_damping *damping) {
-  static const lbw_option list[] = {{"ratio", LBW_REAL, offsetof(bw_damping, ratio)},
-                                    {"mass", LBW_REAL, offsetof(bw_damping, mass)},
-                                    {"stiffness", LBW_REAL, offsetof(bw_damping, stiffness)},
-                                    {"loss", LBW_REAL, offsetof(bw_damping, loss)},
-                                    {NULL, LBW_OTHER, 0}};
+/* The table of loss factors by the names of regions at the top of the stack, which is replaced by
+ * them in the order of the regions. */
+static const double *read_region_loss(lua_State *L, const bw_mesh *mesh, const char *function) {
+  size_t count = (size_t)mesh->region_count;
+  int table = lua_gettop(L);
+  double *loss = (double *)lua_newuserdatauv(L, (count + 1) * sizeof *loss, 0);
+  for (size_t i = 0; i < count; i++)
+    loss[i] = 0;
+  for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
+    if (lua_type(L, -2) != LUA_TSTRING)
+      lbw_error(L, "%s: damping: option 'loss': names of regions expected, got %s", function,
+                lbw_got(L, -2));
+    int32_t region = lbw_check_region(L, lua_gettop(L) - 1, mesh);
+    if (lua_type(L, -1) != LUA_TNUMBER)
+      lbw_error(L, "%s: damping: option 'loss': a number for region '%s' expected, got %s",
+                function, mesh->regions[region].name.text, lbw_got(L, -1));
+    loss[region] = lua_tonumber(L, -1);
+  }
+  lua_replace(L, table);
+  return loss;
+}
+
+void lbw_damping_option(lua_State *L, int index, const char *function, bw_damping *damping,
+                        const bw_mesh *mesh, const double **region_loss) {
+  lbw_option list[] = {{"ratio", LBW_REAL, offsetof(bw_damping, ratio)},
+                       {"mass", LBW_REAL, offsetof(bw_damping, mass)},
+                       {"stiffness", LBW_REAL, offsetof(bw_damping, stiffness)},
+                       {"loss", LBW_REAL, offsetof(bw_damping, loss)},
+                       {NULL, LBW_OTHER, 0}};
   char inner[100];
-  int type = lbw_option_get(L, index, "damping");
+  int type = lbw_option_get(L, index, "damping"), table = lua_gettop(L);
   snprintf(inner, sizeof inner, "%s: damping", function);
-  if (type == LUA_TTABLE)
-    lbw_options(L, lua_gettop(L), inner, list, damping);
-  else if (type != LUA_TNIL)
+  if (type != LUA_TTABLE && type != LUA_TNIL)
     lbw_option_refused(L, function, "damping",
                        "a table with ratio, mass, stiffness or loss, such as {ratio = 0.02}");
-  lua_pop(L, 1);
+  if (mesh && lbw_option_get(L, table, "loss") == LUA_TTABLE) {
+    *region_loss = read_region_loss(L, mesh, function);
+    list[3].type = LBW_OTHER;
+  }
+  if (type == LUA_TTABLE)
+    lbw_options(L, table, inner, list, damping);
+  lua_settop(L, mesh ? table + 1 : table);
+  if (mesh)
+    lua_remove(L, table);
 }
 
 /* model:harmonic{frequencies or range, modes, residual_vectors, tolerance, damping, base, solver}
@@ -45,9 +74,10 @@ static int model_harmonic(lua_State *L) {
   lua_settop(L, 2);
   bw_harmonic_options_default(&options);
   lbw_options(L, 2, "harmonic", list, &options);
-  lbw_damping_option(L, 2, "harmonic", &options.damping);
+  lbw_damping_option(L, 2, "harmonic", &options.damping, ((const bw_model *)model->object)->mesh,
+                     &options.region_loss);
   options.solver = lbw_eigensolver_option(L, 2, "harmonic");
-  lua_settop(L, 2);
+  lua_settop(L, 3); /* the memory of the regions' losses */
   bool has_list = lbw_option_get(L, 2, "frequencies") != LUA_TNIL;
   bool has_range = lbw_option_get(L, 2, "range") != LUA_TNIL;
   if (has_list == has_range)
@@ -55,7 +85,7 @@ static int model_harmonic(lua_State *L) {
                      "harmonic: either 'frequencies', a list in Hz, or 'range', {from, to} in Hz, "
                      "expected");
   const double *number = lbw_to_doubles(
-      L, has_list ? 3 : 4, has_list ? "harmonic: option 'frequencies'" : "harmonic: option 'range'",
+      L, has_list ? 4 : 5, has_list ? "harmonic: option 'frequencies'" : "harmonic: option 'range'",
       1, &count);
   if (has_range && count != 2)
     return lbw_error(L, "harmonic: option 'range': two frequencies {from, to} in Hz expected");
@@ -184,6 +214,10 @@ static int harmonic_errors(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, self(L)->frequency_count, 1, self(L)->error, self(L));
 }
 
+static int harmonic_losses(lua_State *L) {
+  return lbw_push_borrowed(L, BW_F64, self(L)->modes->count, 1, self(L)->loss, self(L));
+}
+
 static int harmonic_modes(lua_State *L) {
   lbw_push(L, &lbw_modes_class, self(L)->modes);
   return 1;
@@ -232,6 +266,7 @@ static const luaL_Reg methods[] = {{"displacement", harmonic_displacement},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {{"frequencies", harmonic_frequencies},
                                       {"errors", harmonic_errors},
+                                      {"losses", harmonic_losses},
                                       {"modes", harmonic_modes},
                                       {"mesh", harmonic_mesh},
                                       {"residual_vectors", harmonic_residual_vectors},

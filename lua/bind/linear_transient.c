@@ -43,7 +43,8 @@ static int core_linear_transient(lua_State *L) {
   bw_linear_transient_options_default(&options);
   lua_settop(L, 8);
   lbw_options(L, 2, "transient", list, &options);
-  lbw_damping_option(L, 2, "transient", &options.damping);
+  lbw_damping_option(L, 2, "transient", &options.damping, NULL, NULL);
+  lua_pop(L, 1);
   if (lbw_option_get(L, 2, "modes") != LUA_TNIL)
     options.modes = (const bw_modes *)lbw_test(L, -1, &lbw_modes_class); /* the table keeps it */
   lua_settop(L, 8);

@@ -20,6 +20,7 @@
 ---@field frequencies bw.Array (Hz, n × 1) those asked for, ascending; of a range even steps, and more where the response is sharp
 ---@field errors bw.Array (-, n × 1) of the displacement at each frequency, over the displacement, both in energy: a bound on this mesh where the modes are counted
 ---@field modes bw.Modes the modes of its basis
+---@field losses bw.Array (-, n × 1) loss factor of each mode: that of the damping, and those of regions by their parts of the mode's strain energy
 ---@field residual_vectors integer (count) of its basis
 ---@field solves integer (count) right-hand sides that residual vectors took
 ---@field mesh bw.Mesh of the model

@@ -493,7 +493,7 @@ function Model:harmonic(options) end
 ---@field ratio? number (-) of the critical damping, in each mode; residual vectors have none. In time with `modes` alone. Range: 0 to below 1. Default: 0
 ---@field mass? number (1/s) a of Rayleigh's damping C = a M + b K. Range: 0 or more. Default: 0
 ---@field stiffness? number (s) b of it. Range: 0 or more. Default: 0
----@field loss? number (-) loss factor h of the stiffness (1 + i h) K, not in time. Range: 0 or more. Default: 0
+---@field loss? number|table<string, number> (-) loss factor h of the stiffness (1 + i h) K, or one by the name of each region, 0 where it has none; not in time. Range: 0 or more. Default: 0
 
 ---The part in contact with rigid surfaces, or parts of its mesh with each other, without friction or with Coulomb's, for
 ---small displacements: contact pressure, friction, resultants and the static solution. Supports may leave motions that contact restrains. The factor is that of the part's equations; each candidate that

@@ -41,3 +41,34 @@ scenario("NAFEMS 5H: harmonic response of a deep beam", function(t)
     .. "at the peak, f = 42.65 Hz"})
   expect(response.errors:max(), "bound of the error"):below(1e-8)
 end)
+
+-- Johnson and Kienholz's beam: faces of aluminium, and a thin viscoelastic core between them.
+scenario("Loss factors of a sandwich beam with a viscoelastic core", function(t)
+  local length, face, core = 0.1778, 1.524e-3, 0.127e-3
+  local level = {[0] = 0, face, face + core, 2 * face + core}
+  local box = bw.mesh.box {max = {length, 0.0127, 3}, cells = {40, 2, 3}}
+  local nodes, elements, tags = box.nodes:totable(), box.elements:totable(), {}
+  for i, element in ipairs(elements) do
+    local z = 0
+    for a = 1, 4 do z = z + nodes[element[a]][3] / 4 end
+    tags[i] = z > 1 and z < 2 and 2 or 1
+  end
+  for _, node in ipairs(nodes) do node[3] = level[math.floor(node[3] + 0.5)] end
+  local mesh = bw.mesh.new {nodes = nodes, elements = elements, regions = tags, region_names = {"faces", "core"}}
+  mesh = t:require(mesh):with_order(2)
+  local part = bw.model {mesh = mesh, materials = {
+    faces = bw.material.isotropic {young = 69e9, poisson = 0.3, density = 2800},
+    core = bw.material.isotropic {young = 2.098e6, poisson = 0.49, density = 970}}}
+  part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", length), force = {0, 0, 1}}
+  local response = t:require(part:harmonic {range = {0, 1500}, damping = {loss = {core = 0.1}}})
+  local source = "Johnson and Kienholz, AIAA Journal 20 (1982) 1284-1290"
+  -- bending out of the plane of the layers; modes 3 and 5 are beside it
+  for _, expected in ipairs {{1, 64.1, 0.282}, {2, 296.4, 0.242}, {4, 743.7, 0.154}} do
+    local mode, frequency, loss = table.unpack(expected)
+    expect(response.modes.frequencies[mode], ("frequency of mode %d"):format(mode), "Hz")
+      :near(frequency, {relative = 0.01, source = source})
+    expect(response.losses[mode] / 0.1, ("loss factor of mode %d over that of the core"):format(mode))
+      :near(loss, {relative = 0.02, source = source})
+  end
+  expect(response.errors:max(), "bound of the error"):below(1e-6)
+end)

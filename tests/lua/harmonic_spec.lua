@@ -104,6 +104,30 @@ describe("harmonic", function()
     assert(response:animate(100, folder .. "moving.png", {pictures = 4, width = 200, height = 150}))
   end)
 
+  it("has the loss factors of regions, by their parts of the strain energy", function()
+    local mesh = assert(beam().mesh:split({min = {-1, -1, -1}, max = {L / 2, 1, 1}}, "root"))
+    local part = bw.model {mesh = mesh, material = steel}:fix(mesh.boundary:below("x", 0))
+      :load {on = mesh.boundary:above("x", L), force = {0, 0, 1}}
+    local options = {range = {0, 2 * bending}, damping = {loss = {root = 0.1}}}
+    local response = assert(part:harmonic(options))
+    local loss = response.losses[1]
+    assert.is_true(loss > 0.08 and loss < 0.1) -- most of the strain energy of the first mode
+    assert.is_true(response.errors:max() < 1e-7)
+    options.damping = {loss = loss}
+    local alike = assert(part:harmonic(options))
+    check.near(alike:envelope().largest.displacement.value, response:envelope().largest.displacement.value, 0.01)
+    check.raises("there is no region 'rot': did you mean 'root'?", part.harmonic, part,
+      {range = {0, 1}, damping = {loss = {rot = 1}}})
+    check.raises("the loss factor of region root is -1", part.harmonic, part,
+      {range = {0, 1}, damping = {loss = {root = -1}}})
+    check.raises("a number for region 'root' expected, got string 'much'", part.harmonic, part,
+      {range = {0, 1}, damping = {loss = {root = "much"}}})
+    local plain = beam {0, 0, 1}
+    check.raises("the mesh has no regions", part.harmonic, plain, {range = {0, 1}, damping = {loss = {a = 1}}})
+    check.raises("no regions", part.harmonic, plain, {range = {0, 1}, damping = {loss = {}}})
+    check.raises("loss", part.transient, part, {step = 1e-4, damping = {loss = {root = 1}}})
+  end)
+
   it("has an envelope over the frequencies: that of its fields", function()
     local response = assert(beam({0, 3, 10}):harmonic {range = {0, 2 * bending}, damping = {ratio = 0.02}})
     local envelope = assert(response:envelope())

@@ -29,6 +29,8 @@ typedef struct bw_harmonic_options {
   double
       tolerance; /* (-) as far as residual vectors reduce the error; default 1e-8, 0 to below 1 */
   bw_damping damping;           /* default: none */
+  const double *region_loss;    /* (-, mesh->region_count) loss factors of the regions, which add to
+                                   that of the damping; default NULL: none; 0 or more */
   double base[3];               /* (m/s2) amplitude of the supports' acceleration; default 0 */
   const bw_eigensolver *solver; /* of the modes; default NULL: automatic. SLEPc does not serve */
 } bw_harmonic_options;
@@ -47,6 +49,8 @@ typedef struct bw_harmonic {
   double *error; /* (-, frequency_count) of the displacement, in energy, over the displacement: a
                     bound where the modes are counted, but for the rounding and the modes' own */
   int count;     /* (count) of vectors, modes->count of them modes */
+  double *loss;  /* (-, count) loss factor of each vector: that of the damping, and those of regions
+                    by their parts of its strain energy (Johnson and Kienholz, AIAA J. 20, 1982) */
   double *eigenvalue; /* ((rad/s)^2, count) of each vector */
   double *load;       /* (any, count) vector . F, of vectors of unit modal mass */
   double *tail;       /* (any, count) by which the error is found */
@@ -55,14 +59,18 @@ typedef struct bw_harmonic {
                          norm of the inverse of K; else 0 */
   double bound;       /* (any) no eigenvalue that is missing has a larger inverse */
   int solves;         /* (count) right-hand sides that residual vectors took */
+  struct bwi_coupling *coupling; /* the engine's own: loss of regions, by which the vectors are not
+                                    independent; they are orthogonal by stiffness alone then, and
+                                    `tail` and `remainder` are 0. NULL: none */
 } bw_harmonic;
 /* The harmonic response of a model: its loads are the amplitudes, in one phase, and less M times
  * the base's acceleration. Displacements are relative to the supports. The basis are modes and
  * residual vectors by Lanczos's method on what the modes leave of the load
  * (docs/theory/dynamics.md). `given` and *system as in bw_modes_of_model. BW_UNCONSTRAINED for a
  * body that supports leave free to move, BW_UNSUPPORTED for temperatures, prescribed displacements
- * and SLEPc, BW_INVALID for a body without density, a load of zero and options outside their
- * ranges; BW_SINGULAR as bw_harmonic_coordinates; those of bw_modes_of_model and bw_system_factor.
+ * and SLEPc, BW_INVALID for a body without density, a load of zero, losses of regions on a mesh
+ * without regions and options outside their ranges; BW_SINGULAR as bw_harmonic_coordinates; those
+ * of bw_modes_of_model and bw_system_factor.
  */
 BW_API bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_system *given,
                                       const bw_harmonic_options *options, bw_system **system,

@@ -173,6 +173,15 @@ BW_API bw_status bw_material_rotated_by_element(bw_context *context, const bw_ma
 BW_API bw_status bw_material_fits(bw_context *context, const bw_material *material,
                                   int32_t element_count);
 
+/* The same material with moduli by element: those of group of_element[e] are multiplied by the
+ * factor of that group: of_element (index, element_count), factor (-, group_count) above 0. It fits
+ * meshes of element_count elements only, and is of several materials, turned or not. BW_INVALID for
+ * a group that is not there and a factor outside its range. */
+BW_API bw_status bw_material_stiffened(bw_context *context, const bw_material *material,
+                                       int32_t element_count, int32_t group_count,
+                                       const int32_t *of_element, const double *factor,
+                                       bw_material **stiffened);
+
 /* The same material for elements of a formulation, each of its parts where it has some. */
 BW_API bw_status bw_material_formulated(bw_context *context, const bw_material *material,
                                         bw_formulation formulation, bw_material **formulated);

@@ -81,10 +81,11 @@ static double energy(int n, const double *k, const double *x) {
   return sum;
 }
 
-/* The error over the displacement, both in energy, against ((1 + ih) K - w2 M + iw (a M + b K)) u
- * = f as real equations of twice the size. */
+/* The error over the displacement, both in energy, against ((1 + ih) K + iH - w2 M + iw (a M + b
+ * K)) u = f as real equations of twice the size. */
 static double dense_error(bw_context *context, const bw_system *system, const bw_harmonic *h,
-                          const double *k, const double *m, const double *force, double frequency) {
+                          const double *k, const double *m, const double *hysteresis,
+                          const double *force, double frequency) {
   const bw_dof_map *map = system->dof_map;
   int size = 3 * system->mesh->node_count, n = map->unknown_count, two = 2 * n, one = 1, info;
   double w = 2 * M_PI * frequency, *a = numbers((int64_t)two * two), *x = numbers(two);
@@ -94,7 +95,7 @@ static double dense_error(bw_context *context, const bw_system *system, const bw
     for (int i = 0; i < n; i++) {
       double re = k[j * n + i] - w * w * m[j * n + i];
       double im = (h->damping.loss + w * h->damping.stiffness) * k[j * n + i] +
-                  w * h->damping.mass * m[j * n + i];
+                  w * h->damping.mass * m[j * n + i] + (hysteresis ? hysteresis[j * n + i] : 0);
       a[j * two + i] = a[(j + n) * two + i + n] = re;
       a[j * two + i + n] = im;
       a[(j + n) * two + i] = -im;
@@ -147,7 +148,7 @@ static void against_dense(void **state) {
       assert_true(h->modes->counted);
       assert_true(h->count - h->modes->count <= vectors);
       for (int i = 0; i < 6; i++) {
-        double error = dense_error(context, system, h, k, m, f, frequency[i]);
+        double error = dense_error(context, system, h, k, m, NULL, f, frequency[i]);
         assert_true(error <= h->error[i] * (1 + 1e-6) + 2e-9);
         assert_true(h->error[i] < 20 * error + 1e-8);
         if (vectors == 40)
@@ -160,6 +161,171 @@ static void against_dense(void **state) {
   free(m);
   free(f);
   bw_release(system);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+/* A bar whose upper and lower half are regions of their own. */
+static bw_mesh *two_regions(bw_context *context, int nx) {
+  bw_mesh *box = body_box(context, 0.3, 0.05, 0.04, nx, 1, 2, 2), *mesh = NULL;
+  const bw_mesh_region region[2] = {{.tag = 1, .name = {"lower"}}, {.tag = 2, .name = {"upper"}}};
+  int32_t *of = (int32_t *)calloc((size_t)box->element_count, sizeof *of);
+  for (int64_t e = 0; e < box->element_count; e++) {
+    double z = 0;
+    for (int a = 0; a < 4; a++)
+      z += box->node[3 * (int64_t)box->element[e * 10 + a] + 2] / 4;
+    of[e] = z > 0.02;
+  }
+  bw_mesh_regions regions = {.count = 2, .region = region, .of_element = of};
+  check_ok(context, bw_mesh_with_regions(context, box, &regions, &mesh));
+  free(of);
+  bw_release(box);
+  return mesh;
+}
+
+/* Loss factors of regions: the response and its bound against dense complex solutions, where modes
+ * are coupled. H is the difference of two stiffnesses. */
+static void regions_against_dense(void **state) {
+  bw_context *context = check_context(state);
+  const double force[3] = {-100, 20, 30};
+  bw_mesh *mesh = two_regions(context, 3);
+  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_system *system = factored(context, model);
+  bw_material *plain = body_material(context), *twice = NULL, *half = NULL;
+  check_ok(context, bw_material_isotropic(context,
+                                          &(bw_isotropic){.young = 2 * plain->young[0],
+                                                          .poisson = plain->poisson[0],
+                                                          .density = plain->density},
+                                          &twice));
+  const bw_material *part[2] = {plain, twice};
+  check_ok(context, bw_material_by_region(context, mesh, part, &half));
+  bw_model *other = NULL;
+  bw_selection *held = plane(context, mesh, 0, 0);
+  check_ok(context, bw_model_create(context, mesh, half, &other));
+  check_ok(context, bw_model_fix(context, other, held));
+  bw_system *stiffer = factored(context, other);
+  int n = system->dof_map->unknown_count, size = 3 * mesh->node_count;
+  int64_t all = (int64_t)n * n;
+  double *k = numbers(all), *m = numbers(all), *upper = numbers(all), *lost = numbers(all),
+         *f = numbers(size);
+  check_ok(context, bw_system_factor(context, stiffer));
+  dense(context, system, k, m);
+  dense(context, stiffer, upper, lost);
+  for (int64_t i = 0; i < all; i++)
+    upper[i] -= k[i];
+  check_ok(context, bw_model_force_vector(context, model, f));
+  const double frequency[] = {0, 250, 372, 500, 1200, 2100};
+  static const struct {
+    bw_damping damping;
+    double loss[2];
+  } given[] = {{{.loss = 0}, {0.01, 0.3}},
+               {{.loss = 0}, {0, 0.2}},
+               {{.mass = 5, .stiffness = 1e-6, .loss = 0.01}, {0.5, 0.02}},
+               {{.loss = 0}, {1e-3, 1e-4}}};
+  for (int which = 0; which < 4; which++) {
+    const double *loss = given[which].loss;
+    for (int64_t i = 0; i < all; i++)
+      lost[i] = loss[0] * k[i] + (loss[1] - loss[0]) * upper[i];
+    for (int vectors = 0; vectors <= 60; vectors += vectors < 4 ? 2 : 56) {
+      bw_harmonic_options options;
+      bw_harmonic_options_default(&options);
+      options.frequency_count = 6;
+      options.frequency = frequency;
+      options.damping = given[which].damping;
+      options.region_loss = loss;
+      options.vectors = vectors;
+      options.modes = vectors % 4 ? 4 : 0;
+      bw_harmonic *h = answered(context, model, &options);
+      assert_true(h->count - h->modes->count <= vectors);
+      for (int i = 0; i < 6; i++) {
+        double error = dense_error(context, system, h, k, m, lost, f, frequency[i]);
+        assert_true(error <= h->error[i] * (1 + 1e-6) + 2e-9);
+        assert_true(h->error[i] < 20 * error + 1e-8);
+        if (vectors == 60)
+          assert_true(error < 2e-8);
+      }
+      for (int i = 0; i < h->count; i++)
+        assert_true(h->loss[i] - h->damping.loss >= fmin(loss[0], loss[1]) * (1 - 1e-9) &&
+                    h->loss[i] - h->damping.loss <= fmax(loss[0], loss[1]) * (1 + 1e-9));
+      bw_release(h);
+    }
+  }
+  free(k);
+  free(m);
+  free(upper);
+  free(lost);
+  free(f);
+  bw_release(stiffer);
+  bw_release(system);
+  bw_release(other);
+  bw_release(held);
+  bw_release(half);
+  bw_release(twice);
+  bw_release(plain);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+/* One loss in all regions is the loss of the whole, with any other damping. */
+static void regions_alike(void **state) {
+  bw_context *context = check_context(state);
+  const double force[3] = {-100, 20, 30}, loss[2] = {0.03, 0.03};
+  bw_mesh *mesh = two_regions(context, 4);
+  bw_model *model = bar(context, mesh, 0.3, force);
+  int64_t size = 3 * (int64_t)mesh->node_count;
+  double *u = numbers(4 * size), largest = 0;
+  bw_harmonic_options options;
+  bw_harmonic_options_default(&options);
+  options.to = 2000;
+  options.damping = (bw_damping){.ratio = 0.01, .mass = 3, .stiffness = 1e-6, .loss = 0.03};
+  bw_harmonic *plain = answered(context, model, &options);
+  options.damping.loss = 0;
+  options.region_loss = loss;
+  bw_harmonic *h = answered(context, model, &options);
+  assert_int_equal(h->frequency_count, plain->frequency_count);
+  for (int i = 0; i < h->frequency_count; i += 17) {
+    double f = h->frequency[i];
+    check_near(f, plain->frequency[i], 1e-9 * f + 1e-12);
+    check_ok(context, bw_harmonic_displacement(context, h, f, u, u + size));
+    check_ok(context, bw_harmonic_displacement(context, plain, f, u + 2 * size, u + 3 * size));
+    for (int64_t j = 0; j < 2 * size; j++)
+      largest = fmax(largest, fabs(u[j]));
+    for (int64_t j = 0; j < 2 * size; j++)
+      check_near(u[j], u[2 * size + j], 1e-7 * largest);
+    assert_true(h->error[i] <= 1e-7);
+  }
+  /* on any number of threads */
+  check_ok(context, bw_set_threads(context, 3));
+  bw_harmonic *again = answered(context, model, &options);
+  check_ok(context, bw_harmonic_displacement(context, h, 700, u, u + size));
+  check_ok(context, bw_harmonic_displacement(context, again, 700, u + 2 * size, u + 3 * size));
+  assert_memory_equal(u, u + 2 * size, 2 * (size_t)size * sizeof *u);
+  bw_release(again);
+  again = NULL;
+  options.frequency_count = 1;
+  options.frequency = (const double[]){700};
+  options.modes = 2;
+  options.vectors = 3;
+  check_ok(context, bw_set_threads(context, 1));
+  check_allocations(context, again,
+                    bw_harmonic_of_model(context, model, NULL, &options, NULL, &again));
+  const double negative[2] = {0.1, -1};
+  options.region_loss = negative;
+  assert_int_equal(bw_harmonic_of_model(context, model, NULL, &options, NULL, &again), BW_INVALID);
+  /* random vibration knows them */
+  const double at[2] = {20, 2000}, density[2] = {1, 1};
+  double wrong;
+  check_ok(context, bw_harmonic_random(context, h, 2, at, density, u, NULL, &wrong));
+  check_ok(context, bw_harmonic_random(context, plain, 2, at, density, u + size, NULL, NULL));
+  largest = 0;
+  for (int64_t j = 0; j < size; j++)
+    largest = fmax(largest, u[j]);
+  for (int64_t j = 0; j < size; j++)
+    check_near(u[j], u[size + j], 1e-7 * largest);
+  assert_true(wrong < 1e-7);
+  free(u);
+  bw_release(h);
+  bw_release(plain);
   bw_release(model);
   bw_release(mesh);
 }
@@ -760,10 +926,19 @@ static void calculix_agrees(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(against_dense),  check_test(single_mode),           check_test(statics_and_base),
-      check_test(peaks_are_met),  check_test(envelope_of_fields),    check_test(same_bits),
-      check_test(refused),        check_test(memory_failures),       check_test(random_single_mode),
-      check_test(random_by_sums), check_test(random_far_from_peaks), check_test(calculix_agrees)};
+  const struct CMUnitTest tests[] = {check_test(against_dense),
+                                     check_test(regions_against_dense),
+                                     check_test(regions_alike),
+                                     check_test(single_mode),
+                                     check_test(statics_and_base),
+                                     check_test(peaks_are_met),
+                                     check_test(envelope_of_fields),
+                                     check_test(same_bits),
+                                     check_test(refused),
+                                     check_test(memory_failures),
+                                     check_test(random_single_mode),
+                                     check_test(random_by_sums),
+                                     check_test(random_far_from_peaks),
+                                     check_test(calculix_agrees)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

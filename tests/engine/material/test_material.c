@@ -274,6 +274,31 @@ static void turned_by_element(void **state) {
   bw_release(m);
 }
 
+/* Stiffened groups of a material whose parts are turned: each element's moduli are multiplied. */
+static void stiffened_groups(void **state) {
+  bw_context *context = check_context(state);
+  const double turn[18] = {0, -1, 0, 1, 0, 0, 0, 0, 1, 0.6, 0, 0.8, 0, 1, 0, -0.8, 0, 0.6};
+  const int32_t group[4] = {0, 1, 1, 0}, of[4] = {0, 0, 1, 1}, no[4] = {0, 0, 2, 1};
+  const double factor[2] = {1, 2.5}, none[2] = {1, 0};
+  bw_material *wood = NULL, *turned = NULL, *stiff = NULL;
+  check_ok(context, bw_material_named(context, "zp150", &wood));
+  check_ok(context, bw_material_rotated_by_element(context, wood, 4, 2, group, turn, &turned));
+  check_ok(context, bw_material_stiffened(context, turned, 4, 2, of, factor, &stiff));
+  for (int64_t e = 0; e < 4; e++)
+    for (int k = 0; k < 36; k++)
+      check_near(bw_material_elasticity(stiff, e)[k],
+                 factor[of[e]] * bw_material_elasticity(turned, e)[k], 0);
+  assert_int_equal(bw_material_stiffened(context, turned, 4, 2, of, none, &stiff), BW_INVALID);
+  assert_int_equal(bw_material_stiffened(context, turned, 4, 2, no, factor, &stiff), BW_INVALID);
+  assert_int_equal(bw_material_stiffened(context, turned, 3, 2, of, factor, &stiff), BW_INVALID);
+  bw_release(stiff);
+  stiff = NULL;
+  check_allocations(context, stiff,
+                    bw_material_stiffened(context, turned, 4, 2, of, factor, &stiff));
+  bw_release(turned);
+  bw_release(wood);
+}
+
 /* Several materials: each element has its own, also turned, formulated and on other elements; the
  * whole has what the parts agree in, and the least density and strength. */
 static void several_materials(void **state) {
@@ -372,6 +397,7 @@ int main(void) {
       check_test(strength_by_direction),
       check_test(numbers_out_of_range_are_refused),
       check_test(turned_by_element),
+      check_test(stiffened_groups),
       check_test(several_materials),
       check_test(out_of_memory),
   };
