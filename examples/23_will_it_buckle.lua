@@ -38,4 +38,13 @@ if folder then
   assert(buckling:picture(1, folder .. "/buckling.png"))
   assert(buckling:write(folder .. "/buckling.vtu"))
 end
+-- Where the load is not known: which 1 kN, on at least the area of the head, buckles the strut first? The search
+-- finds the one above. A part without supports has a force on each side, in balance.
+local worst = assert(bw.worst_buckling(part, {force = 1000, contact = b * h, modes = 8, ascents = 2}))
+print(worst)
+for _, arrow in ipairs(worst:arrows()) do
+  print(("  %.0f N along x at x = %.3f m"):format(arrow.force[1], arrow.at[1]))
+end
+assert(math.abs(worst.factor / buckling.factor - 1) < 0.01)
+if folder then assert(worst:picture(folder .. "/worst_buckling.png")) end
 -- Next: another sign = "positive", a pressure in place of the force, or `barwright buckle` on a file.

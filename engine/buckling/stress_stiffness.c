@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The initial-stress stiffness: blocks k_ij 1 with k_ij = integral of grad N_i . sigma grad N_j.
- * Every element's numbers are computed once, then rows are summed as those of the mass are. */
+ * Every element's numbers are computed once, then rows are summed as those of the mass are. Its
+ * derivative by the displacement takes the same strains at the same points. */
 #include <math.h>
 #include <string.h>
 
@@ -23,16 +24,17 @@ typedef struct stress_data {
 static const double rounding = 1e-11;
 
 typedef struct element_points {
-  int count;
+  int count, nodes;
+  const int32_t *node;
   double l[BW_QUADRATURE_POINTS][4], volume[BW_QUADRATURE_POINTS];
   double gradient[BW_QUADRATURE_POINTS][10][3], strain[BW_QUADRATURE_POINTS][6];
-  double dilatation; /* mean of the volumetric strain */
+  double slope[BW_QUADRATURE_POINTS][9]; /* du_i/dx_j at 3 i + j */
+  double dilatation;                     /* mean of the volumetric strain */
 } element_points;
 
 /* Strain at the points of the stiffness's quadrature. */
-static bw_status strain_points(bw_context *context, const stress_data *s, int64_t e,
-                               element_points *at, double *largest) {
-  const bw_mesh *mesh = s->model->mesh;
+static bw_status strain_points(bw_context *context, const bw_mesh *mesh, const double *displacement,
+                               int64_t e, element_points *at, double *largest) {
   const int32_t *node = mesh->element + e * mesh->nodes_per_element;
   double x[10][3], weight[BW_QUADRATURE_POINTS], whole = 0;
   bwi_element_nodes(mesh, e, x);
@@ -40,6 +42,8 @@ static bw_status strain_points(bw_context *context, const stress_data *s, int64_
                : bw_tet_is_straight((const double(*)[3])x) ? 2
                                                            : BWI_CURVED_DEGREE;
   at->count = bw_tet_quadrature(degree, at->l, weight);
+  at->nodes = mesh->nodes_per_element;
+  at->node = node;
   at->dilatation = 0;
   *largest = 0;
   for (int q = 0; q < at->count; q++) {
@@ -51,12 +55,13 @@ static bw_status strain_points(bw_context *context, const stress_data *s, int64_
     for (int a = 0; a < mesh->nodes_per_element; a++)
       for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
-          double term = s->displacement[3 * (int64_t)node[a] + i] * g[a][j];
+          double term = displacement[3 * (int64_t)node[a] + i] * g[a][j];
           grad[3 * i + j] += term;
           size = fmax(size, fabs(term));
         }
     *largest = fmax(*largest, size);
     bwi_strain_of(grad, at->strain[q]);
+    memcpy(at->slope[q], grad, sizeof grad);
     at->dilatation += at->volume[q] * (at->strain[q][0] + at->strain[q][1] + at->strain[q][2]);
     whole += at->volume[q];
   }
@@ -84,7 +89,7 @@ static bw_status element_numbers(bw_context *context, stress_data *s, int64_t e)
   double *out = s->of_element + e * s->pairs;
   element_points at;
   memset(out, 0, (size_t)s->pairs * sizeof *out);
-  bw_status status = strain_points(context, s, e, &at, &largest);
+  bw_status status = strain_points(context, model->mesh, s->displacement, e, &at, &largest);
   if (status != BW_OK)
     return status;
   for (int i = 0; i < 36; i++)
@@ -176,5 +181,72 @@ done:
   bw_free(s.of_element);
   bw_free(s.stress);
   bw_free(s.terms);
+  return status;
+}
+
+/* ---- the derivative by the displacement -------------------------------------------------------
+ */
+
+/* (grad u)^T grad v + (grad v)^T grad u over two, of grad[3 i + j] = du_i/dx_j, with twice the
+ * shears. */
+static void product_of(const double u[9], const double v[9], double product[6]) {
+  static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {2, 0}, {0, 1}};
+  for (int k = 0; k < 6; k++) {
+    int i = pair[k][0], j = pair[k][1];
+    double sum = 0;
+    for (int c = 0; c < 3; c++)
+      sum += u[3 * c + i] * v[3 * c + j] + v[3 * c + i] * u[3 * c + j];
+    product[k] = k < 3 ? sum / 2 : sum;
+  }
+}
+
+/* x . K_sigma(u) y = sum over points of volume C e : strain(u), with e the product of grad x and
+ * grad y. The mean dilatation acts on both sides of the product alike. */
+static void add_derivative(const element_points *x, const element_points *y, const double c[36],
+                           double projected, double *gradient, double *work) {
+  double e[BW_QUADRATURE_POINTS][6], mean = 0, whole = 0;
+  for (int q = 0; q < x->count; q++) {
+    product_of(x->slope[q], y->slope[q], e[q]);
+    mean += x->volume[q] * (e[q][0] + e[q][1] + e[q][2]);
+    whole += x->volume[q];
+  }
+  mean /= whole;
+  for (int q = 0; q < x->count; q++) {
+    double t[6], stress[6], volume = x->volume[q];
+    const double *strain = x->strain[q];
+    bwi_multiply6(c, e[q], t);
+    bwi_multiply6(c, strain, stress);
+    for (int i = 0; i < 3; i++) {
+      t[i] += projected * (mean - e[q][0] - e[q][1] - e[q][2]);
+      stress[i] += projected * (x->dilatation - strain[0] - strain[1] - strain[2]);
+    }
+    *work += volume * bwi_dot6(stress, y->strain[q]);
+    for (int a = 0; a < x->nodes; a++) {
+      const double *g = x->gradient[q][a];
+      double *to = gradient + 3 * (int64_t)x->node[a];
+      to[0] += volume * (t[0] * g[0] + t[5] * g[1] + t[4] * g[2]);
+      to[1] += volume * (t[5] * g[0] + t[1] * g[1] + t[3] * g[2]);
+      to[2] += volume * (t[4] * g[0] + t[3] * g[1] + t[2] * g[2]);
+    }
+  }
+}
+
+bw_status bw_stress_stiffness_gradient(bw_context *context, const bw_mesh *mesh,
+                                       const bw_material *material, const double *x,
+                                       const double *y, double *gradient, double *work) {
+  bw_status status = BW_OK;
+  element_points at[2];
+  double largest;
+  BW_TRY(bwi_check_stress_input(context, mesh, material, x, "the derivative"));
+  memset(gradient, 0, 3 * (size_t)mesh->node_count * sizeof *gradient);
+  *work = 0;
+  for (int64_t e = 0; e < mesh->element_count; e++) {
+    BW_TRY(strain_points(context, mesh, x, e, &at[0], &largest));
+    if (y != x)
+      BW_TRY(strain_points(context, mesh, y, e, &at[1], &largest));
+    add_derivative(&at[0], &at[y != x], bw_material_elasticity(material, e),
+                   bwi_projected_bulk(mesh, bw_material_of(material, e)), gradient, work);
+  }
+done:
   return status;
 }

@@ -48,6 +48,7 @@ local bw = {
   scenario = require "barwright.scenario",
   shapes = require "barwright.shapes",
   worst_case = require "barwright.worst_case",
+  worst_buckling = require "barwright.worst_buckling",
   check_certificate = require("barwright.certificate_check").check_certificate,
   brute_force = require "barwright.brute_force",
   breaking_force = require "barwright.breaking_force",

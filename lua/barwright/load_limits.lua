@@ -12,6 +12,8 @@ local load_limits = {}
 local PRESSURE = 2e5 -- Pa
 -- The edges of cells of constant pressure, by the root of the area that the largest pressure takes.
 local SPACING = 0.2
+-- (m) With cells that may be so large, each facet is one.
+local ONE_CELL = 1e9
 
 --- Adds the options of admissible loads to the rules of an analysis.
 function load_limits.rules(rules)
@@ -50,8 +52,10 @@ local function selection_of(where, given, mesh)
   return whole
 end
 
--- Pressures are constant on cells where the mean over a patch is judged; else they stand at nodes (the paper).
+-- Pressures are constant on cells where the mean over a patch is judged, and on facets for buckling; else they
+-- stand at nodes (the paper).
 local function spacing_of(opts)
+  if opts.by_facet then return ONE_CELL end
   return opts.length and SPACING * math.sqrt(opts.force / opts.pressure) or 0
 end
 

@@ -110,7 +110,7 @@ function Static:error_estimate() end
 ---The load factors at which the solution becomes unstable, and their shapes. All loads, temperatures and prescribed displacements
 ---grow by the factor. The equations get a factor where they have none.
 ---
----Errors: unconstrained (the part can move freely), unsupported (a solution of an edit session or of an external solver),
+---Errors: unconstrained (the part can move freely, without `loads_turn`), unsupported (a solution of an edit session or of an external solver),
 ---convergence (the iteration did not converge), memory (the factor does not fit), limit (too many load factors for the
 ---eigensolver). A load that causes no stress raises.
 ---
@@ -128,6 +128,7 @@ function Static:buckling(options) end
 ---@field tolerance? number (-) of the relative residuals of the squares. Range: above 0, below 1. Default: 1e-8
 ---@field sturm? boolean count the load factors by indefinite factors, so that none is missing. Default: true
 ---@field seed? integer (seed) of the start vectors. Default: 1
+---@field loads_turn? boolean loads of a part without sufficient supports turn with its mean rotation; nothing is counted then. Default: false, such a part is refused
 ---@field solver? bw.Eigensolver|"auto" the eigensolver: `lanczos`, `arpack` or `lobpcg`. Default: "auto"
 
 ---The tractions that two regions of the mesh exert on each other, from the forces that their elements have at the nodes of the

@@ -40,6 +40,24 @@ function System:solve(force) end
 ---@return bw.Details? details
 function System:modes(options) end
 
+---Load factors under a displacement of these equations, without temperatures: see `static:buckling`.
+---
+---Errors: those of `static:buckling`. Equations of an edit session without a factor raise.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.01, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary:below("x", 0))
+---part:load {on = mesh.boundary:above("x", 0.2), force = {-100, 0, 0}}
+---local system = assert(part:system())
+---local u = assert(system:solve(part:force_vector()))
+---print(assert(system:buckling(u, {count = 1})).factor)
+---```
+---@param displacement bw.Array|number[][] (m, node_count × 3, per node) such as `system:solve` gives
+---@param options? bw.BucklingOptions how many, and of which sign
+---@return bw.Buckling? buckling the load factors; fewer than asked for where the search ended before
+---@return string? message
+---@return bw.Details? details
+function System:buckling(displacement, options) end
+
 ---How modes are computed.
 ---@class bw.SystemModesOptions
 ---@field count? integer (count) of modes. Default: 15

@@ -69,6 +69,23 @@ scenario("column, clamped at both ends, by a prescribed displacement", function(
   end
 end)
 
+scenario("column under the worst admissible load", function(t)
+  local part, foot = bar(L, side, {40, 2, 2})
+  local worst = t:require(bw.worst_buckling(part:fix(foot), {force = 1, contact = side * side}))
+  expect(worst.force, "force", "N"):near(engesser(2 * L, I, kA), {relative = 0.006, source = "Euler, Engesser"})
+  expect(worst.counted, "counted"):equals(true)
+  local along = 0
+  for _, arrow in ipairs(worst:arrows()) do along = along + arrow.force[1] end
+  expect(-along, "force on the end", "N"):near(1, {relative = 1e-6, source = "compression"})
+end)
+
+scenario("free bar under the worst admissible load", function(t)
+  local part = bar(L, side, {40, 2, 2})
+  local worst = t:require(bw.worst_buckling(part, {force = 2, contact = 2 * side * side}))
+  expect(worst.force / 2, "force on each end", "N")
+    :near(engesser(L, I, kA), {relative = 0.006, source = "Euler, Engesser: pinned ends"})
+end)
+
 scenario("column under tension: negative factors", function(t)
   local part, foot, head = bar(L, side, {40, 2, 2})
   part:fix(foot):load {on = head, force = {1, 0, 0}}

@@ -2,6 +2,7 @@
 #ifndef BARWRIGHT_BUCKLING_H
 #define BARWRIGHT_BUCKLING_H
 
+#include "barwright/analysis.h"
 #include "barwright/eigen.h"
 #include "barwright/statics.h"
 
@@ -17,6 +18,14 @@ BW_API bw_status bw_stress_stiffness(bw_context *context, const bw_block_pattern
                                      const bw_model *model, const double *displacement,
                                      double *values);
 
+/* The derivative of x . K_sigma(u) y by u, for shapes x and y (m, node_count x 3), which may be the
+ * same: nodal forces, gradient (N m, node_count x 3), overwritten. Without temperatures it is
+ * linear: gradient . u = x . K_sigma(u) y. *work (J): x . K y. BW_GEOMETRY for an inverted
+ * element; BW_INVALID for a material of another mesh. */
+BW_API bw_status bw_stress_stiffness_gradient(bw_context *context, const bw_mesh *mesh,
+                                              const bw_material *material, const double *x,
+                                              const double *y, double *gradient, double *work);
+
 /* Which load factors are wanted. */
 typedef enum bw_buckling_sign {
   BW_BUCKLING_EITHER,   /* the nearest to zero */
@@ -30,6 +39,8 @@ typedef struct bw_buckling_options {
   double tolerance;             /* (-) as in bw_modes_options; default 1e-8, above 0 and below 1 */
   bool sturm;                   /* count the load factors from indefinite factors; default true */
   uint64_t seed;                /* of the start vectors; default 1 */
+  bool loads_turn;              /* the loads of a body that can move freely turn with its mean
+                                   rotation; default false: such a body is refused */
   const bw_eigensolver *solver; /* borrowed; default NULL: automatic. SLEPc does not serve */
 } bw_buckling_options;
 BW_API void bw_buckling_options_default(bw_buckling_options *options);
@@ -53,12 +64,39 @@ typedef struct bw_buckling {
  * K_sigma of the solution's stress, by the squares of the factors (docs/theory/stability.md). All
  * loads, temperatures and prescribed displacements of the model grow by the factor. Loads keep
  * their directions. `options` may be NULL. BW_UNCONSTRAINED for a body that supports leave free to
- * move, BW_UNSUPPORTED for a joined model (bw_model_joined) and a solution without equations in
- * this process (of an external solver or an edit session) and for SLEPc, BW_INVALID where the load
- * causes no stress, BW_LIMIT for too many load factors; those of bw_system_factor and
- * bw_modes_elastic. */
+ * move, unless its loads turn with it, BW_UNSUPPORTED for a joined model (bw_model_joined) and a
+ * solution without equations in this process (of an external solver or an edit session) and for
+ * SLEPc, BW_INVALID where the load causes no stress, BW_LIMIT for too many load factors; those of
+ * bw_system_factor and bw_modes_elastic. */
 BW_API bw_status bw_buckling_of_static(bw_context *context, const bw_static *solution,
                                        const bw_buckling_options *options, bw_buckling **buckling);
+/* The same of a displacement (m, node_count x 3) of a system's equations, without temperatures. The
+ * system gains a factor where it has none. BW_INVALID for equations of an edit session without a
+ * factor; BW_UNCONSTRAINED and others as bw_buckling_of_static. */
+BW_API bw_status bw_buckling_of_displacement(bw_context *context, bw_system *system,
+                                             const double *displacement,
+                                             const bw_buckling_options *options,
+                                             bw_buckling **buckling);
+/* Where searches for the worst load begin. */
+typedef struct bw_buckling_starts_options {
+  bw_worst_load_options loads; /* which are admissible */
+  bool reversed;               /* negative factors: the loads pull; default false */
+  int restarts;                /* random combinations of the shapes, 0 or more; default 48 */
+  uint64_t seed;               /* of these; default 1 */
+} bw_buckling_starts_options;
+BW_API void bw_buckling_starts_options_default(bw_buckling_starts_options *options);
+/* Admissible loads that are likely to buckle a body, by an ascent of the largest 1 / lambda among
+ * combinations of given shapes (m, count x node_count x 3; count 1 to 60), which must be free of
+ * rigid-body motion (docs/theory/stability.md, "Worst-case buckling"). At most `wanted` different
+ * ones, by descending value: *found of them, pressure (Pa, wanted x basis->count) and value (-,
+ * wanted), which 1 / lambda of the load reaches at least. *report, which may be NULL: of the linear
+ * programs. BW_INVALID for too many shapes, and where no shape has strain energy; those of
+ * bw_worst_loads. */
+BW_API bw_status bw_buckling_starts(bw_context *context, bw_system *system,
+                                    const bw_pressure_basis *basis,
+                                    const bw_buckling_starts_options *options, int count,
+                                    const double *shapes, int wanted, int *found, double *pressure,
+                                    double *value, bw_solver_report *report);
 /* By how much every factor is too large in size on this mesh, relative (-, buckling->count) to it,
  * by the recovered stress of its shape, as bw_modes_error. The error of the stress that K_sigma is
  * made of is not in it. */

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright buckle MODEL: how many times the load may grow before the part buckles.
 local bw = require "barwright"
+local buckle_worst = require "barwright.command.buckle_worst"
 local loads_of = require "barwright.command.loads"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
@@ -77,36 +78,57 @@ local function report(found, opts, out)
   return verdict
 end
 
+local function run_worst(opts, out)
+  local worst, why, details = buckle_worst.analyse(opts, out)
+  if not worst then return out:fail(why, details) end
+  local verdict = buckle_worst.report(worst, opts, MIN_ERROR, out)
+  if (opts.picture or opts.vtu) and not worst.factor then
+    out:say "No file is written, since no load was found."
+  end
+  local failed = out:write_files {{worst.factor and opts.vtu, function() return worst:write(opts.vtu) end},
+    {worst.factor and opts.picture, function() return worst:picture(opts.picture) end}}
+  if failed then return failed end
+  return verdict == "holds" and 0 or 1
+end
+
+local options = {
+  model.material_option,
+  {name = "count", value = "N", type = "integer", default = 4, min = 1, max = 500, what = "how many factors"},
+  {name = "sign", value = "positive|negative|either", type = "string", default = "positive",
+    one_of = {"positive", "negative", "either"},
+    what = "factors of the load as it is, of the reversed load, or the nearest to zero"},
+  model.fix_option,
+  loads_of.options.force,
+  loads_of.options.pressure,
+  loads_of.options.gravity,
+  model.unit_option,
+  model.elements_option,
+  {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
+    what = "linear or quadratic elements; linear ones are too stiff, and their factors too large"},
+  {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
+    what = "write the shapes, for ParaView"},
+  {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
+    what = "a picture of the first shape"},
+  model.threads_option,
+}
+for i, option in ipairs(buckle_worst.options) do table.insert(options, 7 + i, option) end
+
 return {
   summary = "how many times a load may grow before the part buckles",
   about = "Constrains a part at places, applies loads at others, and finds the load factors of linear buckling. A "
-    .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help .. "\n\n"
+    .. "surface is repaired where it must be and filled with tetrahedra. With --worst no load must be known: the "
+    .. "load that buckles the part first is searched for.\n\n" .. places.help .. "\n\n"
     .. output.codes("it does not buckle", "it buckles, or the estimated error leaves it open"),
   arguments = {model.body_argument},
-  options = {
-    model.material_option,
-    {name = "count", value = "N", type = "integer", default = 4, min = 1, max = 500, what = "how many factors"},
-    {name = "sign", value = "positive|negative|either", type = "string", default = "positive",
-      one_of = {"positive", "negative", "either"},
-      what = "factors of the load as it is, of the reversed load, or the nearest to zero"},
-    model.fix_option,
-    loads_of.options.force,
-    loads_of.options.pressure,
-    loads_of.options.gravity,
-    model.unit_option,
-    model.elements_option,
-    {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
-      what = "linear or quadratic elements; linear ones are too stiff, and their factors too large"},
-    {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
-      what = "write the shapes, for ParaView"},
-    {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
-      what = "a picture of the first shape"},
-    model.threads_option,
-  },
+  options = options,
   examples = {"barwright buckle strut.stl --fix min:z --force max:z=0,0,-50 --material steel",
     {"barwright buckle shelf.stl --fix min:x --pressure max:z=2kPa --sign either --count 10",
-      "of both directions"}},
+      "of both directions"},
+    {"barwright buckle strut.stl --fix min:z --forbid min:z --worst 50N", "by the load that does it first"}},
   run = function(opts, out)
+    local misuse = buckle_worst.misuse(opts)
+    if misuse then return out:misuse(misuse) end
+    if opts.worst then return run_worst(opts, out) end
     local loads, message = loads_of.read(opts, "gravity")
     if not loads then return out:misuse(message) end
     local found, why, details = analyse(opts, loads, out)

@@ -101,6 +101,64 @@ static void uniform_stress(void **state) {
   bw_release(material);
 }
 
+/* gradient . u = x . K_sigma(u) y, and work = x . K y, of every kind of element. */
+static void gradient_of_stress_stiffness(void **state) {
+  bw_context *context = check_context(state);
+  for (int which = 0; which < 4; which++) { /* tet4, tet10, curved tet10, B-bar tet10 */
+    const int cells[3] = {3, 2, 2};
+    bw_material *material = body_material(context);
+    bw_mesh *mesh = NULL;
+    bw_model *model = NULL;
+    bw_block_pattern *pattern = NULL;
+    bw_random random;
+    bw_random_seed(&random, 5);
+    if (which == 3) {
+      bw_material *standard = material;
+      check_ok(context, bw_material_formulated(context, standard, BW_B_BAR, &material));
+      bw_release(standard);
+    }
+    if (which % 2)
+      mesh = body_box(context, 0.3, 0.1, 0.05, 3, 2, 2, 2);
+    else
+      check_ok(context, bw_mesh_mapped_box(context, cells, which ? 2 : 1, bend, NULL, &mesh));
+    int64_t size = 3 * (int64_t)mesh->node_count;
+    double *u = numbers(size), *x = numbers(size), *y = numbers(size), *product = numbers(size);
+    double *gradient = numbers(size), work, linear = 0, expected = 0, energy = 0;
+    for (int64_t i = 0; i < size; i++) {
+      u[i] = bw_random_normal(&random);
+      x[i] = bw_random_normal(&random);
+      y[i] = bw_random_normal(&random);
+    }
+    check_ok(context, bw_model_create(context, mesh, material, &model));
+    check_ok(context, bw_block_pattern_create(context, mesh, &pattern));
+    double *values = numbers(pattern->block_count), *stiffness = numbers(9 * pattern->block_count);
+    check_ok(context, bw_stress_stiffness(context, pattern, model, u, values));
+    check_ok(context, bw_stress_stiffness_gradient(context, mesh, material, x, y, gradient, &work));
+    check_ok(context, bw_block_multiply(context, pattern, values, 1, 3, 1, y, product));
+    for (int64_t i = 0; i < size; i++) {
+      linear += gradient[i] * u[i];
+      expected += x[i] * product[i];
+    }
+    check_ok(context, bw_stiffness(context, pattern, mesh, material, stiffness));
+    check_ok(context, bw_block_multiply(context, pattern, stiffness, 9, 3, 1, y, product));
+    for (int64_t i = 0; i < size; i++)
+      energy += x[i] * product[i];
+    check_near(linear, expected, 1e-11 * fabs(expected));
+    check_near(work, energy, 1e-11 * fabs(energy));
+    free(u);
+    free(x);
+    free(y);
+    free(product);
+    free(gradient);
+    free(values);
+    free(stiffness);
+    bw_release(pattern);
+    bw_release(model);
+    bw_release(mesh);
+    bw_release(material);
+  }
+}
+
 static bw_buckling *buckled(bw_context *context, const bw_static *solution, int count,
                             bw_buckling_sign sign, bw_eigensolver_kind kind) {
   bw_buckling_options options;
@@ -464,16 +522,12 @@ static void calculix_agrees(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(uniform_stress),
-                                     check_test(against_dense),
-                                     check_test(euler_column),
-                                     check_test(both_signs),
-                                     check_test(scales_with_the_load),
-                                     check_test(no_compression),
-                                     check_test(heated_between_walls),
-                                     check_test(same_bits),
-                                     check_test(refused),
-                                     check_test(memory_failures),
-                                     check_test(calculix_agrees)};
+  const struct CMUnitTest tests[] = {
+      check_test(uniform_stress),  check_test(gradient_of_stress_stiffness),
+      check_test(against_dense),   check_test(euler_column),
+      check_test(both_signs),      check_test(scales_with_the_load),
+      check_test(no_compression),  check_test(heated_between_walls),
+      check_test(same_bits),       check_test(refused),
+      check_test(memory_failures), check_test(calculix_agrees)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

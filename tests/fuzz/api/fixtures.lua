@@ -154,6 +154,10 @@ makers.System = {
 makers.WorstCase = {function(p)
   return assert(bw.worst_case(p:variant("bw.Model", 3), {force = 1, pressure = 1e6, modes = 1, regions = 1}))
 end}
+makers.WorstBuckling = {function(p)
+  return assert(bw.worst_buckling(p.Model, {force = 1, pressure = 1e6, modes = 2, restarts = 2, ascents = 1,
+    shapes = 1}))
+end}
 makers.WeakRegions = {function(p)
   return assert(bw.weak_regions(p.Mesh, bw.material.pla, (assert(p:variant("bw.Model", 3):modes {count = 1}))))
 end, function(p) return bw.single_regions(p.Mesh, {1, 2}) end}

@@ -222,6 +222,9 @@ add {
   ["WorstCase:picture"] = function() return "out.png", {width = 64, height = 64} end,
   ["WorstCase:report"] = function() return "out.html", {loads = 1, modes = 1, title = "t"} end,
   ["WorstCase:write"] = function() return "out.vtu" end,
+  ["WorstBuckling:picture"] = function() return "out.png", {width = 64, height = 64} end,
+  ["WorstBuckling:write"] = function() return "out.vtu" end,
+  ["WorstBuckling:arrows"] = function() return 1, 0.2 end,
   ["WorstCase:arrows"] = function() return 1, 0.2 end,
   ["WeakRegions:objective"] = function() return 1, bw.material.pla end,
   ["PressureBasis:force"] = function(p) return bw.array.zeros(p.PressureBasis.count) end,
@@ -237,6 +240,8 @@ add {
   ["DropTest:picture"] = function() return "out.png", {width = 64, height = 64} end,
   ["DropTest:write"] = function() return "out.vtu" end,
 }
+alike([[WorstBuckling:pressure WorstBuckling:nodal_force WorstBuckling:displacement WorstBuckling:factors]],
+  function() return 1 end)
 alike([[WeakRegions:elements WeakRegions:weights WorstCase:pressure WorstCase:force WorstCase:displacement
   WorstCase:stress]],  function() return 1 end)
 

@@ -1,0 +1,110 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright buckle MODEL --worst FORCE: the load within limits that buckles the part first.
+local bw = require "barwright"
+local core = require "barwright.core"
+local loads_of = require "barwright.command.loads"
+local model = require "barwright.command.model"
+local places = require "barwright.command.places"
+local shown = require "barwright.shown"
+
+local buckle_worst = {}
+
+-- Options that only this search takes.
+buckle_worst.options = {
+  {name = "worst", value = "FORCE", type = "number", unit = "N", above = 0,
+    what = "no known load: find the pressures of this total force that buckle the part first; without --fix the "
+      .. "load on one side, which another one balances"},
+  model.contact_option,
+  {name = "forbid", value = "PLACE", many = true, what = "with --worst: no load acts there"},
+  {name = "friction", value = "MU", type = "number", default = 0, min = 0, max = 100,
+    what = "with --worst: Coulomb's coefficient of friction of the loads"},
+}
+
+--- What is wrong with the options, or nil.
+function buckle_worst.misuse(opts)
+  if not opts.worst then
+    for _, name in ipairs {"forbid", "friction", "contact"} do
+      if opts.given[("--" .. name)] then
+        return ("option --%s is for the search of --worst FORCE"):format(name)
+      end
+    end
+    return nil
+  end
+  if #opts.force + #opts.pressure > 0 or opts.gravity then
+    return "option --worst finds the load: leave out --force, --pressure and --gravity"
+  end
+  for _, name in ipairs {"fix", "forbid"} do
+    for _, place in ipairs(opts[name]) do
+      local ok, message = places.check(place)
+      if not ok then return ("option --%s: %s"):format(name, message) end
+    end
+  end
+end
+
+--- The worst load of a part and its error, or nil, message, details.
+function buckle_worst.analyse(opts, out)
+  if opts.threads then bw.threads(opts.threads) end
+  local mesh, material, read = model.body(opts, out)
+  if not mesh then return nil, material, read end
+  local part, message, details = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, {}, out)
+  if not part then return nil, message, details end
+  out:json {supported_area_m2 = message}
+  local forbidden
+  for _, place in ipairs(opts.forbid) do
+    local selection
+    selection, message, details = places.select(mesh, place)
+    if not selection then return nil, message, details end
+    forbidden = forbidden and forbidden:union(selection) or selection
+    out:say("No load at %s (%s).", place, core.quantity(selection.area, "m2"))
+  end
+  local sides = #opts.fix == 0 and 2 or 1
+  local worst
+  worst, message, details = model.try(bw.worst_buckling, part, {force = sides * opts.worst,
+    contact = sides * opts.contact, forbidden = forbidden, friction = opts.friction, sign = opts.sign,
+    shapes = opts.count})
+  out:warnings()
+  if not worst then return nil, message, details end
+  return worst
+end
+
+local words = {buckles = "the part buckles under that load", unsure = "the error leaves open whether it buckles",
+  holds = "no load that was found buckles it"}
+
+--- Says what was found; the verdict. `min_error`: what one mesh leaves open at least.
+function buckle_worst.report(worst, opts, min_error, out)
+  local factor, verdict = worst.factor, "unsure"
+  local error = math.max(worst.mesh_error or 0, min_error)
+  if factor and math.abs(factor) < 1 then
+    verdict = "buckles"
+  elseif factor and math.abs(factor) * (1 - error) > 1 then
+    verdict = "holds"
+  end
+  out:say("")
+  if factor then
+    out:say("The load that buckles it first, of those found: %s%s on at least %s, at %s times it.",
+      core.quantity(opts.worst, "N"), factor < 0 and " that pull" or "", core.quantity(opts.contact, "m2"),
+      shown.number(factor))
+    for _, arrow in ipairs(worst:arrows()) do
+      out:say("  %s at %s, on %s", shown.vector(arrow.force, "N"), core.point(arrow.at),
+        core.quantity(arrow.area, "m2"))
+    end
+    out:say("The mesh makes the factor about %s too large in size. With that, or %s where that is more, %s.",
+      shown.error(worst.mesh_error), shown.error(min_error), words[verdict])
+    out:say(worst.counted and "A count of the load factors confirms that this load has no smaller one."
+      or "The load factors of this load are not counted: a smaller one may be missing.")
+  else
+    out:say "No load was found that buckles the part; one may exist."
+  end
+  out:say "The search is heuristic: another load may buckle the part sooner."
+  out:say "Linear theory: loads keep their directions, and shape and supports are perfect."
+  local factors = {}
+  for i, load in ipairs(worst.loads) do factors[i] = load.factor end
+  out:json {verdict = verdict, load_factors = bw.json.list(factors), load_factor = factor,
+    errors = bw.json.list {worst.mesh_error}, counted = worst.counted, force_n = opts.worst,
+    buckling_force_n = factor and math.abs(factor) * opts.worst, contact_m2 = opts.contact,
+    friction = opts.friction, forbid = bw.json.list(opts.forbid), fix = bw.json.list(opts.fix),
+    material = opts.material, analyses = worst.analyses}
+  return verdict
+end
+
+return buckle_worst
