@@ -14,8 +14,12 @@ function shape_files.write(self, name, path, given)
   return self.mesh:write(path, opts)
 end
 
+-- The largest displacement of a picture, over the diagonal of the box.
+local DEFORMATION = 0.05
+
 --- A picture of shape i: deformed and coloured by how far each place moves, or where it has one component by its
---- values. `title` gives the title where none is given, or nil, a message and details.
+--- values. Shapes have no scale, so the factor on them is not shown. `title` gives the title where none is
+--- given, or nil, a message and details.
 function shape_files.picture(self, i, path, given, title)
   local opts = options.copied(given)
   local shape = self:shape(i)
@@ -24,7 +28,12 @@ function shape_files.picture(self, i, path, given, title)
   if shape.column_count == 3 then
     opts.values = core.array.map("norm(a)", {a = shape}):gather(nodes)
     opts.unit, opts.scale = opts.unit or "displacement over the largest", opts.scale or 1 / opts.values:max()
+    local size, factor = surface.box.size, opts.deformation
+    if factor == nil or factor == 0 then
+      factor = DEFORMATION * math.sqrt(size[1] ^ 2 + size[2] ^ 2 + size[3] ^ 2) / opts.values:max()
+    end
     opts.displacement = shape:gather(nodes)
+    if type(factor) == "number" then opts.displacement, opts.deformation = opts.displacement * factor, 1 end
   else
     opts.values = shape:gather(nodes)
   end
