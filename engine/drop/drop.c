@@ -145,7 +145,9 @@ static bw_status find_modes(bw_context *context, bwi_drop_run *run, bw_system *g
   } else {
     bw_modes_options options;
     bw_modes_options_default(&options);
-    options.count = MODES;
+    options.count = MODES; /* and not all of a small mesh: contact needs what they leave */
+    if (3 * (int64_t)run->model->mesh->node_count < 2 * MODES + 6)
+      options.count = (3 * run->model->mesh->node_count - 6) / 2;
     BW_TRY(bw_modes_of_model(context, run->model, given, &options, system, modes));
   }
   BW_TRY(bw_system_factor(context, *system)); /* and the mass */

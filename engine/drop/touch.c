@@ -14,6 +14,8 @@ enum { BATCH = 16, MOST = 2000, POWER_STEPS = 30 };
 
 /* Of the body's radius: by how much points may come nearer before all are looked at again. */
 static const double travel = 0.02;
+/* Of the compliance of a node: what the modes must leave. */
+static const double least_left = 1e-6;
 /* Of the largest diagonal entry: redundant candidates are singular. */
 static const double shift = 1e-12;
 
@@ -226,6 +228,8 @@ static bw_status solve_columns(bw_context *context, bwi_drop_run *run, int more)
     double *field = columns->field + j * size, longest = 0;
     const double *push = t->push + 3 * (first + j);
     const double *basis = p->basis + 3 * (int64_t)t->point[first + j] * m;
+    const double *own = field + 3 * (int64_t)p->node[t->point[first + j]];
+    double whole = bw_dot(push, own);
     for (int k = 0; k < m; k++) {
       double part = push[0] * basis[k] + push[1] * basis[m + k] + push[2] * basis[2 * m + k];
       const double *shape = run->modes->shape + k * size;
@@ -233,6 +237,11 @@ static bw_status solve_columns(bw_context *context, bwi_drop_run *run, int more)
       for (int64_t i = 0; i < size; i++)
         field[i] += weight[k] * shape[i];
     }
+    if (!(bw_dot(push, own) > least_left * whole))
+      BW_TRY(bw_fail(context, BW_INVALID,
+                     "the %d modes leave nothing of the compliance of this mesh to the contact: "
+                     "take fewer modes",
+                     m));
     for (int32_t i = 0; i < p->count; i++)
       longest = fmax(longest, bw_norm(field + 3 * (int64_t)p->node[i]));
     t->column[first + j] = field;

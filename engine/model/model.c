@@ -396,7 +396,7 @@ bw_status bw_model_clear_attachments(bw_context *context, bw_model *model) {
 bw_status bw_model_couple(bw_context *context, bw_model *model, const bw_selection *on,
                           const bw_remote_point *point) {
   bw_status status;
-  BW_TRY(check_selection(context, model, on, true, "a coupling"));
+  BW_TRY(bwi_check_selection(context, model, on, true, "a coupling"));
   bw_coupling *list = bw_resize(context, model->coupling, (size_t)model->coupling_count + 1,
                                 sizeof *model->coupling);
   BW_TRY_MEMORY(list);

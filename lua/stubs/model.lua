@@ -497,6 +497,35 @@ function Model:harmonic(options) end
 
 ---The part in contact with rigid surfaces, or parts of its mesh with each other, without friction or with Coulomb's, for
 ---small displacements: contact pressure, friction, resultants and the static solution. Supports may leave motions that contact restrains. The factor is that of the part's equations; each candidate that
+
+---The part falls on a rigid plane and is followed in time: free fall, impacts, bounces. It is linear elastic about its motion as a
+---rigid body. Its modes and the compliance that they leave out carry the contact, without friction. The mesh shows its attitude
+---when it touches; positions and times count from then. The model keeps the equations, and `modes` of a former drop
+---serve the next: a drop then takes one solution for each node that touches.
+---
+---A warning says when the part turns by more than 0.1 rad while it touches, and when the energy is not kept.
+---
+---Errors: limit (more than 2000 nodes touch in one impact, or an impact without end), unsupported (bonds, attachments, a surface
+---that is no plane, other damping), convergence and singular (the forces of contact are not found); those of `modes`. A part with
+---supports or loads, without density or of several bodies raises.
+---
+---Source: docs/theory/drop.md.
+---```lua
+---local mesh = bw.mesh.box {max = {0.03, 0.02, 0.01}, cells = {3, 2, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.pla}
+---local drop = assert(part:drop {height = 1, down = {-1, -2, -3}})
+---print(drop, drop.peak.stress)
+---print(assert(part:drop {height = 1, down = {0, -1, -1}, modes = drop.modes}).impacts[1].force)
+---```
+---@param options? bw.DropOptions height, attitude, spin and what is recorded
+---@return bw.Drop? drop what happened
+---@return string? message
+---@return bw.Details? details
+function Model:drop(options) end
+
+---The part in contact with rigid surfaces, or parts of its mesh with each other, without friction, for small
+---displacements: contact pressure, resultants and the static
+---solution. Supports may leave motions that contact restrains. The factor is that of the part's equations; each candidate that
 ---may touch takes one solution with it.
 ---
 ---A warning names pairs that stay open or penetrate for want of smaller facets, motions that nothing decides, and rotations that

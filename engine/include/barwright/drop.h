@@ -20,7 +20,8 @@ typedef struct bw_drop_options {
   const bw_rigid_surface *onto; /* a plane; default NULL: across `down`. The body is moved along
                                    `down` until it touches */
   bw_damping damping;           /* ratio and stiffness alone; default none */
-  const bw_modes *modes;        /* elastic modes of the model; default NULL: the lowest 40 */
+  const bw_modes *modes; /* elastic modes of the model; default NULL: the lowest 40, or half of
+                            those of a small mesh */
   int impacts; /* (count) that are followed, 1 or more; default 1. One is over when no force has
                   acted for a period of the lowest mode */
   double time; /* (s) at which it ends at the latest, 0 or more; default 0: no limit */
@@ -86,10 +87,10 @@ typedef struct bw_drop {
  * and *system as in bw_modes_of_model: the modes, the equations and their factor serve any number
  * of drops. A warning says when a body turns so far during an impact that the compliance of the
  * contact changes. BW_INVALID for options outside their ranges, a body without density, with
- * supports or loads, or of several parts, and for modes of another model; BW_UNSUPPORTED for other
- * surfaces, other damping, bonds and attachments; BW_LIMIT for more than 2000 nodes that touch in
- * one impact or an impact without end, BW_SINGULAR and BW_CONVERGENCE where the forces of contact
- * are not found; those of bw_modes_of_model. */
+ * supports or loads, or of several parts, and for modes of another model or all that a mesh has;
+ * BW_UNSUPPORTED for other surfaces, other damping, bonds and attachments; BW_LIMIT for more than
+ * 2000 nodes that touch in one impact or an impact without end, BW_SINGULAR and BW_CONVERGENCE
+ * where the forces of contact are not found; those of bw_modes_of_model. */
 BW_API bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system *given,
                                   const bw_drop_options *options, bw_system **system,
                                   bw_drop **drop);

@@ -250,6 +250,11 @@ static void test_bad_input(void **state) {
   bad.modes = modes;
   check_fails(context, BW_INVALID, "not elastic modes of this model",
               bw_drop_of_model(context, model, NULL, &bad, NULL, &drop));
+  bw_modes *all = lowest(context, model, 18, NULL); /* 24 displacements, 6 rigid-body modes */
+  bad.modes = all;
+  check_fails(context, BW_INVALID, "take fewer modes",
+              bw_drop_of_model(context, model, NULL, &bad, NULL, &drop));
+  bw_release(all);
   bw_selection *face = NULL;
   const double origin[3] = {0, 0, 0}, axis[3] = {0, 0, 1};
   check_ok(context, bw_select_plane(context, model->mesh, origin, axis, 1e-9, &face));

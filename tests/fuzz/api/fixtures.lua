@@ -112,6 +112,10 @@ makers.RigidSurface = {
   function() return bw.rigid.plane {normal = {0, 0, 1}} end,
   function() return bw.rigid.cylinder {axis = {0, 1, 0}, radius = 0.1, inside = true} end,
 }
+makers.Drop = {function()
+  local mesh = bw.mesh.box {max = {0.02, 0.02, 0.02}, cells = {1, 1, 1}}
+  return assert(bw.model({mesh = mesh, material = bw.material.pla}):drop {down = {-1, -2, -3}, samples = 2})
+end}
 makers.Contact = {function(p)
   return assert(p.Model:contact {{on = p.Mesh.boundary:below(3, 0), with = bw.rigid.plane {normal = {0, 0, 1}}}})
 end, function(p)

@@ -1,0 +1,253 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* model:drop, and what happens to the body. */
+#include "bind.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const bw_drop *self(lua_State *L) {
+  return (const bw_drop *)lbw_check(L, 1, &lbw_drop_class);
+}
+
+/* model:drop{height, speed, gravity, down, spin, onto, damping, modes, impacts, time, tolerance,
+ * samples} */
+static int model_drop(lua_State *L) {
+  static const lbw_option list[] = {{"height", LBW_REAL, offsetof(bw_drop_options, height)},
+                                    {"speed", LBW_REAL, offsetof(bw_drop_options, speed)},
+                                    {"gravity", LBW_REAL, offsetof(bw_drop_options, gravity)},
+                                    {"down", LBW_VECTOR, offsetof(bw_drop_options, down)},
+                                    {"spin", LBW_VECTOR, offsetof(bw_drop_options, spin)},
+                                    {"onto", LBW_OTHER, 0},
+                                    {"damping", LBW_OTHER, 0},
+                                    {"modes", LBW_OTHER, 0},
+                                    {"impacts", LBW_INT, offsetof(bw_drop_options, impacts)},
+                                    {"time", LBW_REAL, offsetof(bw_drop_options, time)},
+                                    {"tolerance", LBW_REAL, offsetof(bw_drop_options, tolerance)},
+                                    {"samples", LBW_INT, offsetof(bw_drop_options, samples)},
+                                    {NULL, LBW_OTHER, 0}};
+  lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
+  bw_drop_options options;
+  bw_drop_options_default(&options);
+  lua_settop(L, 2);
+  lbw_options(L, 2, "drop", list, &options);
+  lbw_damping_option(L, 2, "drop", &options.damping);
+  if (lua_istable(L, 2)) { /* which keeps both */
+    options.modes = (const bw_modes *)lbw_object_option(L, 2, "drop", "modes", &lbw_modes_class,
+                                                        "modes of the part");
+    options.onto = (const bw_rigid_surface *)lbw_object_option(
+        L, 2, "drop", "onto", &lbw_rigid_surface_class, "a plane of bw.rigid.plane");
+  }
+  lua_settop(L, 2);
+  lbw_box *box = lbw_box_new(L, &lbw_drop_class);
+  bw_drop *drop = NULL;
+  bw_system *system = NULL;
+  bw_status status = bw_drop_of_model(lbw_enter(L), (const bw_model *)model->object,
+                                      (bw_system *)model->extra, &options, &system, &drop);
+  if (status == BW_OK) {
+    bw_release(model->extra);
+    model->extra = system;
+  }
+  lbw_box_fill(L, box, drop);
+  if (status == BW_OK)
+    lbw_box_account(L, model);
+  return lbw_leave(L, status, 1);
+}
+
+#define ROWS(name, field, rows)                                                                    \
+  static int drop_##name(lua_State *L) {                                                           \
+    const bw_drop *drop = self(L);                                                                 \
+    if (!drop->field)                                                                              \
+      return 0;                                                                                    \
+    return lbw_push_borrowed(L, BW_F64, rows, 1, drop->field, drop);                               \
+  }
+ROWS(times, time, drop->row_count)
+ROWS(forces, force, drop->row_count)
+ROWS(motion_energy, motion, drop->row_count)
+ROWS(vibration_energy, vibration, drop->row_count)
+ROWS(strain_energy, strain, drop->row_count)
+ROWS(potential_energy, potential, drop->row_count)
+ROWS(damping_energy, damped, drop->row_count)
+ROWS(sample_times, sample, drop->sample_count)
+ROWS(sample_stresses, sample_stress, drop->sample_count)
+ROWS(max_principal, stress, drop->model->mesh->element_count)
+ROWS(utilisation, utilisation, drop->model->mesh->element_count)
+#undef ROWS
+
+static int drop_displacement(lua_State *L) {
+  const bw_drop *drop = self(L);
+  if (!drop->displacement)
+    return 0;
+  return lbw_push_borrowed(L, BW_F64, drop->model->mesh->node_count, 3, drop->displacement, drop);
+}
+
+#define NUMBER(name, value)                                                                        \
+  static int drop_##name(lua_State *L) {                                                           \
+    lua_pushnumber(L, self(L)->value);                                                             \
+    return 1;                                                                                      \
+  }
+NUMBER(mass, mass)
+NUMBER(speed, speed)
+NUMBER(initial_energy, energy)
+NUMBER(energy_error, error)
+NUMBER(step_length, step)
+#undef NUMBER
+
+static int drop_steps(lua_State *L) {
+  lua_pushinteger(L, (lua_Integer)self(L)->steps);
+  return 1;
+}
+
+static int drop_solves(lua_State *L) {
+  lua_pushinteger(L, self(L)->solves);
+  return 1;
+}
+
+static int drop_velocity(lua_State *L) {
+  lbw_push_vector(L, self(L)->velocity);
+  return 1;
+}
+
+static int drop_spin(lua_State *L) {
+  lbw_push_vector(L, self(L)->spin);
+  return 1;
+}
+
+static int drop_mesh(lua_State *L) {
+  lbw_push(L, &lbw_mesh_class, self(L)->model->mesh);
+  return 1;
+}
+
+static int drop_modes(lua_State *L) {
+  lbw_push(L, &lbw_modes_class, self(L)->modes);
+  return 1;
+}
+
+static void set_number(lua_State *L, const char *key, double value) {
+  lua_pushnumber(L, value);
+  lua_setfield(L, -2, key);
+}
+
+static int drop_impacts(lua_State *L) {
+  const bw_drop *drop = self(L);
+  lua_createtable(L, drop->impact_count, 0);
+  for (int i = 0; i < drop->impact_count; i++) {
+    const bw_drop_impact *impact = &drop->impact[i];
+    lua_createtable(L, 0, 9);
+    set_number(L, "time", impact->time);
+    set_number(L, "duration", impact->duration);
+    set_number(L, "force", impact->force);
+    set_number(L, "force_time", impact->peak_time);
+    set_number(L, "impulse", impact->impulse);
+    set_number(L, "area", impact->area);
+    set_number(L, "turn", impact->turn);
+    lua_pushinteger(L, impact->contacts);
+    lua_setfield(L, -2, "contacts");
+    lbw_push_vector(L, impact->place);
+    lua_setfield(L, -2, "place");
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
+static void centre_of(const bw_mesh *mesh, int32_t element, double centre[3]) {
+  memset(centre, 0, 3 * sizeof *centre);
+  for (int a = 0; a < 4; a++) {
+    const int32_t *node = mesh->element + (size_t)element * (size_t)mesh->nodes_per_element;
+    for (int k = 0; k < 3; k++)
+      centre[k] += mesh->node[3 * (size_t)node[a] + (size_t)k] / 4;
+  }
+}
+
+static int drop_peak(lua_State *L) {
+  const bw_drop *drop = self(L);
+  double place[3];
+  if (drop->peak_element < 0)
+    return 0;
+  centre_of(drop->model->mesh, drop->peak_element, place);
+  lua_createtable(L, 0, 4);
+  set_number(L, "stress", drop->peak);
+  set_number(L, "time", drop->peak_time);
+  lua_pushinteger(L, (lua_Integer)drop->peak_element + 1);
+  lua_setfield(L, -2, "element");
+  lbw_push_vector(L, place);
+  lua_setfield(L, -2, "place");
+  return 1;
+}
+
+/* One line each: the drop, its first impact, the stress, the energy, what is assumed. */
+static int drop_tostring(lua_State *L) {
+  const bw_drop *drop = (const bw_drop *)lbw_check(L, 1, &lbw_drop_class);
+  char text[2000];
+  int used = snprintf(text, sizeof text, "drop of %s at %s, %d impact%s to %s, %d modes",
+                      lbw_quantity(drop->mass, "kg").text, lbw_quantity(drop->speed, "m/s").text,
+                      drop->impact_count, drop->impact_count == 1 ? "" : "s",
+                      lbw_quantity(drop->time[drop->row_count - 1], "s").text, drop->modes->count);
+#define ADD(...) used += snprintf(text + used, sizeof text - (size_t)used, __VA_ARGS__)
+  if (drop->impact_count > 0) {
+    const bw_drop_impact *first = &drop->impact[0];
+    ADD("\n  first impact: %s at (%.4g, %.4g, %.4g) m, force %s at most, impulse %.4g N s, %d "
+        "nodes "
+        "touch, the body turns by %.2g degrees",
+        lbw_quantity(first->duration, "s").text, first->place[0], first->place[1], first->place[2],
+        lbw_quantity(first->force, "N").text, first->impulse, first->contacts,
+        first->turn * 180 / M_PI);
+  }
+  if (drop->peak_element >= 0) {
+    double place[3];
+    centre_of(drop->model->mesh, drop->peak_element, place);
+    ADD("\n  largest principal stress %s at %s, (%.4g, %.4g, %.4g) m, of %d times; error unknown: "
+        "one mesh, one number of modes",
+        lbw_quantity(drop->peak, "Pa").text, lbw_quantity(drop->peak_time, "s").text, place[0],
+        place[1], place[2], drop->sample_count);
+    if (drop->utilisation) {
+      double most = 0;
+      for (int32_t e = 0; e < drop->model->mesh->element_count; e++)
+        most = fmax(most, drop->utilisation[e]);
+      ADD("; that is %.3g %% of the strength at most", 100 * most);
+    }
+  }
+  ADD("\n  energy %s at the first touch, kept to %.1e of it", lbw_quantity(drop->energy, "J").text,
+      drop->error);
+  ADD("\n  linear elasticity about the motion as a rigid body, rigid plane, no friction, %s",
+      drop->damped[drop->row_count - 1] > 0 ? "damping as given" : "no damping");
+#undef ADD
+  lua_pushstring(L, text);
+  return 1;
+}
+
+static const luaL_Reg properties[] = {{"times", drop_times},
+                                      {"forces", drop_forces},
+                                      {"motion_energy", drop_motion_energy},
+                                      {"vibration_energy", drop_vibration_energy},
+                                      {"strain_energy", drop_strain_energy},
+                                      {"potential_energy", drop_potential_energy},
+                                      {"damping_energy", drop_damping_energy},
+                                      {"sample_times", drop_sample_times},
+                                      {"sample_stresses", drop_sample_stresses},
+                                      {"max_principal", drop_max_principal},
+                                      {"utilisation", drop_utilisation},
+                                      {"displacement", drop_displacement},
+                                      {"mass", drop_mass},
+                                      {"speed", drop_speed},
+                                      {"initial_energy", drop_initial_energy},
+                                      {"energy_error", drop_energy_error},
+                                      {"step_length", drop_step_length},
+                                      {"steps", drop_steps},
+                                      {"solves", drop_solves},
+                                      {"velocity", drop_velocity},
+                                      {"spin", drop_spin},
+                                      {"impacts", drop_impacts},
+                                      {"peak", drop_peak},
+                                      {"mesh", drop_mesh},
+                                      {"modes", drop_modes},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", drop_tostring}, {NULL, NULL}};
+static const luaL_Reg methods[] = {{NULL, NULL}};
+const lbw_class lbw_drop_class = {"drop", methods, properties, meta, NULL};
+
+void lbw_open_drop(lua_State *L) {
+  static const luaL_Reg of_model[] = {{"drop", model_drop}, {NULL, NULL}};
+  lbw_class_register(L, &lbw_drop_class);
+  lbw_add_methods(L, &lbw_model_class, of_model);
+}
