@@ -30,6 +30,7 @@
 typedef struct statics {
   bw_context *context;
   const bw_model *model;
+  bw_dof_map *dof_map; /* the model's: that of a given system may prescribe other displacements */
   bw_statics_options opts;
   bwi_request request;
   double available;  /* bytes that a factor may take */
@@ -54,17 +55,17 @@ done:
 }
 
 /* The equations: those given where they fit, else new ones that reuse what they can. */
-static bw_status prepare_system(statics *s, const bw_dof_map *dof_map, bw_system *given) {
+static bw_status prepare_system(statics *s, bw_system *given) {
   const bw_model *model = s->model;
   if (!bwi_system_reusable(given, model->mesh))
     given = NULL;
   if (given && (given->factor || given->two_level || given->preconditioner) &&
-      bwi_system_serves(given, model, dof_map)) {
+      bwi_system_serves(given, model, s->dof_map)) {
     s->result->system = bw_retain(given);
     return BW_OK;
   }
   s->old = given && given->factor ? given->factor->symbolic : NULL;
-  return bwi_system_begin(s->context, model->mesh, model->material, dof_map, given,
+  return bwi_system_begin(s->context, model->mesh, model->material, s->dof_map, given,
                           &s->result->system);
 }
 
@@ -152,8 +153,7 @@ static int limit_of(const statics *s) {
 /* ---- by iterations --------------------------------------------------------------------------- */
 
 static bw_status run(statics *s, const bwi_static_solver *solver) {
-  bw_system *system = s->result->system;
-  return bwi_static_solve(s->context, system->dof_map, system, solver, s->result);
+  return bwi_static_solve(s->context, s->dof_map, s->result->system, solver, s->result);
 }
 
 /* Of a pass: one that refines has only to remove what the last has left. */
@@ -298,21 +298,20 @@ done:
 bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                      const bw_statics_options *options, bw_static **out) {
   bw_status status = BW_OK;
-  bw_dof_map *dof_map = NULL;
   statics s = {.context = context, .model = model};
   double start = bw_seconds();
   if (options && bwi_solver_is_external(options->solver))
     return bwi_statics_external(context, model, options, out);
   BW_TRY(check_options(&s, options));
-  BW_TRY(bw_dof_map_create(context, model, &dof_map));
-  BW_TRY(bwi_static_begin(context, model, options, dof_map, &s.result));
-  BW_TRY(prepare_system(&s, dof_map, system));
+  BW_TRY(bw_dof_map_create(context, model, &s.dof_map));
+  BW_TRY(bwi_static_begin(context, model, options, s.dof_map, &s.result));
+  BW_TRY(prepare_system(&s, system));
   s.available = s.opts.memory > 0 ? s.opts.memory : bw_available_memory();
   BW_TRY(solve(&s));
   s.result->report.residual = s.result->residual;
   s.result->report.seconds = bw_seconds() - start;
 done:
-  bw_release(dof_map);
+  bw_release(s.dof_map);
   if (status == BW_OK)
     *out = s.result;
   else

@@ -116,6 +116,19 @@ static void prescribed_stretch(void **state) {
   /* work of the prescribed motion is twice the energy */
   check_near(result->energy, 0.5 * pull[1] * 1e-3, 1e-6 * result->energy);
   assert_true(pull[1] > 2e11 * 1e-3 * 0.01);
+  /* the same equations serve another motion of the same ends */
+  bw_static *other = NULL;
+  bw_model_clear_supports(model);
+  check_ok(context, bw_model_fix(context, model, left));
+  check_ok(context, bw_model_prescribe(context, model, right, fixed, (double[3]){-3e-3, 1e-3, 0}));
+  check_ok(context, bw_statics(context, model, result->system, NULL, &other));
+  assert_ptr_equal(other->system, result->system);
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (mesh->node[3 * i] > 1 - 1e-9) {
+      check_near(other->displacement[3 * i], -3e-3, 1e-18);
+      check_near(other->displacement[3 * i + 1], 1e-3, 1e-18);
+    }
+  bw_release(other);
   bw_release(result);
   bw_release(left);
   bw_release(right);
