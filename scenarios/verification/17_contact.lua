@@ -1,15 +1,15 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Contact without friction: the closed forms of Hertz and of Lame.
+-- Contact without friction and with Coulomb's: closed forms of Hertz, Lame, Cattaneo and Mindlin, and of a wedge.
 local bw = require "barwright"
 local grids = require "grids"
 
 local scenario, expect = bw.scenario, bw.scenario.expect
 
 scenario.about {title = "Contact",
-  text = [[Contact without friction beside the closed forms of Hertz (Johnson 1985) and Lamé
-([theory](theory/contact.md)).]]}
+  text = [[Contact without friction beside the closed forms of Hertz (Johnson 1985) and Lamé, and with
+Coulomb's friction beside those of Cattaneo and Mindlin and of a wedge ([theory](theory/contact.md)).]]}
 
-local pi, sqrt, exp, cos, sin = math.pi, math.sqrt, math.exp, math.cos, math.sin
+local pi, sqrt, exp, cos, sin, tan, abs = math.pi, math.sqrt, math.exp, math.cos, math.sin, math.tan, math.abs
 local E, nu = 200e9, 0.3
 local steel = bw.material.isotropic {young = E, poisson = nu}
 local modulus = E / (1 - nu ^ 2)
@@ -96,7 +96,7 @@ scenario("Press fit of two rings", function(t)
   local face = {}
   for side = 1, 2 do
     face[side] = where(mesh, first, function(x, y, _, inner)
-      return math.abs(sqrt(x * x + y * y) - b) < 1e-9 and inner == (side == 1)
+      return abs(sqrt(x * x + y * y) - b) < 1e-9 and inner == (side == 1)
     end)
   end
   local contact = t:require(part:contact {{on = face[1], with = face[2], interference = interference}})
@@ -106,5 +106,75 @@ scenario("Press fit of two rings", function(t)
     local pressure = contact.pressure:gather(face[1].nodes)
     expect(pressure[what](pressure), what == "max" and "largest pressure" or "smallest pressure", "Pa")
       :near(exact, {relative = 0.01, source = "Lamé; Timoshenko and Goodier 1970, 28"})
+  end
+end)
+
+scenario("Cattaneo and Mindlin, a sphere pressed and then sheared", function(t)
+  local radius, a, mu = 0.05, 1e-3, 0.5
+  local size, fine = 15 * a, 1.2 * a
+  local grade = graded(size, fine, 0.64)
+  local function body(upper)
+    return grids.mapped({24, 12, 8}, 2, function(u, v, w)
+      local x, y = (u < 0.5 and -1 or 1) * grade(abs(2 * u - 1)), grade(v)
+      local deep = upper and w or 1 - w
+      local z = size * (exp(4.5 * deep) - 1) / (exp(4.5) - 1)
+      local crown = math.min(x * x + y * y, 4 * fine * fine) / (2 * radius)
+      return {x, y, upper and z + (1 - deep) * crown or -z}
+    end).mesh
+  end
+  local mesh, first = both(body(false), body(true))
+  local part = bw.model {mesh = mesh, material = steel}
+  local face = {}
+  for side = 1, 2 do
+    face[side] = where(mesh, first, function(x, y, z, lower)
+      local r = sqrt(x * x + y * y)
+      return r < 1.4 * a and lower == (side == 1) and abs(z - (side == 1 and 0 or r * r / (2 * radius))) < 1e-9
+    end)
+  end
+  local function moved(x, z)
+    part:clear_supports():fix(mesh.boundary:below("z", 1e-9 - size))
+    part:slide(mesh.boundary:below("y", 1e-9), {0, 1, 0})
+    return part:prescribe(mesh.boundary:above("z", size - 1e-9), {x, 0, z})
+  end
+  local pairs = {{on = face[2], with = face[1], friction = mu}}
+  local depth = 1.07 * a * a / radius
+  local pressed = t:require(moved(0, -depth):contact(pairs))
+  local pair = t:require(moved(0.32 * depth, -depth):contact(pairs, {after = pressed})).pairs[1]
+  local P, Q, source = 2 * pair.force[3], 2 * abs(pair.friction[1]), "Johnson 1985, 7.2"
+  local whole = (3 * P * radius / (4 * modulus / 2)) ^ (1 / 3)
+  expect(sqrt(2 * pair.area / pi), "radius of the contact", "m")
+    :near(whole, {relative = 0.03, source = "Johnson 1985, 4.2"})
+  expect(sqrt(2 * pair.stick_area / pi), "radius of the stick", "m")
+    :near(whole * (1 - Q / (mu * P)) ^ (1 / 3), {relative = 0.05, source = source})
+  expect(Q / (mu * P), "shear over the limit", "-"):between(0.3, 0.9)
+end)
+
+scenario("Wedge under a block, with friction", function(t)
+  local angle, mu, force, thick = 0.2, 0.3, 1e3, 0.02
+  local function body(upper)
+    return grids.mapped({8, 2, 4}, 1, function(u, v, w)
+      local x = 0.1 * u
+      local slope = 0.02 + tan(angle) * x
+      return {x, thick * v, upper and slope + (0.08 - slope) * w or slope * w}
+    end).mesh
+  end
+  local mesh, first = both(body(false), body(true))
+  local face = {}
+  for side = 1, 2 do
+    face[side] = where(mesh, first, function(x, _, z, lower)
+      return lower == (side == 1) and abs(z - 0.02 - tan(angle) * x) < 1e-9
+    end)
+  end
+  local block_end = where(mesh, first, function(x, _, _, lower) return not lower and x < 1e-9 end)
+  local wedge_end = where(mesh, first, function(x, _, _, lower) return lower and x > 0.1 - 1e-9 end)
+  for _, sense in ipairs {-1, 1} do -- driven in, and pulled out
+    local part = bw.model {mesh = mesh, material = steel}
+    part:slide(mesh.boundary:below("y", 1e-9), {0, 1, 0}):slide(block_end, {1, 0, 0})
+    part:slide(mesh.boundary:below("z", 1e-9), {0, 0, 1})
+    part:prescribe(wedge_end, {sense * 1e-3, false, false})
+    part:load {on = mesh.boundary:above("z", 0.08 - 1e-9), force = {0, 0, -force}}
+    local contact = t:require(part:contact {{on = face[2], with = face[1], friction = mu}})
+    expect(abs(contact.static:reaction_on(wedge_end)[1]), sense < 0 and "drives it in" or "pulls it out", "N")
+      :near(force * tan(math.atan(mu) - sense * angle), {relative = 1e-3, source = "statics of a wedge"})
   end
 end)
