@@ -5,6 +5,7 @@ local folder = arg[0]:match "^(.*)/scripts/bench/" or "."
 package.path = folder .. "/scenarios/verification/lib/?.lua;" .. folder .. "/scripts/bench/?.lua;" .. package.path
 local bw = require "barwright"
 local grids = require "grids"
+local le11 = require "le11"
 local script = require "barwright.command.script"
 
 local opts = script.read {
@@ -117,32 +118,9 @@ case("NAFEMS LE10", function()
 end)
 
 case("NAFEMS LE11", function()
-  local h, wedge = sqrt(0.5), pi / 12
-  local function section(u, s)
-    local inner, outer
-    if s <= 1 / 3 then
-      local along = 3 * s
-      inner = {cos(pi / 4 * along), sin(pi / 4 * along)}
-      outer = {1.4 * cos(pi / 6 * along), 1.4 * sin(pi / 6 * along)}
-    elseif s <= 2 / 3 then
-      local along = 3 * s - 1
-      inner = {h, h + along * (1.39 - h)}
-      outer = {1.4 * cos(pi / 6) + along * (1 - 1.4 * cos(pi / 6)), 0.7 + along * 0.69}
-    else
-      local along = 3 * s - 2
-      inner, outer = {h, 1.39 + 0.4 * along}, {1, 1.39 + 0.4 * along}
-    end
-    return inner[1] * (1 - u) + outer[1] * u, inner[2] * (1 - u) + outer[2] * u
-  end
-  local grid = grids.mapped({2, 1, 12}, 2, function(u, v, w)
-    local r, z = section(u, w)
-    return {r * cos(wedge * v), r * sin(wedge * v), z}
-  end)
+  local grid, part = le11 {2, 1, 12}
   local change = {}
   for i, p in ipairs(grid.mesh.nodes:totable()) do change[i] = sqrt(p[1] ^ 2 + p[2] ^ 2) + p[3] end
-  local part = bw.model {mesh = grid.mesh, material = elastic(210e9, 0.3)}
-  part:slide(grid:face(2, 0), {0, 1, 0}):slide(grid:face(2, 1), {-sin(wedge), cos(wedge), 0})
-  hold_plane_strain(part, grid)
   part:temperature(bw.array.new(change), 2.3e-4)
   return part, {at = {1, 0, 0}, field = "zz"}, nil, -105e6
 end)
