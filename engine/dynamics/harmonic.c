@@ -462,30 +462,30 @@ done:
   return status;
 }
 
-static bw_status check_model(bw_context *context, const bw_model *model) {
+bw_status bwi_check_held_model(bw_context *context, const bw_model *model, const char *what) {
   bw_status status = BW_OK;
   bw_dof_map *dof_map = NULL;
   char *text = NULL;
   for (int k = 0; k < model->load_count; k++)
     if (model->load[k].kind == BW_LOAD_TEMPERATURE)
-      BW_TRY(bw_fail(
-          context, BW_UNSUPPORTED,
-          "load %d is a temperature, which does not vary harmonically here: leave it out", k + 1));
+      BW_TRY(bw_fail(context, BW_UNSUPPORTED,
+                     "load %d is a temperature, which %s does not know: leave it out", k + 1,
+                     what));
   if (!(model->material->density > 0))
-    BW_TRY(bw_fail(context, BW_INVALID,
-                   "a harmonic response needs a mass: give the material a density"));
+    BW_TRY(bw_fail(context, BW_INVALID, "%s needs a mass: give the material a density", what));
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
   if (dof_map->prescribed)
     BW_TRY(
         bw_fail(context, BW_UNSUPPORTED,
-                "a support prescribes a displacement that is not zero: supports move harmonically "
-                "by an acceleration of the base alone"));
+                "a support prescribes a displacement that is not zero: in %s supports move by an "
+                "acceleration of the base alone",
+                what));
   if (dof_map->rigid_mode_count > 0) {
     BW_TRY(bw_dof_map_describe_rigid_modes(context, dof_map, &text));
     BW_TRY(bw_fail(context, BW_UNCONSTRAINED,
-                   "the harmonic response of a body that can move freely is not computed; %s. Add "
-                   "supports that constrain it",
-                   text));
+                   "%s of a body that can move freely is not computed; %s. Add supports that "
+                   "constrain it",
+                   what, text));
   }
 done:
   bw_free(text);
@@ -493,15 +493,14 @@ done:
   return status;
 }
 
-/* Modes to beyond the highest frequency, or as many as were asked for. */
-static bw_status find_modes(bw_context *context, const bw_model *model, bw_system *given,
-                            const bw_harmonic_options *options, double highest, bw_system **used,
-                            bw_modes **modes) {
+bw_status bwi_modes_up_to(bw_context *context, const bw_model *model, bw_system *given,
+                          const bw_eigensolver *solver, int count, double reach, bw_system **used,
+                          bw_modes **modes) {
   bw_status status = BW_OK;
   bw_modes_options ask;
   bw_modes_options_default(&ask);
-  ask.count = options->modes ? options->modes : FIRST_MODES;
-  ask.solver = options->solver;
+  ask.count = count ? count : FIRST_MODES;
+  ask.solver = solver;
   *used = bw_retain(given);
   for (;; ask.count *= 2) {
     bw_system *next = NULL;
@@ -512,7 +511,7 @@ static bw_status find_modes(bw_context *context, const bw_model *model, bw_syste
     }
     BW_TRY(status);
     int n = (*modes)->count;
-    if (options->modes || n < ask.count || (*modes)->frequency[n - 1] >= beyond * highest)
+    if (count || n < ask.count || (*modes)->frequency[n - 1] >= reach)
       break;
     bw_release(*modes);
     *modes = NULL;
@@ -571,14 +570,15 @@ bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_sy
   double *force = NULL, highest = 0, error;
   bwi_blas_enter();
   BW_TRY(check_options(context, model->mesh, options, &highest));
-  BW_TRY(check_model(context, model));
+  BW_TRY(bwi_check_held_model(context, model, "a harmonic response"));
   h = BW_NEW0(context, bw_harmonic, 1);
   BW_TRY_MEMORY(h);
   bw_object_init(h, &harmonic_kind);
   h->model = bw_retain(model);
   h->damping = options->damping;
   memcpy(h->base, options->base, sizeof h->base);
-  BW_TRY(find_modes(context, model, given, options, highest, &used, &h->modes));
+  BW_TRY(bwi_modes_up_to(context, model, given, options->solver, options->modes, beyond * highest,
+                         &used, &h->modes));
   BW_TRY(used->factor ? BW_OK : bw_system_factor(context, used));
   force = BW_NEW(context, double, size_of(used));
   BW_TRY_MEMORY(force);

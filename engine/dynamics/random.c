@@ -27,9 +27,7 @@ typedef struct spectrum {
   const double *frequency, *density;
 } spectrum;
 
-/* The density at a frequency of piece k. */
-static double density_at(const spectrum *s, int k, double f) {
-  const double *x = s->frequency + k, *y = s->density + k;
+double bwi_between(const double *x, const double *y, double f) {
   if (x[0] > 0 && y[0] > 0 && y[1] > 0)
     return y[0] * pow(f / x[0], log(y[1] / y[0]) / log(x[1] / x[0]));
   return y[0] + (y[1] - y[0]) * (f - x[0]) / (x[1] - x[0]);
@@ -137,7 +135,8 @@ static bw_status integrate(bw_context *context, const bw_harmonic *h, const spec
       piece++;
     for (int p = 0; p < 2 * POINTS && half > 0; p++) {
       double f = middle + (p % 2 ? 1 : -1) * half * gauss_at[p / 2];
-      double weight = half * gauss_weight[p / 2] * density_at(s, piece, f);
+      double weight =
+          half * gauss_weight[p / 2] * bwi_between(s->frequency + piece, s->density + piece, f);
       if (weight > 0)
         BW_TRY(add_frequency(context, h, f, weight, q, covariance, wrong));
     }

@@ -477,6 +477,33 @@ function Model:deposit(options) end
 ---@return bw.Details? details
 function Model:harmonic(options) end
 
+---The largest response where the supports are shaken by a motion that is known by its response spectrum: all modes up to the last
+---point, the static response of what they leave out, and their combination.
+---
+---Errors: unconstrained (supports leave the part free to move), unsupported (temperatures, prescribed displacements that are not
+---zero) and those of `modes`. Points that do not ascend or begin above the first mode raise.
+---
+---Source: docs/theory/dynamics.md; Wilson, Der Kiureghian, Bayo (1981).
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---print(assert(part:response_spectrum {points = {{10, 5}, {100, 20}, {2000, 3}}, direction = {0, 0, 1}, damping = 0.02}))
+---```
+---@param options bw.ResponseSpectrumOptions the spectrum and the combination
+---@return bw.ResponseSpectrum? response the largest response
+---@return string? message
+---@return bw.Details? details
+function Model:response_spectrum(options) end
+
+---A response spectrum, and how modes are combined.
+---@class bw.ResponseSpectrumOptions
+---@field points number[][]|bw.Array (any, n × 2) rows of frequency (Hz) and largest absolute acceleration (m/s2) of an oscillator of that frequency, both above 0, straight on logarithmic axes; the last acceleration is that of the base itself
+---@field direction bw.Vector (-) of the base's acceleration, of any length above 0
+---@field damping? number (-) ratio to which the points belong, for the correlation of modes. Range: above 0 to below 1. Default: 0.05
+---@field combination? "cqc"|"srss"|"absolute" complete quadratic combination, square root of the sum of squares, or sum of magnitudes. Default: "cqc"
+---@field missing_mass? boolean whether what the modes leave out follows the base statically. Default: true
+---@field solver? bw.Eigensolver|"auto" the eigensolver of the modes, not SLEPc. Default: "auto"
+
 ---A harmonic response. Either `frequencies` or `range` is given.
 ---@class bw.HarmonicOptions
 ---@field frequencies? number[]|bw.Array (Hz, n × 1) 0 or more each. Default: those of `range`

@@ -15,7 +15,8 @@ end
 
 local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   selection = "bw.Selection", material = "bw.Material", model = "bw.Model", static = "bw.Static",
-  modes = "bw.Modes", buckling = "bw.Buckling", harmonic = "bw.Harmonic", eigensolver = "bw.Eigensolver",
+  modes = "bw.Modes", buckling = "bw.Buckling", harmonic = "bw.Harmonic",
+  response_spectrum = "bw.ResponseSpectrum", eigensolver = "bw.Eigensolver",
   heat = "bw.Heat", heat_solution = "bw.HeatSolution", heat_transient = "bw.HeatTransient",
   linear_transient = "bw.LinearTransient", contact = "bw.Contact", deposition = "bw.Deposition",
   rigid_surface = "bw.RigidSurface", drop = "bw.Drop",

@@ -126,6 +126,57 @@ BW_API bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *harm
                                     const double *frequency, const double *density,
                                     double *displacement, double *von_mises, double *error);
 
+/* ---- response spectrum ----------------------------------------------------------------------- */
+
+/* How the largest responses of modes, which differ in time, are combined. */
+typedef enum bw_combination {
+  BW_CQC,     /* complete quadratic: by the correlation of modes */
+  BW_SRSS,    /* root of the sum of squares: for frequencies far apart */
+  BW_ABSOLUTE /* sum of magnitudes: a bound */
+} bw_combination;
+/* What a response spectrum is asked for. Pointers are borrowed. */
+typedef struct bw_response_spectrum_options {
+  int count;                  /* (count) of points, 2 or more; no default */
+  const double *frequency;    /* (Hz, count) ascending, above 0 */
+  const double *acceleration; /* (m/s2, count) largest absolute acceleration of an oscillator of
+                                 that frequency on the base, above 0: straight lines on logarithmic
+                                 axes; the last is that of the base itself */
+  double direction[3]; /* (-) of the base's acceleration, of any length above 0; no default */
+  double
+      ratio; /* (-) of the critical damping, that of the points; default 0.05, above 0 to below 1 */
+  bw_combination combination; /* default BW_CQC */
+  bool missing_mass; /* with the static response of what the modes leave out; default true */
+  const bw_eigensolver *solver; /* of the modes; default NULL: automatic. SLEPc does not serve */
+} bw_response_spectrum_options;
+BW_API void bw_response_spectrum_options_default(bw_response_spectrum_options *options);
+
+/* The largest response of a body whose supports are shaken, by the modes up to the last point. */
+typedef struct bw_response_spectrum {
+  bw_object object;
+  const bw_model *model; /* retained */
+  bw_modes *modes;       /* retained; the first `count` of them are in the response */
+  bw_combination combination;
+  double ratio;           /* (-) */
+  double direction[3];    /* (-) of length 1 */
+  int count;              /* (count) of modes up to the last point */
+  double *participation;  /* (any, count) phi . M r of modes of unit modal mass */
+  double *effective_mass; /* (kg, count) its square */
+  double *acceleration;   /* (m/s2, count) of the spectrum */
+  double mass;            /* (kg) of the body */
+  double missing_mass;    /* (kg) which the modes leave out */
+  double base;            /* (m/s2) the acceleration that it has; 0: the response lacks it */
+  double *displacement;   /* (m, node_count x 3) of each component, relative to the supports */
+  double *von_mises;      /* (Pa, node_count) by the quadratic form of von Mises stress */
+  double base_force[3];   /* (N) on the supports */
+} bw_response_spectrum;
+/* Of a model, whose loads are not in it (docs/theory/dynamics.md). `given` and *system as in
+ * bw_modes_of_model. BW_INVALID for options outside their ranges, and where the first mode is below
+ * the first point; else those of bw_harmonic_of_model. */
+BW_API bw_status bw_response_spectrum_of_model(bw_context *context, const bw_model *model,
+                                               bw_system *given,
+                                               const bw_response_spectrum_options *options,
+                                               bw_system **system, bw_response_spectrum **response);
+
 /* ---- fatigue --------------------------------------------------------------------------------- */
 
 /* A cycle of a history. */

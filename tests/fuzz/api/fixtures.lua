@@ -146,6 +146,9 @@ makers.Harmonic = {function(p)
   return assert(p.Model:harmonic {range = {0, 50}, modes = 2, damping = {ratio = 0.1}})
 end}
 makers.HarmonicCurve = {function(p) return assert(p.Harmonic:curve {at = {1, 0, 0}, frequencies = {1, 2}}) end}
+makers.ResponseSpectrum = {function(p)
+  return assert(p.Model:response_spectrum {points = {{1e-6, 1}, {1e-5, 2}}, direction = {0, 0, 1}})
+end}
 makers.HarmonicEnvelope = {function(p) return assert(p.Harmonic:envelope {frequencies = {1, 2}}) end}
 makers.Fatigue = {function(p)
   return assert(bw.fatigue {loads = {{static = p.Static, history = {0, 1, 0}}}, curve = {amplitude = 1e8}})

@@ -1,0 +1,158 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Responses of models to a response spectrum. */
+#include "bind.h"
+
+static const bw_response_spectrum *self(lua_State *L) {
+  return (const bw_response_spectrum *)lbw_check(L, 1, &lbw_response_spectrum_class);
+}
+
+/* model:response_spectrum{points, direction, damping, combination, missing_mass, solver} */
+static int model_response_spectrum(lua_State *L) {
+  static const char *const words[] = {"cqc", "srss", "absolute", NULL};
+  static const bw_combination combinations[] = {BW_CQC, BW_SRSS, BW_ABSOLUTE};
+  static const lbw_option list[] = {
+      {"points", LBW_OTHER, 0},
+      {"direction", LBW_VECTOR, offsetof(bw_response_spectrum_options, direction)},
+      {"damping", LBW_REAL, offsetof(bw_response_spectrum_options, ratio)},
+      {"combination", LBW_OTHER, 0},
+      {"missing_mass", LBW_BOOLEAN, offsetof(bw_response_spectrum_options, missing_mass)},
+      {"solver", LBW_OTHER, 0},
+      {NULL, LBW_OTHER, 0}};
+  lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
+  bw_response_spectrum_options options;
+  int64_t count;
+  lua_settop(L, 2);
+  bw_response_spectrum_options_default(&options);
+  lbw_options(L, 2, "response_spectrum", list, &options);
+  options.solver = lbw_eigensolver_option(L, 2, "response_spectrum");
+  options.combination =
+      combinations[lbw_word_option(L, 2, "response_spectrum", "combination", words, 0)];
+  lua_settop(L, 2);
+  lbw_option_get(L, 2, "points");
+  if (lua_isnil(L, 3))
+    return lbw_error(L, "response_spectrum: option 'points' is missing: rows of a frequency in Hz "
+                        "and an acceleration in m/s2");
+  const double *row = lbw_to_doubles(L, 3, "response_spectrum: option 'points'", 2, &count);
+  if (count > 1000000)
+    return lbw_error(L, "response_spectrum: option 'points': at most 1000000 points expected");
+  double *frequency = (double *)lua_newuserdatauv(L, (size_t)count * 2 * sizeof(double) + 1, 0);
+  double *acceleration = frequency + count;
+  for (int64_t i = 0; i < count; i++) {
+    frequency[i] = row[2 * i];
+    acceleration[i] = row[2 * i + 1];
+  }
+  options.count = (int)count;
+  options.frequency = frequency;
+  options.acceleration = acceleration;
+  lbw_box *box = lbw_box_new(L, &lbw_response_spectrum_class);
+  bw_system *system = NULL;
+  bw_response_spectrum *response = NULL;
+  bw_status status =
+      bw_response_spectrum_of_model(lbw_enter(L), (const bw_model *)model->object,
+                                    (bw_system *)model->extra, &options, &system, &response);
+  if (system) {
+    bw_release(model->extra);
+    model->extra = system;
+  }
+  lbw_box_fill(L, box, response);
+  lbw_box_account(L, model);
+  return lbw_leave(L, status, 1);
+}
+
+static int numbers(lua_State *L, int64_t rows, const double *value) {
+  return lbw_push_borrowed(L, BW_F64, rows, 1, value, self(L));
+}
+
+static int spectrum_participation(lua_State *L) {
+  return numbers(L, self(L)->count, self(L)->participation);
+}
+
+static int spectrum_effective_masses(lua_State *L) {
+  return numbers(L, self(L)->count, self(L)->effective_mass);
+}
+
+static int spectrum_accelerations(lua_State *L) {
+  return numbers(L, self(L)->count, self(L)->acceleration);
+}
+
+static int spectrum_von_mises(lua_State *L) {
+  return numbers(L, self(L)->model->mesh->node_count, self(L)->von_mises);
+}
+
+static int spectrum_displacement(lua_State *L) {
+  return lbw_push_borrowed(L, BW_F64, self(L)->model->mesh->node_count, 3, self(L)->displacement,
+                           self(L));
+}
+
+static int vector(lua_State *L, const double x[3]) {
+  lua_createtable(L, 3, 0);
+  for (int j = 0; j < 3; j++) {
+    lua_pushnumber(L, x[j]);
+    lua_rawseti(L, -2, j + 1);
+  }
+  return 1;
+}
+
+static int spectrum_base_force(lua_State *L) {
+  return vector(L, self(L)->base_force);
+}
+
+static int spectrum_direction(lua_State *L) {
+  return vector(L, self(L)->direction);
+}
+
+static int spectrum_mass(lua_State *L) {
+  lua_pushnumber(L, self(L)->mass);
+  return 1;
+}
+
+static int spectrum_missing_mass(lua_State *L) {
+  lua_pushnumber(L, self(L)->missing_mass);
+  return 1;
+}
+
+static int spectrum_base_acceleration(lua_State *L) {
+  lua_pushnumber(L, self(L)->base);
+  return 1;
+}
+
+static int spectrum_combination(lua_State *L) {
+  bw_combination c = self(L)->combination;
+  lua_pushstring(L, c == BW_CQC ? "cqc" : c == BW_SRSS ? "srss" : "absolute");
+  return 1;
+}
+
+static int spectrum_modes(lua_State *L) {
+  lbw_push(L, &lbw_modes_class, self(L)->modes);
+  return 1;
+}
+
+static int spectrum_mesh(lua_State *L) {
+  lbw_push(L, &lbw_mesh_class, self(L)->model->mesh);
+  return 1;
+}
+
+static const luaL_Reg methods[] = {{NULL, NULL}};
+static const luaL_Reg properties[] = {{"participation", spectrum_participation},
+                                      {"effective_masses", spectrum_effective_masses},
+                                      {"accelerations", spectrum_accelerations},
+                                      {"von_mises", spectrum_von_mises},
+                                      {"displacement", spectrum_displacement},
+                                      {"base_force", spectrum_base_force},
+                                      {"direction", spectrum_direction},
+                                      {"mass", spectrum_mass},
+                                      {"missing_mass", spectrum_missing_mass},
+                                      {"base_acceleration", spectrum_base_acceleration},
+                                      {"combination", spectrum_combination},
+                                      {"modes", spectrum_modes},
+                                      {"mesh", spectrum_mesh},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{NULL, NULL}};
+const lbw_class lbw_response_spectrum_class = {"response_spectrum", methods, properties, meta,
+                                               NULL};
+
+void lbw_open_response_spectrum(lua_State *L) {
+  static const luaL_Reg of_model[] = {{"response_spectrum", model_response_spectrum}, {NULL, NULL}};
+  lbw_class_register(L, &lbw_response_spectrum_class);
+  lbw_add_methods(L, &lbw_model_class, of_model);
+}

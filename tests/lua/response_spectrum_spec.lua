@@ -1,0 +1,92 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Response spectra in Lua: against a motion in time, what print says, files, misuse.
+local bw = require "barwright"
+local check = require "check"
+
+local folder = check.folder() .. "/"
+local L, a, b = 0.2, 0.01, 0.02
+local steel = bw.material.isotropic {young = 200e9, poisson = 0.3, density = 7800}
+
+local function beam()
+  local mesh = bw.mesh.box {max = {L, b, a}, cells = {10, 1, 1}, order = 2}
+  return bw.model({mesh = mesh, material = steel}):fix(mesh.boundary:below("x", 0))
+end
+
+-- Half a sine of 100 m/s2 that takes 4 ms.
+local function pulse(t) return t < 4e-3 and 100 * math.sin(math.pi * t / 4e-3) or 0 end
+
+-- The largest absolute acceleration of an oscillator on a base that moves so, by small steps.
+local function oscillator(frequency, ratio)
+  local w, x, v, largest = 2 * math.pi * frequency, 0, 0, 0
+  local h = math.min(1e-5, 0.01 / frequency)
+  local function force(t, u, s) return -pulse(t) - w * w * u - 2 * ratio * w * s end
+  for i = 0, math.ceil((8e-3 + 1 / frequency) / h) do -- Runge and Kutta
+    local t = i * h
+    local v1, a1 = v, force(t, x, v)
+    local v2, a2 = v + h / 2 * a1, force(t + h / 2, x + h / 2 * v1, v + h / 2 * a1)
+    local v3, a3 = v + h / 2 * a2, force(t + h / 2, x + h / 2 * v2, v + h / 2 * a2)
+    local v4, a4 = v + h * a3, force(t + h, x + h * v3, v + h * a3)
+    x, v = x + h / 6 * (v1 + 2 * v2 + 2 * v3 + v4), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+    largest = math.max(largest, w * w * math.abs(x))
+  end
+  return largest
+end
+
+describe("response_spectrum", function()
+  it("has the largest displacement and stress of a motion in time under the same pulse", function()
+    local part, points = beam(), {}
+    for k = 0, 30 do points[k + 1] = {20 * 10 ^ (k / 10), oscillator(20 * 10 ^ (k / 10), 0.05)} end
+    local spectrum = assert(part:response_spectrum {points = points, direction = {0, 0, 1}})
+    local falling = beam():gravity {0, 0, -1}
+    local motion = assert(falling:transient {step = 5e-5, damping = {ratio = 0.05}, loads = {pulse},
+      modes = assert(falling:modes {count = 12})})
+    local run = assert(motion:run {time = 15e-3, probes = {tip = {L, b / 2, a}}, stress_every = 4})
+    local tip, largest = run.probes.tip, 0
+    for i = 1, #run.time do largest = math.max(largest, math.abs(tip.displacement(i, 3))) end
+    check.near(largest, spectrum.displacement(tip.node, 3), 0.02)
+    check.near(run.stress.peak.von_mises, spectrum.von_mises:max(), 0.1)
+    local masses = spectrum.effective_masses
+    check.near(0.613, masses:max() / spectrum.mass, 0.02)
+    check.near(spectrum.mass, masses:sum() + spectrum.missing_mass, 1e-12)
+    assert.is_true(spectrum.base_force[3] > spectrum.base_force[1] and spectrum.base_force[3] > 0)
+  end)
+
+  it("says what it is made of, and writes files and pictures", function()
+    local part = beam()
+    local points = {{10, 5}, {100, 20}, {4000, 3}}
+    local spectrum = assert(part:response_spectrum {points = points, direction = {0, 0, 2}, combination = "srss"})
+    local said = tostring(spectrum)
+    for _, text in ipairs {"along (0, 0, 1)", "square root of the sum of squares (SRSS)", "none is missing",
+      "effective mass 6", "has the base's 3 m/s2", "errors of the combination and of the mesh unknown"} do
+      assert.truthy(said:find(text, 1, true), said)
+    end
+    assert.equal("srss", spectrum.combination)
+    assert.equal(#spectrum.accelerations, #spectrum.participation)
+    assert(spectrum:write(folder .. "spectrum.vtu") and spectrum:picture(folder .. "spectrum.png"))
+    local flexible = assert(part:response_spectrum {points = points, direction = {0, 0, 1}, missing_mass = false,
+      combination = "absolute", damping = 0.02})
+    assert.truthy(tostring(flexible):find("without the mass that they leave out", 1, true))
+    assert.equal(0, flexible.base_acceleration)
+  end)
+
+  it("refuses misuse in a sentence", function()
+    local part, points = beam(), {{1, 1}, {2000, 1}}
+    for text, given in pairs {
+      ["option 'points' is missing"] = {direction = {1, 0, 0}},
+      ["no length"] = {points = points},
+      ["option 'points'"] = {points = {1, 2}, direction = {1, 0, 0}},
+      ["must ascend"] = {points = {{2, 1}, {1, 1}}, direction = {1, 0, 0}},
+      ["below the first point"] = {points = {{1900, 1}, {2000, 1}}, direction = {1, 0, 0}},
+      ["option 'combination'"] = {points = points, direction = {1, 0, 0}, combination = "sum"},
+      ["unknown option 'ratio'"] = {points = points, direction = {1, 0, 0}, ratio = 0.05},
+      ["damping ratio of the response spectrum is 1"] = {points = points, direction = {1, 0, 0}, damping = 1}} do
+      check.raises(text, part.response_spectrum, part, given)
+    end
+    local free = bw.model {mesh = part.mesh, material = steel}
+    check.fails("unconstrained", "a response spectrum of a body that can move freely",
+      free:response_spectrum {points = points, direction = {1, 0, 0}})
+    part:temperature(10)
+    check.fails("unsupported", "a temperature, which a response spectrum does not know",
+      part:response_spectrum {points = points, direction = {1, 0, 0}})
+  end)
+end)
