@@ -16,6 +16,7 @@ end
 describe("motion in time", function()
   -- NAFEMS, Selected Benchmarks for Forced Vibration, test 5T: a deep simply supported beam under 1 MN/m applied
   -- at once, 2 % damping of the first mode. Closed form of a beam with shear: 1.043 mm at 0.0117 s, 18.76 MPa.
+  -- An edge moves as the axis does; the section's contraction moves the middle of the lower face 1.3 % less.
   it("NAFEMS 5T", function()
     local mesh = bw.mesh.box {max = {10, 2, 2}, cells = {20, 1, 4}, order = 2}
     local material = bw.material.isotropic {young = 200e9, poisson = 0.3, density = 8000}
@@ -24,9 +25,13 @@ describe("motion in time", function()
     part:prescribe(ends, {false, 0, 0}):prescribe(mesh.boundary:nearest {0, 1, 1}, {0, false, false})
     part:gravity {0, 0, -1e6 / (8000 * 4)}
     local transient = assert(part:transient {step = 2e-4, rho = 1, damping = {mass = 5.36, stiffness = 7.46e-5}})
-    local recording = assert(transient:run {time = 0.014, probes = {middle = {5, 1, 0}}, stress_every = 1})
+    local recording = assert(transient:run {time = 0.014, probes = {middle = {5, 0, 0}, face = {5, 1, 0}},
+      stress_every = 1})
     local z = recording.probes.middle.displacement:column(3)
-    check.near(-1.043e-3, z:min(), 0.02)
+    check.near(-1.043e-3, z:min(), 0.005)
+    local face = recording.probes.face.displacement:column(3)
+    local curvature = 1e6 * 10 ^ 2 / 8 / (200e9 * 4 / 3)
+    check.near(0.3 * curvature / 2 * 1.94, face:min() - z:min(), 0.02)
     check.near(0.0117, recording.time[z:argmin()], 0.02)
     local static = recording.stress.peak.static
     local stress = static.stress[mesh.boundary:nearest({5, 1, 0}).nodes[1]]
@@ -44,8 +49,8 @@ describe("motion in time", function()
     part:gravity {0, 0, -1e6 / (8000 * 4)}
     local modes = assert(part:modes {count = 16})
     local transient = assert(part:transient {step = 6e-4, modes = modes, damping = {ratio = 0.02}})
-    local recording = assert(transient:run {time = 0.015, probes = {middle = {5, 1, 0}}})
-    check.near(-1.043e-3, recording.probes.middle.displacement:column(3):min(), 0.02)
+    local recording = assert(transient:run {time = 0.015, probes = {middle = {5, 0, 0}}})
+    check.near(-1.043e-3, recording.probes.middle.displacement:column(3):min(), 0.006)
     assert.truthy(tostring(recording):find("compare with more modes", 1, true))
     check.raises("are not elastic modes of this model", part.transient, part, {step = 1e-3,
       modes = bw.model({mesh = mesh, material = material}):modes {count = 2}})
