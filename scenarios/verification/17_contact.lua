@@ -6,8 +6,9 @@ local grids = require "grids"
 local scenario, expect = bw.scenario, bw.scenario.expect
 
 scenario.about {title = "Contact",
-  text = [[Contact without friction beside the closed forms of Hertz (Johnson 1985) and Lamé, and with
-Coulomb's friction beside those of Cattaneo and Mindlin and of a wedge ([theory](theory/contact.md)).]]}
+  text = [[Contact without friction beside the closed forms of Hertz (Johnson 1985) and Lamé and a benchmark of
+NAFEMS, and with Coulomb's friction beside those of Cattaneo and Mindlin, of Spence and of a wedge
+([theory](theory/contact.md)).]]}
 
 local pi, sqrt, exp, cos, sin, tan, abs = math.pi, math.sqrt, math.exp, math.cos, math.sin, math.tan, math.abs
 local E, nu = 200e9, 0.3
@@ -177,4 +178,57 @@ scenario("Wedge under a block, with friction", function(t)
     expect(abs(contact.static:reaction_on(wedge_end)[1]), sense < 0 and "drives it in" or "pulls it out", "N")
       :near(force * tan(math.atan(mu) - sense * angle), {relative = 1e-3, source = "statics of a wedge"})
   end
+end)
+
+--- The fraction of a contact that sticks when it grows, K'(k) / K(k) = beta / mu with elliptic integrals K.
+local function spence(beta, mu)
+  local function mean(a, b)
+    for _ = 1, 40 do a, b = (a + b) / 2, sqrt(a * b) end
+    return a
+  end
+  local low, high = 0, 1
+  for _ = 1, 60 do
+    local k = (low + high) / 2
+    if mean(1, sqrt(1 - k * k)) / mean(1, k) > beta / mu then low = k else high = k end
+  end
+  return low
+end
+
+scenario("Roller on a block (NAFEMS)", function(t)
+  local radius, load, wide, mu = 0.05, 35e6, 1e-4, 0.1 -- N for each metre of width
+  local fine = 8e-3
+  local function body(upper)
+    local grade = upper and graded(0.8 * radius, fine, 0.8) or graded(2 * radius, fine, 0.72)
+    return grids.mapped({26, 1, 14}, 2, function(u, v, w)
+      local x = grade(u)
+      local deep = (exp(4.5 * (upper and w or 1 - w)) - 1) / (exp(4.5) - 1)
+      local arc = radius - sqrt(radius * radius - x * x)
+      return {x, wide * v, upper and arc + (radius - arc) * deep or -4 * radius * deep}
+    end).mesh
+  end
+  local lower, tags = body(false), {}
+  local mesh, first = both(lower, body(true))
+  for e = 1, mesh.element_count do tags[e] = e <= lower.element_count and 1 or 2 end
+  mesh = assert(mesh:with_regions(tags, {"block", "roller"}))
+  local part = bw.model {mesh = mesh, materials = {
+    block = bw.material.isotropic {young = 70e9, poisson = 0.3},
+    roller = bw.material.isotropic {young = 210e9, poisson = 0.3}}}
+  part:slide(mesh.boundary:below("x", 1e-9), {1, 0, 0}):fix(mesh.boundary:below("z", 1e-9 - 4 * radius))
+  part:slide(mesh.boundary:below("y", 1e-12), {0, 1, 0}):slide(mesh.boundary:above("y", wide), {0, 1, 0})
+  part:load {on = mesh.boundary:above("z", radius - 1e-9), force = {0, 0, -load * wide / 2}}
+  local face = {}
+  for side = 1, 2 do
+    face[side] = where(mesh, first, function(x, _, z, of_block)
+      local arc = side == 1 and 0 or radius - sqrt(radius * radius - x * x)
+      return of_block == (side == 1) and x < 1.2 * fine and abs(z - arc) < 1e-9
+    end)
+  end
+  local source = "NAFEMS, Konter 2006, benchmark 1"
+  local pair = t:require(part:contact {{on = face[2], with = face[1]}}).pairs[1]
+  expect(pair.area / wide, "half-width of the contact", "m"):near(6.21e-3, {relative = 0.03, source = source})
+  expect(pair.pressure, "largest pressure", "Pa"):near(3585.37e6, {relative = 0.03, source = source})
+  local rough = t:require(part:contact({{on = face[2], with = face[1], friction = mu}}, {steps = 12})).pairs[1]
+  local beta = 0.4 / 1.4 * (210 - 70) / (210 + 70) -- Dundurs's constant: by which pressure drives the sides apart
+  expect(rough.stick_area / rough.area, "part that sticks with friction 0.1", "-")
+    :near(spence(beta, mu), {relative = 0.1, source = "Spence 1975; Johnson 1985, 5.4"})
 end)
