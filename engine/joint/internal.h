@@ -24,11 +24,13 @@ typedef struct bwi_reduction {
   bw_dof_map *dof_map;          /* of the bodies apart */
   const bw_bond **bond_of;      /* node_count: the bond in which a node follows, or NULL */
   int32_t *row_of;              /* node_count: its row there */
+  const bw_bond *bond;          /* of the model */
+  int32_t *shortening;          /* of each bond: the column of one that is free, or -1 */
   const bw_coupling *coupling;  /* of the model */
   int point_count;              /* couplings */
   int32_t *coupling_of;         /* node_count: the rigid coupling of a node, or -1 */
   int32_t *unknown;             /* node_count x 3, in the nodes' frames: the column, or -1; */
-  int32_t *point_unknown;       /* point_count x 6, of rigid ones; both before pivots are gone */
+  int32_t *point_unknown;       /* point_count x 6, of rigid ones; all before pivots are gone */
   int32_t unknown_count;        /* columns */
   bw_sparse_matrix *t;          /* 3 node_count x unknown_count, global directions */
   bw_sparse_matrix *transposed; /* T^T */
@@ -37,8 +39,10 @@ typedef struct bwi_reduction {
   double *h;                    /* 6 point_count */
   bwi_eliminated gone;
 } bwi_reduction;
-/* Clear with bwi_reduction_clear in any case. Refers to the couplings of the model. */
-bw_status bwi_reduction_open(bw_context *context, const bw_model *model, bwi_reduction *reduction);
+/* Clear with bwi_reduction_clear in any case. Refers to the bonds and couplings
+ * of the model. `locked`: bonds with a given preload keep their shortening. */
+bw_status bwi_reduction_open(bw_context *context, const bw_model *model, bool locked,
+                             bwi_reduction *reduction);
 void bwi_reduction_clear(bwi_reduction *reduction);
 
 /* T^T A T of a block matrix, `block` 9 or 1 numbers for each block of the pattern as
@@ -49,6 +53,16 @@ bw_status bwi_reduce_matrix(bw_context *context, const bwi_reduction *reduction,
 
 /* Moves forces (node_count x 3) at nodes that follow in bonds to the nodes that they follow. */
 void bwi_reduction_move(const bwi_reduction *reduction, double *force);
+
+/* ---- preload.c ------------------------------------------------------------------------------- */
+
+/* Adds what given preloads exert to nodal forces (node_count x 3). BW_INVALID for a section of
+ * which each node has a support. */
+bw_status bwi_preload_add(bw_context *context, const bw_model *model, const bwi_reduction *r,
+                          double *force);
+/* The preloads and shortenings, from the forces of the bonds. */
+void bwi_preload_results(const bw_model *model, const bwi_reduction *r, const double *displacement,
+                         bw_joint_force *result);
 
 /* ---- points.c, eliminate.c ------------------------------------------------------------------- */
 

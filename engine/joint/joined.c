@@ -65,14 +65,15 @@ static bw_status operator_of(bw_context *context, const equations *q, const doub
   return status;
 }
 
-static bw_status open_equations(bw_context *context, const bw_model *model, equations *q) {
+static bw_status open_equations(bw_context *context, const bw_model *model, bool locked,
+                                equations *q) {
   bw_status status = BW_OK;
   bw_progress(context, "assembly", 0);
   const char *locking = bw_locking(model->mesh, model->material);
   if (locking)
     bw_warn(context, "%s", locking);
-  BW_TRY(bwi_reduction_open(context, model, &q->reduction));
-  BW_TRY(bwi_bonded_rigid_modes(context, model, q->reduction.dof_map, &q->rigid_count,
+  BW_TRY(bwi_reduction_open(context, model, locked, &q->reduction));
+  BW_TRY(bwi_bonded_rigid_modes(context, model, q->reduction.dof_map, locked, &q->rigid_count,
                                 &q->rigid_body));
   BW_TRY(bw_block_pattern_create(context, model->mesh, &q->pattern));
   q->stiffness = BW_NEW(context, double, 9 * q->pattern->block_count);
@@ -220,6 +221,7 @@ static bw_status solve(bw_context *context, const equations *q, const bw_solver 
   BW_TRY(bw_block_multiply(context, q->pattern, q->stiffness, 9, 3, 1, r->g, rest));
   for (int64_t i = 0; i < size; i++)
     rest[i] = result->force[i] - rest[i];
+  BW_TRY(bwi_preload_add(context, model, r, rest));
   BW_TRY(bw_sparse_matrix_apply(context, r->transposed, 1, rest, b));
   bwi_points_load(r, gravity, b);
   if (unknowns > 0)
@@ -246,6 +248,7 @@ static bw_status solve(bw_context *context, const equations *q, const bw_solver 
   }
   BW_TRY(bwi_points_spread(context, r, gravity, x, result->reaction, result->coupling));
   BW_TRY(sum_bonds(context, r, result));
+  bwi_preload_results(model, r, result->displacement, result->bond);
   BW_TRY(sum_attachments(context, gravity, result));
   bwi_reduction_move(r, result->reaction);
   bwi_points_gather(r, result->reaction, result->coupling);
@@ -266,7 +269,7 @@ bw_status bw_joined_statics(bw_context *context, const bw_model *model,
   bw_statics_options opts = options ? *options : (bw_statics_options){0};
   double start = bw_seconds();
   opts.inertia_relief = true; /* balance is judged for the joined bodies */
-  BW_TRY(open_equations(context, model, &q));
+  BW_TRY(open_equations(context, model, false, &q));
   if (q.rigid_count > 0)
     BW_TRY(fail_free(context, &q));
   BW_TRY(bwi_static_begin(context, model, &opts, q.reduction.dof_map, &result));
@@ -347,7 +350,7 @@ bw_status bw_joined_modes(bw_context *context, const bw_model *model, const bw_m
   double *mass = NULL;
   BW_TRY(bwi_modes_options_check(context, given, &options));
   BW_TRY(check_density(context, model));
-  BW_TRY(open_equations(context, model, &q));
+  BW_TRY(open_equations(context, model, true, &q));
   mass = BW_NEW(context, double, q.pattern->block_count);
   BW_TRY_MEMORY(mass);
   BW_TRY(bw_mass(context, q.pattern, model->mesh, model->material, mass));

@@ -116,6 +116,22 @@ static int64_t add_along(const bwi_reduction *r, int32_t node, const double d[3]
   return count;
 }
 
+/* The part of a shortening along d. */
+static int64_t add_shortening(const bwi_reduction *r, const bw_bond *bond, const double d[3],
+                              double factor, int32_t row, triplets *t) {
+  int32_t column = r->shortening[bond - r->bond];
+  double part = factor * bw_dot(bond->normal, d);
+  if (bond->preload == BW_NO_PRELOAD || part == 0)
+    return 0;
+  if (t && column >= 0) {
+    t->row[t->count] = row;
+    t->column[t->count] = column;
+    t->value[t->count++] = part;
+  } else if (t && bond->preload == BW_PRELOAD_SHORTENING)
+    r->g[row] += part * bond->pull;
+  return column >= 0;
+}
+
 /* Row `row` of T and g: component c of a node in global directions. */
 static int64_t add_row(const bwi_reduction *r, int32_t node, int c, triplets *t) {
   const double *frame = frame_of(r->dof_map, node);
@@ -128,22 +144,27 @@ static int64_t add_row(const bwi_reduction *r, int32_t node, int c, triplets *t)
     double part = frame[3 * k + c];
     if (part == 0)
       continue;
-    if (is_prescribed(r->dof_map, node, k))
+    if (is_prescribed(r->dof_map, node, k)) {
       count += add_own(r, node, k, part, row, t);
-    else
-      for (int64_t e = f->start[r->row_of[node]]; e < f->start[r->row_of[node] + 1]; e++)
-        count += add_along(r, f->column[e], frame + 3 * k, part * f->value[e], row, t);
+      continue;
+    }
+    for (int64_t e = f->start[r->row_of[node]]; e < f->start[r->row_of[node] + 1]; e++)
+      count += add_along(r, f->column[e], frame + 3 * k, part * f->value[e], row, t);
+    count += add_shortening(r, r->bond_of[node], frame + 3 * k, part, row, t);
   }
   return count;
 }
 
-static void number_unknowns(bwi_reduction *r) {
+static void number_unknowns(const bw_model *model, bool locked, bwi_reduction *r) {
   for (int32_t i = 0; i < r->dof_map->mesh->node_count; i++)
     for (int k = 0; k < 3; k++)
       r->unknown[3 * (int64_t)i + k] =
           r->bond_of[i] || r->coupling_of[i] >= 0 || is_prescribed(r->dof_map, i, k)
               ? -1
               : r->unknown_count++;
+  for (int b = 0; b < model->bond_count; b++)
+    r->shortening[b] =
+        !locked && model->bond[b].preload == BW_PRELOAD_FORCE ? r->unknown_count++ : -1;
   for (int p = 0; p < r->point_count; p++)
     for (int k = 0; k < 6; k++)
       r->point_unknown[6 * p + k] =
@@ -152,23 +173,26 @@ static void number_unknowns(bwi_reduction *r) {
               : -1;
 }
 
-bw_status bwi_reduction_open(bw_context *context, const bw_model *model, bwi_reduction *r) {
+bw_status bwi_reduction_open(bw_context *context, const bw_model *model, bool locked,
+                             bwi_reduction *r) {
   bw_status status = BW_OK;
   int32_t nodes = model->mesh->node_count;
   triplets t = {0};
-  *r = (bwi_reduction){.coupling = model->coupling, .point_count = model->coupling_count};
+  *r = (bwi_reduction){
+      .coupling = model->coupling, .point_count = model->coupling_count, .bond = model->bond};
   BW_TRY(bwi_dof_map_apart(context, model, &r->dof_map));
+  r->shortening = BW_NEW(context, int32_t, model->bond_count);
   r->coupling_of = BW_NEW(context, int32_t, nodes);
   r->point_unknown = BW_NEW(context, int32_t, 6 * (int64_t)r->point_count);
   r->bond_of = BW_NEW0(context, const bw_bond *, nodes);
   r->row_of = BW_NEW0(context, int32_t, nodes);
   r->unknown = BW_NEW(context, int32_t, 3 * (int64_t)nodes);
   r->g = BW_NEW0(context, double, 3 * (int64_t)nodes);
-  BW_TRY_MEMORY(r->bond_of && r->row_of && r->unknown && r->g && r->coupling_of &&
+  BW_TRY_MEMORY(r->bond_of && r->row_of && r->unknown && r->g && r->coupling_of && r->shortening &&
                 r->point_unknown);
   BW_TRY(find_followers(context, model, r));
   BW_TRY(bwi_points_check(context, model, r));
-  number_unknowns(r);
+  number_unknowns(model, locked, r);
   int64_t count = 0;
   for (int32_t i = 0; i < nodes; i++)
     for (int c = 0; c < 3; c++)
@@ -201,6 +225,7 @@ void bwi_reduction_clear(bwi_reduction *r) {
   bw_free(r->unknown);
   bw_free(r->g);
   bw_free(r->coupling_of);
+  bw_free(r->shortening);
   bw_free(r->point_unknown);
   bw_release(r->p);
   bw_free(r->h);

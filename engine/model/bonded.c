@@ -83,7 +83,8 @@ static void take_spring(const motions *m, const bw_attachment *spring) {
   }
 }
 
-static void take_bond(const motions *m, const bw_bond *bond) {
+/* `sliding`: the place in a row of a shortening that is free, or -1. */
+static void take_bond(const motions *m, const bw_bond *bond, int64_t sliding) {
   const bw_mesh *mesh = m->dof_map->mesh;
   const bw_sparse_matrix *f = bond->follows;
   for (int32_t i = 0; i < bond->node_count; i++)
@@ -92,6 +93,8 @@ static void take_bond(const motions *m, const bw_bond *bond) {
       add_motion(m, mesh->component[bond->node[i]], x, d, 1, m->row);
       for (int64_t e = f->start[i]; e < f->start[i + 1]; e++)
         add_motion(m, mesh->component[f->column[e]], x, d, -f->value[e], m->row);
+      if (sliding >= 0)
+        m->row[sliding] = -bond->normal[k];
       take_row(m);
     }
 }
@@ -139,12 +142,15 @@ static void take_coupling(const motions *m, const bw_coupling *coupling, int p) 
 }
 
 bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
-                                 const bw_dof_map *dof_map, int *count, int32_t *body) {
+                                 const bw_dof_map *dof_map, bool locked, int *count,
+                                 int32_t *body) {
   bw_status status = BW_OK;
   int32_t constrained = 0;
   bwi_constraint *constraint = NULL;
   int64_t of_bodies = 6 * (int64_t)dof_map->mesh->component_count;
-  int64_t n = of_bodies + 6 * (int64_t)model->coupling_count;
+  int64_t sliding = of_bodies + 6 * (int64_t)model->coupling_count, n = sliding;
+  for (int i = 0; i < model->bond_count; i++)
+    n += !locked && model->bond[i].preload == BW_PRELOAD_FORCE;
   motions m = {.dof_map = dof_map, .count = (int)n};
   double *vector = NULL, largest = 0, most = 0;
   *count = 0;
@@ -155,8 +161,10 @@ bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
   BW_TRY_MEMORY(m.square && m.row && vector);
   BW_TRY(bwi_node_constraints(context, model, &constrained, &constraint));
   take_supports(&m, constrained, constraint);
-  for (int i = 0; i < model->bond_count; i++)
-    take_bond(&m, &model->bond[i]);
+  for (int i = 0; i < model->bond_count; i++) {
+    bool slides = !locked && model->bond[i].preload == BW_PRELOAD_FORCE;
+    take_bond(&m, &model->bond[i], slides ? sliding++ : -1);
+  }
   for (int i = 0; i < model->attachment_count; i++)
     take_spring(&m, &model->attachment[i]);
   for (int i = 0; i < model->coupling_count; i++)

@@ -211,7 +211,15 @@ static void describe_bond(bwi_text *out, const bw_bond *bond, int number, double
   bwi_text_integer(out, bond->node_count);
   bwi_text_add(out, " nodes of side a follow side b, largest gap ");
   bwi_text_number(out, bond->gap, 3, 1e-12 * size);
-  bwi_text_add(out, " m; a: ");
+  bwi_text_add(out, " m");
+  if (bond->preload != BW_NO_PRELOAD) {
+    bool force = bond->preload == BW_PRELOAD_FORCE;
+    bwi_text_add(out, force ? ", preload " : ", shortened by ");
+    bwi_text_number(out, bond->pull, 5, 0);
+    bwi_text_add(out, force ? " N along " : " m along ");
+    bwi_text_vector(out, bond->normal, 4, 1e-9);
+  }
+  bwi_text_add(out, "; a: ");
   describe_selection(out, bond->a, size);
   bwi_text_add(out, "; b: ");
   describe_selection(out, bond->b, size);
@@ -288,7 +296,7 @@ static bw_status describe_bonded(bw_context *context, bwi_text *out, const bw_mo
                                  const bw_dof_map *dof_map) {
   int count;
   int32_t body;
-  bw_status status = bwi_bonded_rigid_modes(context, model, dof_map, &count, &body);
+  bw_status status = bwi_bonded_rigid_modes(context, model, dof_map, false, &count, &body);
   if (status != BW_OK)
     return status;
   if (count == 0)

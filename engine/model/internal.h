@@ -52,9 +52,10 @@ bw_status bwi_refuse_joints(bw_context *context, const bw_model *model);
 /* The DOF map of a model as if it had no bonds and springs: its bodies may be free one by one. */
 bw_status bwi_dof_map_apart(bw_context *context, const bw_model *model, bw_dof_map **dof_map);
 /* The rigid-body modes of bodies that bonds join: how many supports and springs leave, and the body
- * that moves most in one of them (-1 without). A gap does not count. */
+ * that moves most in one of them (-1 without). A gap does not count. Bonds with a given preload let
+ * their sides move along the normal, unless they are `locked`. */
 bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
-                                 const bw_dof_map *dof_map, int *count, int32_t *body);
+                                 const bw_dof_map *dof_map, bool locked, int *count, int32_t *body);
 
 /* ---- attachment.c ---------------------------------------------------------------------------- */
 

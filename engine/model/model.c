@@ -302,19 +302,56 @@ done:
 
 /* ---- bonds ----------------------------------------------------------------------------------- */
 
+/* The mean normal of the facets of a section and how far it is from a plane one. */
+static bw_status section_normal(bw_context *context, const bw_selection *a, double normal[3]) {
+  double area = 0, sum[3] = {0};
+  for (int32_t f = 0; f < a->facet_count; f++) {
+    bwi_boundary_point point[BW_QUADRATURE_POINTS];
+    int points = bwi_boundary_points(a->mesh, a->facet[f], point);
+    for (int p = 0; p < points; p++) {
+      area += bw_norm(point[p].area);
+      for (int k = 0; k < 3; k++)
+        sum[k] += point[p].area[k];
+    }
+  }
+  if (!(bw_norm(sum) > 0.999 * area))
+    return bw_fail(
+        context, BW_GEOMETRY,
+        "side a of a bond with a preload is not plane: its mean normal covers %.3g of its "
+        "area; cut the shank by a plane",
+        area > 0 ? bw_norm(sum) / area : 0);
+  for (int k = 0; k < 3; k++)
+    normal[k] = sum[k] / bw_norm(sum);
+  return BW_OK;
+}
+
 bw_status bw_model_bond(bw_context *context, bw_model *model, const bw_selection *a,
                         const bw_selection *b, double gap) {
+  return bw_model_preload(context, model, a, b, gap, BW_NO_PRELOAD, 0);
+}
+
+bw_status bw_model_preload(bw_context *context, bw_model *model, const bw_selection *a,
+                           const bw_selection *b, double gap, bw_preload_kind kind, double pull) {
   bw_status status;
+  double normal[3] = {0};
   bw_bond bond;
   BW_TRY(bwi_check_selection(context, model, a, false, "side a of a bond"));
   BW_TRY(bwi_check_selection(context, model, b, false, "side b of a bond"));
   if (!isfinite(gap))
     return bw_fail(context, BW_INVALID, "the gap of a bond is not a finite number");
+  if (!isfinite(pull))
+    return bw_fail(context, BW_INVALID, "the %s of a bond is not a finite number",
+                   kind == BW_PRELOAD_FORCE ? "preload" : "shortening");
+  if (kind != BW_NO_PRELOAD)
+    BW_TRY(section_normal(context, a, normal));
   bw_bond *list = (bw_bond *)bw_resize(context, model->bond, (size_t)model->bond_count + 1,
                                        sizeof *model->bond);
   BW_TRY_MEMORY(list);
   model->bond = list;
   BW_TRY(bwi_bond_make(context, a, b, gap, &bond));
+  bond.preload = kind;
+  bond.pull = pull;
+  memcpy(bond.normal, normal, sizeof normal);
   list[model->bond_count++] = bond;
   model->object.revision++;
 done:

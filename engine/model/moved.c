@@ -138,7 +138,7 @@ static bw_status transfer_bond(transfer *t, const bw_bond *bond) {
   const bw_selection *a, *b;
   BW_TRY(transfer_selection(t, bond->a, &a));
   BW_TRY(transfer_selection(t, bond->b, &b));
-  BW_TRY(bw_model_bond(t->context, t->to, a, b, bond->asked_gap));
+  BW_TRY(bw_model_preload(t->context, t->to, a, b, bond->asked_gap, bond->preload, bond->pull));
 done:
   return status;
 }

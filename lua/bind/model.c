@@ -129,19 +129,32 @@ static int model_clear_supports(lua_State *L) {
 
 /* ---- bonds ----------------------------------------------------------------------------------- */
 
-/* model:bond{a = selection, b = selection, gap = } */
+/* model:bond{a = selection, b = selection, gap = , preload = or shortening = } */
 static int model_bond(lua_State *L) {
-  double gap = -1;
-  static const lbw_option list[] = {
-      {"a", LBW_OTHER, 0}, {"b", LBW_OTHER, 0}, {"gap", LBW_REAL, 0}, {NULL, LBW_OTHER, 0}};
+  struct bond {
+    double gap, preload, shortening;
+  } bond = {.gap = -1};
+  static const lbw_option list[] = {{"a", LBW_OTHER, 0},
+                                    {"b", LBW_OTHER, 0},
+                                    {"gap", LBW_REAL, offsetof(struct bond, gap)},
+                                    {"preload", LBW_REAL, offsetof(struct bond, preload)},
+                                    {"shortening", LBW_REAL, offsetof(struct bond, shortening)},
+                                    {NULL, LBW_OTHER, 0}};
   bw_model *model = self(L);
   lbw_check_type(L, 2, LUA_TTABLE);
   lua_settop(L, 2);
-  lbw_options(L, 2, "bond", list, &gap);
-  if (lbw_option_get(L, 2, "gap") != LUA_TNIL && gap < 0)
+  lbw_options(L, 2, "bond", list, &bond);
+  if (lbw_option_get(L, 2, "gap") != LUA_TNIL && bond.gap < 0)
     return lbw_error(L, "bond: option 'gap': 0 or more expected");
+  bool preload = option_present(L, "preload"), shortening = option_present(L, "shortening");
+  if (preload && shortening)
+    return lbw_error(L, "bond: one of the options 'preload' and 'shortening' expected, not both");
   const bw_selection *a = selection_option(L, "bond", "a"), *b = selection_option(L, "bond", "b");
-  return leave_self(L, bw_model_bond(lbw_enter(L), model, a, b, gap));
+  bw_preload_kind kind = preload      ? BW_PRELOAD_FORCE
+                         : shortening ? BW_PRELOAD_SHORTENING
+                                      : BW_NO_PRELOAD;
+  return leave_self(L, bw_model_preload(lbw_enter(L), model, a, b, bond.gap, kind,
+                                        preload ? bond.preload : bond.shortening));
 }
 
 static int model_clear_bonds(lua_State *L) {
@@ -689,6 +702,10 @@ static int model_bonds(lua_State *L) {
     lua_setfield(L, -2, "gap");
     lua_pushinteger(L, bond->node_count);
     lua_setfield(L, -2, "node_count");
+    if (bond->preload != BW_NO_PRELOAD) {
+      lua_pushnumber(L, bond->pull);
+      lua_setfield(L, -2, bond->preload == BW_PRELOAD_FORCE ? "preload" : "shortening");
+    }
     lua_rawseti(L, -2, i + 1);
   }
   return 1;

@@ -194,7 +194,8 @@ static int static_residual(lua_State *L) {
   return 1;
 }
 
-static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of) {
+static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of,
+                             const bw_bond *bond) {
   lua_createtable(L, count, 0);
   for (int i = 0; i < count; i++) {
     lua_createtable(L, 0, 2);
@@ -202,6 +203,12 @@ static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of) 
     lua_setfield(L, -2, "force");
     lbw_push_vector(L, of[i].moment);
     lua_setfield(L, -2, "moment");
+    if (bond && bond[i].preload != BW_NO_PRELOAD) {
+      lua_pushnumber(L, of[i].preload);
+      lua_setfield(L, -2, "preload");
+      lua_pushnumber(L, of[i].shortening);
+      lua_setfield(L, -2, "shortening");
+    }
     lua_rawseti(L, -2, i + 1);
   }
   return 1;
@@ -209,12 +216,14 @@ static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of) 
 
 /* What the bonds transmit. */
 static int static_bonds(lua_State *L) {
-  return push_joint_forces(L, self(L)->bond_count, self(L)->bond);
+  const bw_static *result = self(L);
+  bool kept = result->bond_count == result->model->bond_count; /* or it has changed since */
+  return push_joint_forces(L, result->bond_count, result->bond, kept ? result->model->bond : NULL);
 }
 
 /* What masses and springs exert. */
 static int static_attachments(lua_State *L) {
-  return push_joint_forces(L, self(L)->attachment_count, self(L)->attachment);
+  return push_joint_forces(L, self(L)->attachment_count, self(L)->attachment, NULL);
 }
 
 /* What remote points do. */

@@ -74,6 +74,8 @@ local Model = {}
 ---@field area number (m2) of side a that is bonded
 ---@field gap number (m) the largest one between what is bonded
 ---@field node_count integer (count) nodes of side a that follow
+---@field preload? number (N) that was given
+---@field shortening? number (m) that was given
 
 ---A mass or a spring of a model.
 ---@class bw.Attachment
@@ -134,7 +136,19 @@ function Model:prescribe(selection, displacement) end
 ---other one covers. Constant stress passes through a plane bond exactly. A model with bonds gives static solutions and modes.
 ---What needs its equations otherwise is refused. A side without a facet, and a node on both sides, raise.
 ---
----Errors: geometry (sides that do not touch, with the distance; facets of side a that side b hardly covers).
+---A bond can have a preload across a plane section, as of a bolt: give the force first, then keep the `shortening` that the
+---static solution gives, and add the loads of operation. Modes keep the shortening. `Mesh:separated` cuts a shank between
+---regions.
+---```lua
+---local mesh = bw.mesh.box({max = {0.1, 0.01, 0.01}, cells = {10, 1, 1}}):split({max = {0.05, 1, 1}}, "left"):separated "left"
+---local part, boundary = bw.model {mesh = mesh, material = bw.material.steel}, mesh.boundary
+---local cut = boundary:plane({0.05, 0, 0}, {1, 0, 0}, 1e-9)
+---part:fix(boundary:below("x", 0)):fix(boundary:above("x", 0.1))
+---part:bond {a = cut & boundary:region "left", b = cut & boundary:region "rest", preload = 1000}
+---print(assert(part:solve()).bonds[1].shortening)
+---```
+---
+---Errors: geometry (a section with a preload that is not plane; sides that do not touch, with the distance; facets of side a that side b hardly covers).
 ---
 ---Source: Popp, Wohlmuth, Gee, Wall, SIAM J. Sci. Comput. 34 (2012); docs/theory/joints.md.
 ---@param options bw.BondOptions the two sides
@@ -148,6 +162,8 @@ function Model:bond(options) end
 ---@field a bw.Selection the side that follows
 ---@field b bw.Selection the side that it follows
 ---@field gap? number (m) gap that is closed. Default: a twentieth of the mean edge of the finer side
+---@field preload? number (N) force that pulls the sides together, as in the shank of a bolt; it stays whatever other loads act. Side a is plane. Default: none
+---@field shortening? number (m) instead: by which the sides overlap, as a nut that was turned; the force follows. Default: none
 
 ---Removes all bonds.
 ---@return bw.Model self

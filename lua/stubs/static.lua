@@ -47,6 +47,8 @@ local Static = {}
 ---@class bw.JointForce
 ---@field force bw.Vector (N) its resultant
 ---@field moment bw.Vector (N m) its moment about the origin
+---@field preload? number (N) that pulls the sides of a bond with a preload together; nil of others
+---@field shortening? number (m) by which these sides overlap; nil of others
 
 ---The motion of a remote point and its loads. Moments are about the point.
 ---@class bw.CouplingResult

@@ -50,6 +50,28 @@ describe("bonds", function()
     check.near(assert(whole:modes {count = 2}).frequencies[1], modes.frequencies[1], 0.01)
   end)
 
+  it("take a preload, and keep its shortening", function()
+    local whole = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 1, 1}, order = 2}
+    local mesh = assert(whole:split({max = {0.05, 1, 1}}, "left")):separated "left"
+    local boundary = mesh.boundary
+    local cut = boundary:plane({0.05, 0, 0}, {1, 0, 0}, 1e-9)
+    local sides = {a = cut & boundary:region "left", b = cut & boundary:region "rest"}
+    local straight = bw.material.isotropic {young = 2e11, poisson = 0}
+    local part = bw.model {mesh = mesh, material = straight}
+    part:fix(boundary:below("x", 0)):fix(boundary:above("x", 0.1))
+    part:bond {a = sides.a, b = sides.b, preload = 1000}
+    assert.equal(1000, part.bonds[1].preload)
+    assert.truthy(tostring(part):find("preload 1000 N along (1, 0, 0)", 1, true), tostring(part))
+    local bond = assert(part:solve()).bonds[1]
+    check.near(1000, bond.preload, 1e-10)
+    check.near(1000 * 0.1 / (2e11 * 1e-4), bond.shortening, 1e-9)
+    part:clear_bonds():bond {a = sides.a, b = sides.b, shortening = bond.shortening}
+    assert.truthy(tostring(part):find("shortened by 5e-06 m", 1, true), tostring(part))
+    part:load {on = sides.a, force = {200, 0, 0}}
+    check.near(900, assert(part:solve()).bonds[1].preload, 1e-9)
+    assert.has_error(function() part:bond {a = sides.a, b = sides.b, preload = 1, shortening = 1} end)
+  end)
+
   it("are listed and printed", function()
     local part = bar(1e-6, 1e-5)
     assert.equal(1, #part.bonds)

@@ -131,6 +131,13 @@ typedef struct bw_support {
   bw_symmetry symmetry;  /* of a slide: whether it is of a plane of symmetry */
 } bw_support;
 
+/* What pulls the sides of a bond together, as in the shank of a bolt that was cut. */
+typedef enum bw_preload_kind {
+  BW_NO_PRELOAD,        /* it does not */
+  BW_PRELOAD_FORCE,     /* N, positive pulls: whatever other loads act */
+  BW_PRELOAD_SHORTENING /* m, by which the sides overlap along the normal */
+} bw_preload_kind;
+
 /* A bond of two surfaces whose meshes need not match: each node of side a follows nodes of side b
  * (docs/theory/joints.md). The model releases what it points to. */
 typedef struct bw_bond {
@@ -138,6 +145,9 @@ typedef struct bw_bond {
   double asked_gap;          /* (m) what was asked for, or below 0 */
   double area;               /* (m2) of side a that is bonded */
   double gap;                /* (m) the largest one between what is bonded */
+  bw_preload_kind preload;   /* how it pulls */
+  double pull;               /* (any) in the unit of the kind */
+  double normal[3];          /* (-) of side a, outwards, where it pulls */
   int32_t node_count;        /* of side a that follow */
   int32_t *node;             /* (index, node_count) these nodes, ascending */
   bw_sparse_matrix *follows; /* (-, node_count x the mesh's) their displacements from those of
@@ -284,6 +294,13 @@ BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, cons
  * not touch (with the distance) and facets of side a that side b hardly covers. */
 BW_API bw_status bw_model_bond(bw_context *context, bw_model *model, const bw_selection *a,
                                const bw_selection *b, double gap);
+/* The same, with the same `gap` (m) and statuses, and a preload across the section, which is plane:
+ * side a moves by the shortening against side b along its outward normal, all nodes alike. `pull`
+ * (any) is in the unit of the kind. BW_EMPTY for a side without a facet, BW_INVALID also for a
+ * `pull` that is no number, BW_GEOMETRY also for a section that is not plane to a thousandth. */
+BW_API bw_status bw_model_preload(bw_context *context, bw_model *model, const bw_selection *a,
+                                  const bw_selection *b, double gap, bw_preload_kind kind,
+                                  double pull);
 /* Removes all bonds. */
 BW_API void bw_model_clear_bonds(bw_model *model);
 /* Attaches a mass (kg), spread evenly over the area of a selection, or of a node set without facets

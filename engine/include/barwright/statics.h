@@ -10,8 +10,10 @@ extern "C" {
 
 /* What a bond transmits to its side a (side b has the opposite), or an attachment to the body. */
 typedef struct bw_joint_force {
-  double force[3];  /* (N) */
-  double moment[3]; /* (N m) about the origin */
+  double force[3];   /* (N) */
+  double moment[3];  /* (N m) about the origin */
+  double preload;    /* (N) that pulls the sides of a bond with a preload together; else 0 */
+  double shortening; /* (m) of such a bond; else 0 */
 } bw_joint_force;
 
 /* What a coupling does. Components are those of translations, then of rotations, along the axes;

@@ -126,7 +126,8 @@ add {
   end,
   ["Model:prescribe"] = function(p) return p.Selection, {0.01, false, 0} end,
   ["Model:bond"] = function(p, r)
-    return {a = p.Selection, b = p:variant("bw.Selection", 2), gap = r:one_of {0, 1e-3}}
+    return {a = p.Selection, b = p:variant("bw.Selection", 2), gap = r:one_of {0, 1e-3},
+      preload = r:chance(0.3) and 10 or nil}
   end,
   ["Model:attach"] = function(p, r)
     local on = p:variant("bw.Selection", 2)
