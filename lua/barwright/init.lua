@@ -54,6 +54,7 @@ local bw = {
   breaking_force = require "barwright.breaking_force",
   strengthen = require "barwright.strengthen",
   drop_test = require "barwright.drop_test",
+  random_drops = require "barwright.random_drops",
   skeleton = require "barwright.skeleton",
   skinning_weights = core.skinning_weights,
   subdomains = core.subdomains,

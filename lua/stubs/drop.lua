@@ -4,7 +4,103 @@
 --
 -- Drop
 --
--- A part that falls on a rigid plane, in time. Random drops without time, onto a peg, are the drop test.
+-- A part that falls on a rigid plane, in time, once or many times at random. Random drops without time, onto a peg, are the drop
+-- test.
+
+---@class bw
+local bw = {}
+
+---Drops a part in random attitudes on a rigid plane, in time, from one set of equations and modes. A part with supports or loads, or
+---of a material without density or strength, raises.
+---
+---Errors: those of `model:drop`.
+---
+---Source: docs/theory/drop.md.
+---```lua
+---local mesh = bw.mesh.box {max = {0.02, 0.02, 0.02}, cells = {1, 1, 1}}
+---local part = bw.model {mesh = mesh, material = bw.material.pla}
+---local drops = assert(bw.random_drops(part, {drops = 5}))
+---print(drops, drops:failures())
+---```
+---@param part bw.Model without supports and loads, of a material with density and strength
+---@param options? bw.RandomDropsOptions height and number of drops
+---@return bw.RandomDrops? drops what happened
+---@return string? message
+---@return bw.Details? details
+function bw.random_drops(part, options) end
+
+---How a part is dropped at random. All directions of the fall are equally likely in the frame of the part.
+---@class bw.RandomDropsOptions
+---@field drops? integer (count) of drops, 1 or more. Default: 100
+---@field seed? integer (seed) of the attitudes. Default: 1
+---@field height? number (m) of the fall. Range: above 0. Default: 1
+---@field spin? number (rad/s) size of the angular velocity when it touches; its direction is random. Range: 0 or more. Default: 0
+---@field damping? bw.Damping by a ratio and by stiffness. Default: none
+---@field modes? bw.Modes elastic modes of the part. Default: as of `model:drop`
+---@field impacts? integer (count) that are followed in each drop. Range: 1 to 10000. Default: 1
+---@field samples? integer (count) of the stress in each impact, at least; twice as many at most. Range: 1 to 100000. Default: 20
+
+---What happened in random drops. `print` gives the probability that the part is overloaded with its 95 % interval, what the drops
+---cost, and what is assumed.
+---```lua
+---local mesh = bw.mesh.box {max = {0.02, 0.02, 0.02}, cells = {1, 1, 1}}
+---local part = bw.model {mesh = mesh, material = bw.material.pla}
+---local drops = assert(bw.random_drops(part, {drops = 5}))
+---print(drops:correlation(assert(bw.drop_test(part, {drops = 20}))))
+---```
+---@class bw.RandomDrops
+---@field exceedance bw.Array (-, element_count × 1, per element) fraction of drops in which it was stressed beyond the strength
+---@field mean_peak bw.Array (Pa, element_count × 1, per element) mean over the drops of its largest principal stress over time
+---@field peaks bw.Array (Pa, drops × 1, per drop) largest principal stress of any element
+---@field risks bw.Array (-, drops × 1, per drop) largest stress over strength
+---@field forces bw.Array (N, drops × 1, per drop) largest force of the first impact
+---@field durations bw.Array (s, drops × 1, per drop) of the first impact
+---@field directions bw.Array (-, drops × 3, per drop) unit vector of the fall in the frame of the part
+---@field energy_error number (-) the largest of all drops, as of `bw.Drop`
+---@field furthest_turn number (rad) by which the part turned in a first impact, at most
+---@field drops integer (count) of drops
+---@field solves integer (count) right-hand sides solved for
+---@field seconds number (s) in all
+---@field first_seconds number (s) until the first drop was done: with the factor and the modes
+---@field modes bw.Modes that all drops took
+---@field mesh bw.Mesh of the part
+---@field options bw.RandomDropsOptions as they were given, with defaults
+local RandomDrops = {}
+
+---Spearman's rank correlation of `mean_peak` with a weakness, weighted by volume.
+---@param other bw.WorstCase|bw.DropTest|bw.BruteForce|bw.Array (Pa, element_count × 1, per element) the weakness
+---@return number rho (-) from -1 to 1
+function RandomDrops:correlation(other) end
+
+---The fraction of drops that overload some element, and Wilson's 95 % interval of the probability that it estimates.
+---@return number fraction (-) from 0 to 1
+---@return number low (-) the lower end
+---@return number high (-) the upper end
+function RandomDrops:failures() end
+
+---Wilson's 95 % interval of the probability that a drop overloads each element.
+---@return bw.Array low (-, element_count × 1, per element) the lower ends
+---@return bw.Array high (-, element_count × 1, per element) the upper ends
+function RandomDrops:interval() end
+
+---Writes `exceedance`, its interval and `mean_peak` to a .vtu file. Other endings of `mesh:write` work, too.
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@return true? written true
+---@return string? message
+---@return bw.Details? details
+function RandomDrops:write(path) end
+
+---Draws `exceedance` as a PNG file.
+---
+---Errors: those of `bw.picture`.
+---@param path string the file
+---@param options? bw.PictureOptions how it is drawn
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
+function RandomDrops:picture(path, options) end
 
 ---How a part is dropped.
 ---@class bw.DropOptions

@@ -65,4 +65,28 @@ describe("drop", function()
     part:fix(part.mesh.boundary:below("x", 0))
     assert.error_matches(function() part:drop() end, "neither supports nor loads")
   end)
+
+  it("at random gives each place a probability with the error of its sampling", function()
+    local part = box()
+    local drops = assert(bw.random_drops(part, {drops = 12, height = 3, spin = 2, samples = 5}))
+    local low, high = drops:interval()
+    local p, least, most = drops:failures()
+    assert.equal(12, #drops.peaks)
+    assert.is_true(drops.exceedance:max() <= p and least < p and p <= most)
+    assert.is_true(low:map("b - a", {b = drops.exceedance}):min() >= -1e-15)
+    assert.is_true(high:map("a - b", {b = drops.exceedance}):min() >= -1e-15)
+    -- Wilson's upper end where nothing was seen: z^2 / (n + z^2)
+    assert.near(3.841459 / 15.841459, high:min(), 1e-5)
+    assert.near(1, drops:correlation(drops.mean_peak), 1e-12)
+    assert.truthy(tostring(drops):find("95 %", 1, true))
+    local again = assert(bw.random_drops(part, {drops = 12, height = 3, spin = 2, samples = 5,
+      modes = drops.modes}))
+    for i = 1, 12 do assert.equal(drops.peaks[i], again.peaks[i]) end
+  end)
+
+  it("at random refuses a part whose strength is not known", function()
+    local soft = bw.material.isotropic {young = 1e9, poisson = 0.3, density = 1000}
+    local part = bw.model {mesh = bw.mesh.box {max = {0.02, 0.02, 0.02}, cells = {1, 1, 1}}, material = soft}
+    assert.error_matches(function() bw.random_drops(part, {drops = 2}) end, "strength")
+  end)
 end)

@@ -189,6 +189,10 @@ makers.BreakingForce = {function(p)
   return assert(bw.breaking_force(p.Mesh, {material = bw.material.pla, modes = 1, regions = 1}))
 end}
 makers.SingularPlaces = {function(p) return assert(p.Mesh:surface():singular_edges()) end}
+makers.RandomDrops = {function()
+  local mesh = bw.mesh.box {max = {0.02, 0.02, 0.02}, cells = {1, 1, 1}}
+  return assert(bw.random_drops(bw.model {mesh = mesh, material = bw.material.pla}, {drops = 2, samples = 2}))
+end}
 makers.DropTest = {function(p) return assert(bw.drop_test(p:variant("bw.Model", 3), {drops = 2})) end}
 makers.Outline = {
   function() return rectangle() end,

@@ -1,0 +1,146 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Drops in time of random attitudes from one factor and one set of modes: how likely each place is to break.
+local arguments = require "barwright.arguments"
+local core = require "barwright.core"
+local options = require "barwright.options"
+local random = require "barwright.study.random"
+local shown = require "barwright.shown"
+
+local random_drops = {}
+random_drops.__index = random_drops
+random_drops.__name = "barwright.random_drops"
+
+local rules = {
+  drops = {type = "integer", default = 100, min = 1},
+  seed = {type = "integer", default = 1},
+  height = {type = "number", default = 1, above = 0},
+  spin = {type = "number", default = 0, min = 0},
+  damping = {type = "any"}, -- read where it is used
+  modes = {type = "modes"},
+  impacts = {type = "integer", default = 1, min = 1},
+  samples = {type = "integer", default = 20, min = 1},
+}
+
+local QUANTILE = 1.959964 -- of the normal distribution, for 95 %
+
+-- Wilson's interval of a probability of which a fraction p of n was seen.
+local function interval(p, n)
+  local square = QUANTILE * QUANTILE
+  local middle = (p + square / (2 * n)) / (1 + square / n)
+  local half = QUANTILE / (1 + square / n) * math.sqrt(p * (1 - p) / n + square / (4 * n * n))
+  return math.max(0, middle - half), math.min(1, middle + half)
+end
+
+local function direction(generator)
+  local x, y, z, length
+  repeat
+    x, y, z = generator:normal(), generator:normal(), generator:normal()
+    length = math.sqrt(x * x + y * y + z * z)
+  until length > 1e-6
+  return {x / length, y / length, z / length}
+end
+
+local function scaled(a, s) return {a[1] * s, a[2] * s, a[3] * s} end
+
+--- Drops a part whose strength and density are known.
+function random_drops.analyse(part, given)
+  options.object("random_drops", "part", part, "model")
+  local opts = options.read("random_drops", given, rules)
+  local self = setmetatable({options = opts, mesh = part.mesh, drops = opts.drops}, random_drops)
+  local generator, begin, modes = random.new(opts.seed), core.seconds(), opts.modes
+  local rows = {peaks = {}, forces = {}, durations = {}, directions = {}, risks = {}}
+  local exceeded, sum
+  self.energy_error, self.solves, self.furthest_turn = 0, 0, 0
+  for i = 1, opts.drops do
+    local ok, message, details = core.report_progress("random drops", (i - 1) / opts.drops)
+    if not ok then return nil, message, details end
+    local down = direction(generator)
+    local spin = scaled(direction(generator), opts.spin)
+    local drop
+    drop, message, details = part:drop {height = opts.height, down = down, spin = spin, damping = opts.damping,
+      modes = modes, impacts = opts.impacts, samples = opts.samples}
+    if not drop then return nil, message, details end
+    if not drop.utilisation then
+      core.raise "random_drops: the strength of the material is not known: give one, or take part:drop"
+    end
+    if i == 1 then self.first_seconds = core.seconds() - begin end
+    modes = drop.modes
+    exceeded = core.array.map("s + (u > 1)", {s = exceeded or 0, u = drop.utilisation})
+    sum = core.array.map("s + u", {s = sum or 0, u = drop.max_principal})
+    local impact = drop.impacts[1]
+    rows.peaks[i], rows.forces[i], rows.durations[i] = drop.peak.stress, impact.force, impact.duration
+    rows.directions[i], rows.risks[i] = down, drop.utilisation:max()
+    self.energy_error = math.max(self.energy_error, drop.energy_error)
+    self.furthest_turn = math.max(self.furthest_turn, impact.turn)
+    self.solves = self.solves + drop.solves
+    drop:close()
+  end
+  core.report_progress("random drops", 1)
+  for name, list in pairs(rows) do self[name] = core.array.new(list) end
+  self.exceedance, self.mean_peak = exceeded / opts.drops, sum / opts.drops
+  self.modes = modes
+  self.seconds = core.seconds() - begin
+  return self
+end
+
+--- Spearman's rank correlation, weighted by volume, of where drops stress the part with a weakness map (a worst
+--- case, a drop test, a brute force, or an array over elements).
+function random_drops:correlation(other)
+  local map = type(other) == "table" and (other.weakness or other.mean_peak) or other
+  return core.rank_correlation(self.mean_peak, map, self.mesh.volumes)
+end
+
+--- The fraction of drops in which some place was overloaded, and the ends of its 95 % interval.
+function random_drops:failures()
+  local p = self.risks:map("a > 1"):sum() / self.drops
+  return p, interval(p, self.drops)
+end
+
+--- The 95 % interval of the probability that each element breaks: its ends.
+function random_drops:interval()
+  local n, square = self.drops, QUANTILE * QUANTILE
+  local given = {p = self.exceedance, m = square / (2 * n), d = 1 + square / n, q = QUANTILE, n = n,
+    r = square / (4 * n * n)}
+  return core.array.map("max(0, (p + m - q * sqrt(p * (1 - p) / n + r)) / d)", given),
+    core.array.map("min(1, (p + m + q * sqrt(p * (1 - p) / n + r)) / d)", given)
+end
+
+--- Everything as a .vtu.
+function random_drops:write(path)
+  local low, high = self:interval()
+  return self.mesh:write(path, {fields = {exceedance = {self.exceedance, on = "elements"},
+    exceedance_low = {low, on = "elements"}, exceedance_high = {high, on = "elements"},
+    mean_peak = {self.mean_peak, on = "elements"}}})
+end
+
+--- A picture of how often each place was overloaded. Options: those of bw.picture.
+function random_drops:picture(path, given)
+  local opts = options.copied(given)
+  local surface, nodes, details = self.mesh:surface()
+  if not surface then return nil, nodes, details end
+  opts.values = self.mesh:to_nodes(self.exceedance, "max"):gather(nodes)
+  opts.unit = opts.unit or "drops that overload, %"
+  opts.scale = opts.scale or 100
+  return core.picture(surface, path, opts)
+end
+
+function random_drops:__tostring()
+  local p, low, high = self:failures()
+  local place = self.exceedance:argmax()
+  return table.concat({
+    ("%d drops from %g m: the part is overloaded in %s of them, by their number %s to %s (95 %%)"):format(
+      self.drops, self.options.height, shown.percent(p), shown.percent(low), shown.percent(high)),
+    ("  the weakest element, %d, in %s; largest stress %.4g MPa, largest force %.4g N"):format(place,
+      shown.percent(self.exceedance[place]), self.peaks:max() / 1e6, self.forces:max()),
+    ("  %.3g s in all, about %.3g s with equations and modes made for each drop; energy kept to %.1e"):format(
+      self.seconds, self.first_seconds * self.drops, self.energy_error),
+    "  linear elasticity, rigid plane, no friction; error of mesh, modes and samples unknown"}, "\n")
+end
+
+arguments.methods("random drops", random_drops, random_drops, {
+  correlation = "other: worst_case|drop_test|brute_force|array", failures = "", interval = "",
+  write = "path: string", picture = "path: string, options?: options"})
+
+return setmetatable({class = random_drops}, {
+  __call = function(_, part, given) return random_drops.analyse(part, given) end,
+})
