@@ -31,7 +31,7 @@ static int model_drop(lua_State *L) {
   bw_drop_options_default(&options);
   lua_settop(L, 2);
   lbw_options(L, 2, "drop", list, &options);
-  lbw_damping_option(L, 2, "drop", &options.damping);
+  lbw_damping_option(L, 2, "drop", &options.damping, NULL, NULL);
   if (lua_istable(L, 2)) { /* which keeps both */
     options.modes = (const bw_modes *)lbw_object_option(L, 2, "drop", "modes", &lbw_modes_class,
                                                         "modes of the part");
