@@ -55,6 +55,16 @@ describe("couplings", function()
     assert.equal(0, #part.couplings)
   end)
 
+  it("stay on a refined mesh", function()
+    local part, tip = cantilever()
+    part:couple {on = tip, kind = "rigid", at = {1.2, 0.05, 0.1}, moment = {0, 500, 0}}
+    local before = assert(part:solve()).couplings[1].rotation[2]
+    local fine = part
+    for _ = 1, 3 do fine = assert(fine:refined(bw.array.zeros(fine.mesh.element_count) + 1, {order = 2})) end
+    assert.is_true(fine.couplings[1].node_count > part.couplings[1].node_count)
+    check.near(before, assert(fine:solve()).couplings[1].rotation[2], 1e-6)
+  end)
+
   it("are refused where they make no sense or are not known", function()
     local part, tip = cantilever()
     for _, wrong in ipairs {{on = tip, kind = "soft"}, {force = {1, 0, 0}}, {on = tip, inertia = {1, 2}},
@@ -66,5 +76,7 @@ describe("couplings", function()
     local system, why = part:system()
     assert.is_nil(system)
     assert.truthy(why:find("1 coupling:", 1, true), why)
+    check.fails("unsupported", "1 coupling:", bw.edit(part):solve())
+    check.fails("unsupported", "1 coupling:", bw.worst_case(part, {}))
   end)
 end)
