@@ -28,7 +28,7 @@ local function interval(p, n)
   local square = QUANTILE * QUANTILE
   local middle = (p + square / (2 * n)) / (1 + square / n)
   local half = QUANTILE / (1 + square / n) * math.sqrt(p * (1 - p) / n + square / (4 * n * n))
-  return math.max(0, middle - half), math.min(1, middle + half)
+  return p > 0 and middle - half or 0, p < 1 and middle + half or 1 -- which it is but for rounding
 end
 
 local function direction(generator)
@@ -83,8 +83,8 @@ function random_drops.analyse(part, given)
   return self
 end
 
---- Spearman's rank correlation, weighted by volume, of where drops stress the part with a weakness map (a worst
---- case, a drop test, a brute force, or an array over elements).
+--- Spearman's rank correlation, weighted by volume, of where drops stress the part with a weakness map (a
+--- worst case, a drop test, a brute force, or an array over elements).
 function random_drops:correlation(other)
   local map = type(other) == "table" and (other.weakness or other.mean_peak) or other
   return core.rank_correlation(self.mean_peak, map, self.mesh.volumes)
@@ -101,7 +101,7 @@ function random_drops:interval()
   local n, square = self.drops, QUANTILE * QUANTILE
   local given = {p = self.exceedance, m = square / (2 * n), d = 1 + square / n, q = QUANTILE, n = n,
     r = square / (4 * n * n)}
-  return core.array.map("max(0, (p + m - q * sqrt(p * (1 - p) / n + r)) / d)", given),
+  return core.array.map("(p > 0) * (p + m - q * sqrt(p * (1 - p) / n + r)) / d", given),
     core.array.map("min(1, (p + m + q * sqrt(p * (1 - p) / n + r)) / d)", given)
 end
 
@@ -130,11 +130,12 @@ function random_drops:__tostring()
   return table.concat({
     ("%d drops from %g m: the part is overloaded in %s of them, by their number %s to %s (95 %%)"):format(
       self.drops, self.options.height, shown.percent(p), shown.percent(low), shown.percent(high)),
-    ("  the weakest element, %d, in %s; largest stress %.4g MPa, largest force %.4g N"):format(place,
+    ("  element %d most often, in %s; largest stress %.4g MPa, largest force %.4g N"):format(place,
       shown.percent(self.exceedance[place]), self.peaks:max() / 1e6, self.forces:max()),
     ("  %.3g s in all, about %.3g s with equations and modes made for each drop; energy kept to %.1e"):format(
       self.seconds, self.first_seconds * self.drops, self.energy_error),
-    "  linear elasticity, rigid plane, no friction; error of mesh, modes and samples unknown"}, "\n")
+    "  linear elasticity, rigid plane, no friction; error of mesh, modes and samples unknown: within an element",
+    "  of a node that touches, stress and overload depend on the mesh"}, "\n")
 end
 
 arguments.methods("random drops", random_drops, random_drops, {

@@ -197,7 +197,8 @@ static int drop_tostring(lua_State *L) {
     double place[3];
     centre_of(drop->model->mesh, drop->peak_element, place);
     ADD("\n  largest principal stress %s at %s, (%.4g, %.4g, %.4g) m, of %d times; error unknown: "
-        "one mesh, one number of modes",
+        "one mesh, one number of modes; within an element of a touching node it depends on the "
+        "mesh",
         lbw_quantity(drop->peak, "Pa").text, lbw_quantity(drop->peak_time, "s").text, place[0],
         place[1], place[2], drop->sample_count);
     if (drop->utilisation) {
