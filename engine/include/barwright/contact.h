@@ -97,7 +97,7 @@ struct bw_contact {
                        the corners; the larger where pairs meet */
   double *gap; /* (m, node_count) of the deformed body at the nodes of `on`, negative inside of the
                   surface; against facets the mean gap at the corners; infinite at the others */
-  bool has_friction;   /* in some pair; else the next five are NULL */
+  bool has_friction;   /* in some pair; else what follows up to `status` is NULL */
   double *traction;    /* (Pa, node_count x 3) friction on the facets `on`, as `pressure` */
   double *slip;        /* (m, node_count x 3) of the corners of `on` against what they touch, in the
                           mean, summed over the steps in which they slip; 0 at mid-edge nodes */
