@@ -126,7 +126,8 @@ bw_status bw_buckling_of_static(bw_context *context, const bw_static *solution,
   if (!solution->system)
     return bw_fail(context, BW_UNSUPPORTED,
                    "buckling needs the equations of the static solution in this process: solve the "
-                   "model by cholesky or pcg, not by an external solver or in an edit session");
+                   "model by cholesky or pcg, not by an external solver or in an edit session, "
+                   "and again where its bonds have changed");
   return find(context, solution->model, solution->system, solution->displacement, options,
               buckling);
 }

@@ -90,4 +90,23 @@ bool bwi_point_has_mass(const bw_remote_point *point);
 bw_status bwi_eliminate(bw_context *context, bwi_reduction *r, int count, const int *component,
                         double *rows, double *d);
 
+/* The equations of a joined model. */
+typedef struct bwi_joined_equations {
+  bwi_reduction reduction;
+  bw_block_pattern *pattern;
+  double *stiffness; /* with springs */
+  bw_operator *k;    /* T^T K T */
+  int rigid_count;
+  int32_t rigid_body;
+} bwi_joined_equations;
+/* Clear with bwi_joined_clear in any case; `locked` as bwi_reduction_open. */
+bw_status bwi_joined_open(bw_context *context, const bw_model *model, bool locked,
+                          bwi_joined_equations *q);
+void bwi_joined_clear(bwi_joined_equations *q);
+/* T^T A T of values on the pattern, `block` 9 or 1 numbers for each of its blocks. */
+bw_status bwi_joined_operator(bw_context *context, const bwi_joined_equations *q,
+                              const double *values, int block, const char *name, bw_operator **out);
+/* BW_UNCONSTRAINED, with what moves. */
+bw_status bwi_joined_fail_free(bw_context *context, const bwi_joined_equations *q);
+
 #endif

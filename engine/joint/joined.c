@@ -11,17 +11,7 @@
 #include "joint/internal.h"
 #include "statics/internal.h"
 
-/* The equations of a joined model. */
-typedef struct equations {
-  bwi_reduction reduction;
-  bw_block_pattern *pattern;
-  double *stiffness;
-  bw_operator *k; /* T^T K T */
-  int rigid_count;
-  int32_t rigid_body;
-} equations;
-
-static void clear_equations(equations *q) {
+void bwi_joined_clear(bwi_joined_equations *q) {
   bwi_reduction_clear(&q->reduction);
   bw_release(q->pattern);
   bw_release(q->k);
@@ -53,8 +43,9 @@ static void add_attachments(const bw_model *model, const bw_block_pattern *patte
   }
 }
 
-static bw_status operator_of(bw_context *context, const equations *q, const double *values,
-                             int block, const char *name, bw_operator **out) {
+bw_status bwi_joined_operator(bw_context *context, const bwi_joined_equations *q,
+                              const double *values, int block, const char *name,
+                              bw_operator **out) {
   bw_sparse_matrix *matrix = NULL;
   bw_status status = bwi_reduce_matrix(context, &q->reduction, q->pattern, values, block, &matrix);
   if (status == BW_OK)
@@ -65,8 +56,8 @@ static bw_status operator_of(bw_context *context, const equations *q, const doub
   return status;
 }
 
-static bw_status open_equations(bw_context *context, const bw_model *model, bool locked,
-                                equations *q) {
+bw_status bwi_joined_open(bw_context *context, const bw_model *model, bool locked,
+                          bwi_joined_equations *q) {
   bw_status status = BW_OK;
   bw_progress(context, "assembly", 0);
   const char *locking = bw_locking(model->mesh, model->material);
@@ -80,14 +71,14 @@ static bw_status open_equations(bw_context *context, const bw_model *model, bool
   BW_TRY_MEMORY(q->stiffness);
   BW_TRY(bw_stiffness(context, q->pattern, model->mesh, model->material, q->stiffness));
   add_attachments(model, q->pattern, 9, q->stiffness);
-  BW_TRY(operator_of(context, q, q->stiffness, 9, "stiffness of the joined bodies", &q->k));
+  BW_TRY(bwi_joined_operator(context, q, q->stiffness, 9, "stiffness of the joined bodies", &q->k));
 done:
   return status;
 }
 
 /* ---- statics --------------------------------------------------------------------------------- */
 
-static bw_status fail_free(bw_context *context, const equations *q) {
+bw_status bwi_joined_fail_free(bw_context *context, const bwi_joined_equations *q) {
   const double *centre = q->reduction.dof_map->body_centre + 3 * (int64_t)q->rigid_body;
   bw_fail(
       context, BW_UNCONSTRAINED,
@@ -202,7 +193,7 @@ static bw_status fail_singular(bw_context *context, double residual) {
   return BW_SINGULAR;
 }
 
-static bw_status solve(bw_context *context, const equations *q, const bw_solver *solver,
+static bw_status solve(bw_context *context, const bwi_joined_equations *q, const bw_solver *solver,
                        const bw_model *model, bw_static *result) {
   bw_status status = BW_OK;
   const bwi_reduction *r = &q->reduction;
@@ -264,20 +255,20 @@ done:
 bw_status bw_joined_statics(bw_context *context, const bw_model *model,
                             const bw_statics_options *options, bw_static **out) {
   bw_status status = BW_OK;
-  equations q = {0};
+  bwi_joined_equations q = {0};
   bw_static *result = NULL;
   bw_statics_options opts = options ? *options : (bw_statics_options){0};
   double start = bw_seconds();
   opts.inertia_relief = true; /* balance is judged for the joined bodies */
-  BW_TRY(open_equations(context, model, false, &q));
+  BW_TRY(bwi_joined_open(context, model, false, &q));
   if (q.rigid_count > 0)
-    BW_TRY(fail_free(context, &q));
+    BW_TRY(bwi_joined_fail_free(context, &q));
   BW_TRY(bwi_static_begin(context, model, &opts, q.reduction.dof_map, &result));
   BW_TRY(solve(context, &q, opts.solver, model, result));
   result->report.residual = result->residual;
   result->report.seconds = bw_seconds() - start;
 done:
-  clear_equations(&q);
+  bwi_joined_clear(&q);
   if (status == BW_OK)
     *out = result;
   else
@@ -299,8 +290,9 @@ static double trace(const bw_sparse_matrix *a) {
 }
 
 /* The pairs behind the rigid-body modes, as shapes of all nodes. */
-static bw_status make_modes(bw_context *context, const bw_model *model, const equations *q,
-                            const bw_eigenpairs *pairs, bw_modes **modes) {
+static bw_status make_modes(bw_context *context, const bw_model *model,
+                            const bwi_joined_equations *q, const bw_eigenpairs *pairs,
+                            bw_modes **modes) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)model->mesh->node_count;
   int rigid = q->rigid_count < pairs->count ? q->rigid_count : pairs->count;
@@ -343,19 +335,19 @@ static bw_status check_density(bw_context *context, const bw_model *model) {
 bw_status bw_joined_modes(bw_context *context, const bw_model *model, const bw_modes_options *given,
                           bw_modes **modes) {
   bw_status status = BW_OK;
-  equations q = {0};
+  bwi_joined_equations q = {0};
   bw_modes_options options;
   bw_operator *m = NULL;
   bw_eigenpairs *pairs = NULL;
   double *mass = NULL;
   BW_TRY(bwi_modes_options_check(context, given, &options));
   BW_TRY(check_density(context, model));
-  BW_TRY(open_equations(context, model, true, &q));
+  BW_TRY(bwi_joined_open(context, model, true, &q));
   mass = BW_NEW(context, double, q.pattern->block_count);
   BW_TRY_MEMORY(mass);
   BW_TRY(bw_mass(context, q.pattern, model->mesh, model->material, mass));
   add_attachments(model, q.pattern, 1, mass);
-  BW_TRY(operator_of(context, &q, mass, 1, "mass of the joined bodies", &m));
+  BW_TRY(bwi_joined_operator(context, &q, mass, 1, "mass of the joined bodies", &m));
   bw_eigen_solve_options how;
   bw_eigen_solve_options_default(&how);
   how.count = options.count + q.rigid_count;
@@ -368,7 +360,7 @@ bw_status bw_joined_modes(bw_context *context, const bw_model *model, const bw_m
   BW_TRY(bw_eigen_solve(context, q.k, m, &how, &pairs));
   BW_TRY(make_modes(context, model, &q, pairs, modes));
 done:
-  clear_equations(&q);
+  bwi_joined_clear(&q);
   bw_release(m);
   bw_release(pairs);
   bw_free(mass);

@@ -17,9 +17,10 @@ bw_status bwi_refuse_joints(bw_context *context, const bw_model *model) {
     return BW_OK;
   return bw_fail(
       context, BW_UNSUPPORTED,
-      "the model has %d bond%s, %d attachment%s and %d coupling%s: it gives static solutions and "
-      "modes, but not what needs its equations otherwise; join the bodies in one mesh, and "
-      "leave masses, springs and remote points out for that",
+      "the model has %d bond%s, %d attachment%s and %d coupling%s: it gives static solutions, "
+      "modes "
+      "and, without couplings, load factors, but not what needs its equations otherwise; join the "
+      "bodies in one mesh, and leave masses, springs and remote points out for that",
       model->bond_count, model->bond_count == 1 ? "" : "s", model->attachment_count,
       model->attachment_count == 1 ? "" : "s", model->coupling_count,
       model->coupling_count == 1 ? "" : "s");

@@ -27,6 +27,8 @@ local rules = load_limits.rules {
 
 -- An ascent ends where no shape gains more than this fraction, or after so many steps.
 local GAIN, MAX_STEPS = 1e-6, 50
+-- Relative residual of shapes during the search.
+local ON_THE_WAY = 1e-5
 -- Rounds at most; another one where the last one gained more than this fraction.
 local MAX_ROUNDS, ROUND_GAIN = 4, 1e-3
 -- Pairs of so many shapes at most are solved for.
@@ -68,12 +70,14 @@ local function loads_against(self, shapes, sign)
   return best_first(found)
 end
 
--- The load factors of a load, of its sign.
+-- The load factors of a load, of its sign. On the way, shapes need not be exact: the error of a factor is the square
+-- of that of its shape.
 local function factors_of(self, load, sturm)
   local u, message, details = self.system:solve(self.basis:force(load.pressure))
   if not u then return nil, message, details end
   return self.system:buckling(u, {count = self.options.shapes, sign = sign_words[load.sign], sturm = sturm,
-    loads_turn = true, tolerance = self.options.tolerance, seed = self.options.seed,
+    loads_turn = true, tolerance = math.max(self.options.tolerance, sturm and 0 or ON_THE_WAY),
+    seed = self.options.seed,
     solver = self.options.eigensolver})
 end
 

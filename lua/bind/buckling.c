@@ -38,7 +38,10 @@ static int static_buckling(lua_State *L) {
   bw_buckling_options options = read_options(L, 2);
   lbw_box *box = lbw_box_new(L, &lbw_buckling_class);
   bw_buckling *buckling = NULL;
-  bw_status status = bw_buckling_of_static(lbw_enter(L), solution, &options, &buckling);
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_model_joined(solution->model)
+                         ? bw_joined_buckling(context, solution, &options, &buckling)
+                         : bw_buckling_of_static(context, solution, &options, &buckling);
   return lbw_leave_object(L, box, buckling, status);
 }
 

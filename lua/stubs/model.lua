@@ -133,7 +133,7 @@ function Model:symmetry(selection, kind) end
 function Model:prescribe(selection, displacement) end
 
 ---Bonds two surfaces of the mesh, whose nodes need not match. Side a follows side b where they touch. Make a the side that the
----other one covers. Constant stress passes through a plane bond exactly. A model with bonds gives static solutions and modes.
+---other one covers. Constant stress passes through a plane bond exactly. A model with bonds gives static solutions, modes and load factors.
 ---What needs its equations otherwise is refused. A side without a facet, and a node on both sides, raise.
 ---
 ---A bond can have a preload across a plane section, as of a bolt: give the force first, then keep the `shortening` that the
@@ -171,7 +171,7 @@ function Model:clear_bonds() end
 
 ---Attaches a mass, or springs to the ground, to a selection: exactly one of them. It is spread evenly over the area, or over the
 ---nodes of a node set without a facet. Gravity acts on a mass, and modes move it; it does not stiffen the body. Springs restrain
----rigid-body modes as supports do. A model with attachments gives static solutions and modes. What needs its equations otherwise
+---rigid-body modes as supports do. A model with attachments gives static solutions, modes and load factors. What needs its equations otherwise
 ---is refused. A selection without a facet raises, unless it is a node set.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}

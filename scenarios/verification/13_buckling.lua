@@ -95,6 +95,21 @@ scenario("column under tension: negative factors", function(t)
   expect(buckling.factor == nil, "no positive factor"):equals(true)
 end)
 
+scenario("column, clamped, its head on a transverse spring", function(t)
+  -- tan u = u - u^3 E I / (k L^3), u^2 = P L^2 / (E I); the spring holds both transverse directions
+  local part, foot, head = bar(L, side, {60, 3, 3})
+  local k = 10 * E * I / L ^ 3
+  part:fix(foot):load {on = head, force = {-1, 0, 0}}
+  part:attach {on = head, spring = {0, k, k}}
+  local low, high = pi / 2 + 1e-9, 4.4934
+  for _ = 1, 60 do
+    local u = (low + high) / 2
+    if math.tan(u) > u - u ^ 3 / 10 then high = u else low = u end
+  end
+  local load = engesser(pi * L / low, I, kA)
+  compare(t:require(part:buckling {count = 2}), {load, load}, 0.005, "Timoshenko and Gere, section 2.1; Engesser")
+end)
+
 scenario("column, half of its head loaded", function(t)
   local part, foot, head = bar(L, side, {48, 2, 2})
   part:fix(foot):load {on = head:above("y", side / 2), force = {-1, 0, 0}}

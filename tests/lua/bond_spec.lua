@@ -72,6 +72,41 @@ describe("bonds", function()
     assert.has_error(function() part:bond {a = sides.a, b = sides.b, preload = 1, shortening = 1} end)
   end)
 
+  it("buckle as one body, with matching and with other meshes", function()
+    local whole = bw.model {mesh = bw.mesh.box {max = {2 * L, 0.02, 0.02}, cells = {8, 2, 2}, order = 2},
+      material = bw.material.steel}
+    whole:fix(whole.mesh.boundary:below("x", 0))
+    whole:load {on = whole.mesh.boundary:above("x", 2 * L), force = {-1000, 0, 0}}
+    local expected = assert(whole:buckling {count = 4})
+    for i, cells_of in ipairs {{{4, 2, 2}, {4, 2, 2}}, {{4, 2, 2}, {5, 3, 3}}} do
+      local part = bar(1e-6, 1e-5, cells_of)
+      part:load {on = part.mesh.boundary:above("x", 2 * L), force = {-1000, 0, 0}}
+      local static = assert(part:solve())
+      for _, name in ipairs {"lanczos", "lobpcg"} do
+        local buckling = assert(static:buckling {count = 4, solver = bw.eigensolver[name] {}})
+        assert.is_true(buckling.counted)
+        for k = 1, 4 do
+          check.near(expected.factors[k], buckling.factors[k], i == 1 and 3e-5 or 0.01)
+          assert.is_true(buckling.errors[k] < 1e-6 * buckling.factors[k])
+        end
+        assert.is_true(buckling:error_estimate()[1] < 0.05)
+        -- the shape passes the bond without a gap
+        local shape, nodes = buckling:shape(1), part.mesh.nodes
+        local side = {}
+        for n = 1, part.mesh.node_count do
+          local at = nodes[n]
+          if math.abs(at[1] - L) < 2e-6 and at[2] == 0 and at[3] == 0 then side[#side + 1] = shape[n] end
+        end
+        assert.equal(2, #side)
+        for c = 1, 3 do assert.is_true(math.abs(side[1][c] - side[2][c]) < 1e-4) end
+      end
+      part:clear_bonds()
+      local none, message = static:buckling {count = 1}
+      assert.is_nil(none)
+      assert.truthy(message, message)
+    end
+  end)
+
   it("are listed and printed", function()
     local part = bar(1e-6, 1e-5)
     assert.equal(1, #part.bonds)

@@ -1,8 +1,9 @@
-/* joint: static solutions and modes of models with bonds, attached masses and springs, and remote
- * points (docs/theory/joints.md). */
+/* joint: static solutions, modes and load factors of models with bonds, attached masses and
+ * springs, and remote points (docs/theory/joints.md). */
 #ifndef BARWRIGHT_JOINT_H
 #define BARWRIGHT_JOINT_H
 
+#include "barwright/buckling.h"
 #include "barwright/eigen.h"
 #include "barwright/statics.h"
 
@@ -26,6 +27,13 @@ BW_API bw_status bw_joined_statics(bw_context *context, const bw_model *model,
  * bw_eigen_solve. `options` may be NULL. */
 BW_API bw_status bw_joined_modes(bw_context *context, const bw_model *model,
                                  const bw_modes_options *options, bw_modes **modes);
+/* Load factors of its static solution, with those of T^T K T and T^T K_sigma T, as
+ * bw_buckling_of_static. Springs and bonds have no stress of their own. BW_UNSUPPORTED for a model
+ * with couplings, BW_INVALID for one that has changed since; those of bw_joined_statics and
+ * bw_buckling_of_static. `options` may be NULL.
+ */
+BW_API bw_status bw_joined_buckling(bw_context *context, const bw_static *solution,
+                                    const bw_buckling_options *options, bw_buckling **buckling);
 
 #ifdef __cplusplus
 }

@@ -288,10 +288,10 @@ BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, cons
                                       const double *expansion);
 /* Bonds two surfaces of the mesh: side a follows side b where they touch, or are no more than `gap`
  * (m) apart; below 0: a twentieth of the mean edge of the finer side. Constant stress passes
- * through a plane bond exactly. joint.h has static solutions and modes of such a model; other
- * functions refuse one where they need its equations. BW_EMPTY for a side without a facet,
- * BW_INVALID for a node on both sides and a gap that is no number, BW_GEOMETRY for sides that do
- * not touch (with the distance) and facets of side a that side b hardly covers. */
+ * through a plane bond exactly. joint.h has static solutions, modes and load factors of such a
+ * model; other functions refuse one where they need its equations. BW_EMPTY for a side without a
+ * facet, BW_INVALID for a node on both sides and a gap that is no number, BW_GEOMETRY for sides
+ * that do not touch (with the distance) and facets of side a that side b hardly covers. */
 BW_API bw_status bw_model_bond(bw_context *context, bw_model *model, const bw_selection *a,
                                const bw_selection *b, double gap);
 /* The same, with the same `gap` (m) and statuses, and a preload across the section, which is plane:
@@ -306,8 +306,8 @@ BW_API void bw_model_clear_bonds(bw_model *model);
 /* Attaches a mass (kg), spread evenly over the area of a selection, or of a node set without facets
  * over its nodes. It has no stiffness. Gravity acts on it, and modes move it. BW_EMPTY as for
  * supports, BW_INVALID for a mass that is not positive, BW_GEOMETRY for facets without area.
- * joint.h has static solutions and modes of such a model; other functions refuse one where they
- * need its equations. */
+ * joint.h has static solutions, modes and load factors of such a model; other functions refuse one
+ * where they need its equations. */
 BW_API bw_status bw_model_attach_mass(bw_context *context, bw_model *model, const bw_selection *on,
                                       double mass);
 /* Attaches springs to the ground in the same way: stiffness (N/m) in all, along x, y and z, 0 or
