@@ -18,8 +18,8 @@ local rules = load_limits.rules {
   sign = {type = "string", default = "positive", one_of = {"positive", "negative", "either"}},
   modes = {type = "integer", default = 15, min = 1, max = 30},
   restarts = {type = "integer", default = 48, min = 0, max = 10000},
-  ascents = {type = "integer", default = 6, min = 1, max = 1000},
-  shapes = {type = "integer", default = 4, min = 1, max = 100},
+  ascents = {type = "integer", default = 3, min = 1, max = 1000},
+  shapes = {type = "integer", default = 2, min = 1, max = 100},
   tolerance = {type = "number", default = 1e-8, above = 0, max = 0.1},
   seed = {type = "integer", default = 1},
   eigensolver = {type = "eigensolver", auto = true},
@@ -70,8 +70,8 @@ local function loads_against(self, shapes, sign)
   return best_first(found)
 end
 
--- The load factors of a load, of its sign. On the way, shapes need not be exact: the error of a factor is the square
--- of that of its shape.
+-- The load factors of a load, of its sign. On the way, shapes need not be exact: the error of a factor is the
+-- square of that of its shape.
 local function factors_of(self, load, sturm)
   local u, message, details = self.system:solve(self.basis:force(load.pressure))
   if not u then return nil, message, details end

@@ -45,8 +45,8 @@ function bw.worst_buckling(part, options) end
 ---@field sign? "positive"|"negative"|"either" which load factors: of loads that push, of loads that pull, or the smallest in size. Default: "positive"
 ---@field modes? integer (count) vibration modes that the search begins with. Range: 1 to 30. Default: 15
 ---@field restarts? integer (count) ascents from random combinations of shapes, on their span. Range: 0 to 10000. Default: 48
----@field ascents? integer (count) ascents with all unknowns in each round. Range: 1 to 1000. Default: 6
----@field shapes? integer (count) buckling shapes of a load that a step tries. Range: 1 to 100. Default: 4
+---@field ascents? integer (count) ascents with all unknowns in each round. Range: 1 to 1000. Default: 3
+---@field shapes? integer (count) buckling shapes of a load that a step tries. Range: 1 to 100. Default: 2
 ---@field tolerance? number (-) relative residual of modes and shapes. Range: above 0 to 0.1. Default: 1e-8
 ---@field seed? integer (seed) of start vectors and random combinations. Default: 1
 ---@field eigensolver? bw.Eigensolver|"auto" of modes and shapes, not SLEPc. Default: "auto"
