@@ -461,6 +461,21 @@ static void memory_failures(void **state) {
   bw_buckling *b = NULL;
   check_ok(context, bw_set_threads(context, 1));
   check_allocations(context, b, bw_buckling_of_static(context, solution, NULL, &b));
+  bw_pressure_basis *basis = NULL;
+  bw_buckling_starts_options options;
+  bw_buckling_starts_options_default(&options);
+  options.loads = (bw_worst_load_options){.pressure = 1e5, .force = 10};
+  options.restarts = 2;
+  check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
+  double *pressure = numbers(basis->count), value;
+  int found;
+  void *none = NULL; /* nothing is made */
+  check_allocations(context, none,
+                    bw_buckling_starts(context, solution->system, basis, &options, 1,
+                                       solution->displacement, 1, &found, pressure, &value, NULL));
+  assert_int_equal(found, 1);
+  free(pressure);
+  bw_release(basis);
   bw_release(solution);
   bw_release(model);
   bw_release(mesh);
