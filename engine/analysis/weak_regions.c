@@ -331,6 +331,10 @@ bw_status bw_weak_regions_find(bw_context *context, const bw_mesh *mesh,
     return bw_fail(context, BW_INVALID,
                    "%d weak regions per mode were requested: 1 to 100000 expected",
                    options->regions);
+  if (modes->cyclic)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "the modes are those of a sector of cyclic symmetry: weak regions are found on "
+                   "modes of the whole");
   if (modes->mesh->node_count != mesh->node_count)
     return bw_fail(context, BW_INVALID, "the modes have %d nodes and the mesh has %d",
                    modes->mesh->node_count, mesh->node_count);

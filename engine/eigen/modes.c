@@ -14,7 +14,8 @@
 #include "linear/system_solver.h"
 
 void bw_modes_options_default(bw_modes_options *options) {
-  *options = (bw_modes_options){.count = 15, .tolerance = 1e-8, .sturm = true, .seed = 1};
+  *options = (bw_modes_options){
+      .count = 15, .tolerance = 1e-8, .sturm = true, .seed = 1, .nodal_diameter = -1};
 }
 
 static void modes_destroy(void *object) {
@@ -26,13 +27,18 @@ static void modes_destroy(void *object) {
   bw_free(modes->shape);
   bw_free(modes->residual);
   bw_free(modes->external);
+  bw_release(modes->cyclic);
+  bw_free(modes->nodal_diameter);
+  bw_free(modes->quadrature);
   bw_free(modes);
 }
 
 static size_t modes_bytes(const void *object) {
   const bw_modes *modes = object;
   return sizeof *modes + (size_t)modes->count *
-                             ((size_t)modes->components * (size_t)modes->mesh->node_count + 3) *
+                             ((modes->cyclic ? 2 : 1) * (size_t)modes->components *
+                                  (size_t)modes->mesh->node_count +
+                              3) *
                              sizeof(double);
 }
 

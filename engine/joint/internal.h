@@ -22,7 +22,8 @@ typedef struct bwi_eliminated {
  * points: q = P x + h. */
 typedef struct bwi_reduction {
   bw_dof_map *dof_map;          /* of the bodies apart */
-  const bw_bond **bond_of;      /* node_count: the bond in which a node follows, or NULL */
+  const bw_bond **bond_of;      /* node_count: the bond in which a node follows, or NULL; NULL of a
+                                   sector of cyclic symmetry */
   int32_t *row_of;              /* node_count: its row there */
   const bw_bond *bond;          /* of the model */
   int32_t *shortening;          /* of each bond: the column of one that is free, or -1 */
@@ -32,7 +33,8 @@ typedef struct bwi_reduction {
   int32_t *unknown;             /* node_count x 3, in the nodes' frames: the column, or -1; */
   int32_t *point_unknown;       /* point_count x 6, of rigid ones; all before pivots are gone */
   int32_t unknown_count;        /* columns */
-  bw_sparse_matrix *t;          /* 3 node_count x unknown_count, global directions */
+  bw_sparse_matrix *t;          /* 3 node_count x unknown_count, global directions; of complex
+                                   displacements twice as many rows: real and imaginary parts */
   bw_sparse_matrix *transposed; /* T^T */
   double *g;                    /* 3 node_count */
   bw_sparse_matrix *p;          /* 6 point_count x unknown_count, or NULL without points */
@@ -45,11 +47,16 @@ bw_status bwi_reduction_open(bw_context *context, const bw_model *model, bool lo
                              bwi_reduction *reduction);
 void bwi_reduction_clear(bwi_reduction *reduction);
 
-/* T^T A T of a block matrix, `block` 9 or 1 numbers for each block of the pattern as
- * bw_block_multiply takes them. Symmetric to the last bit. */
+/* T^T A T, or the sum of those of both parts of T, of a block matrix, `block` 9 or 1 numbers for
+ * each block of the pattern as bw_block_multiply takes them. Symmetric to the last bit. */
 bw_status bwi_reduce_matrix(bw_context *context, const bwi_reduction *reduction,
                             const bw_block_pattern *pattern, const double *values, int block,
                             bw_sparse_matrix **reduced);
+
+/* Adds masses (block 1) or springs (9) to a matrix. The nodes of a facet are those of an element:
+ * the pattern has their blocks. */
+void bwi_add_attachments(const bw_model *model, const bw_block_pattern *pattern, int block,
+                         double *values);
 
 /* Moves forces (node_count x 3) at nodes that follow in bonds to the nodes that they follow. */
 void bwi_reduction_move(const bwi_reduction *reduction, double *force);

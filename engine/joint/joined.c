@@ -8,7 +8,7 @@
 #include "barwright/job.h"
 #include "base/dense.h"
 #include "eigen/modes.h"
-#include "joint/internal.h"
+#include "joint/cyclic.h"
 #include "statics/internal.h"
 
 void bwi_joined_clear(bwi_joined_equations *q) {
@@ -16,31 +16,6 @@ void bwi_joined_clear(bwi_joined_equations *q) {
   bw_release(q->pattern);
   bw_release(q->k);
   bw_free(q->stiffness);
-}
-
-/* Adds masses (block 1) or springs (9) to a matrix. The nodes of a facet are those of an element:
- * the pattern has their blocks. */
-static void add_attachments(const bw_model *model, const bw_block_pattern *pattern, int block,
-                            double *values) {
-  for (int a = 0; a < model->attachment_count; a++) {
-    const bw_attachment *attachment = &model->attachment[a];
-    int32_t parts = bwi_attachment_parts(attachment);
-    for (int32_t p = 0; p < parts; p++) {
-      const int32_t *node;
-      double share[36];
-      int count = bwi_attachment_part(attachment, p, &node, share);
-      for (int i = 0; i < count; i++)
-        for (int64_t b = pattern->start[node[i]]; b < pattern->start[node[i] + 1]; b++)
-          for (int j = 0; j < count; j++) {
-            if (pattern->column[b] != node[j])
-              continue;
-            if (block == 1)
-              values[b] += attachment->mass * share[count * i + j];
-            for (int k = 0; block == 9 && k < 3; k++)
-              values[9 * b + 4 * k] += attachment->stiffness[k] * share[count * i + j];
-          }
-    }
-  }
 }
 
 bw_status bwi_joined_operator(bw_context *context, const bwi_joined_equations *q,
@@ -63,20 +38,38 @@ bw_status bwi_joined_open(bw_context *context, const bw_model *model, bool locke
   const char *locking = bw_locking(model->mesh, model->material);
   if (locking)
     bw_warn(context, "%s", locking);
-  BW_TRY(bwi_reduction_open(context, model, locked, &q->reduction));
-  BW_TRY(bwi_bonded_rigid_modes(context, model, q->reduction.dof_map, locked, &q->rigid_count,
-                                &q->rigid_body));
+  if (model->cyclic) {
+    BW_TRY(bwi_cyclic_check_loads(context, model));
+    BW_TRY(bwi_cyclic_reduction_open(context, model, 0, &q->reduction));
+    BW_TRY(bwi_cyclic_rigid_modes(context, model, q->reduction.dof_map, 0, &q->rigid_count,
+                                  &q->rigid_body));
+  } else {
+    BW_TRY(bwi_reduction_open(context, model, locked, &q->reduction));
+    BW_TRY(bwi_bonded_rigid_modes(context, model, q->reduction.dof_map, locked, &q->rigid_count,
+                                  &q->rigid_body));
+  }
   BW_TRY(bw_block_pattern_create(context, model->mesh, &q->pattern));
   q->stiffness = BW_NEW(context, double, 9 * q->pattern->block_count);
   BW_TRY_MEMORY(q->stiffness);
   BW_TRY(bw_stiffness(context, q->pattern, model->mesh, model->material, q->stiffness));
-  add_attachments(model, q->pattern, 9, q->stiffness);
+  bwi_add_attachments(model, q->pattern, 9, q->stiffness);
   BW_TRY(bwi_joined_operator(context, q, q->stiffness, 9, "stiffness of the joined bodies", &q->k));
 done:
   return status;
 }
 
 /* ---- statics --------------------------------------------------------------------------------- */
+
+/* What a sector may move by is what all sectors share. */
+static bw_status fail_free_sector(bw_context *context, const bwi_joined_equations *q) {
+  bw_fail(context, BW_UNCONSTRAINED,
+          "supports leave %d rigid-body mode%s unconstrained that all sectors share, along the "
+          "axis or about it: add supports; where the loads balance, hold one node of the sector "
+          "in that direction",
+          q->rigid_count, q->rigid_count == 1 ? "" : "s");
+  bw_detail_number(context, "motions", q->rigid_count);
+  return BW_UNCONSTRAINED;
+}
 
 bw_status bwi_joined_fail_free(bw_context *context, const bwi_joined_equations *q) {
   const double *centre = q->reduction.dof_map->body_centre + 3 * (int64_t)q->rigid_body;
@@ -241,7 +234,10 @@ static bw_status solve(bw_context *context, const bwi_joined_equations *q, const
   BW_TRY(sum_bonds(context, r, result));
   bwi_preload_results(model, r, result->displacement, result->bond);
   BW_TRY(sum_attachments(context, gravity, result));
-  bwi_reduction_move(r, result->reaction);
+  if (model->cyclic)
+    bwi_cyclic_move(model->cyclic, result->reaction);
+  else
+    bwi_reduction_move(r, result->reaction);
   bwi_points_gather(r, result->reaction, result->coupling);
   bwi_keep_states(r->dof_map, 1u << BW_DOF_PRESCRIBED, result->reaction);
 done:
@@ -262,7 +258,7 @@ bw_status bw_joined_statics(bw_context *context, const bw_model *model,
   opts.inertia_relief = true; /* balance is judged for the joined bodies */
   BW_TRY(bwi_joined_open(context, model, false, &q));
   if (q.rigid_count > 0)
-    BW_TRY(bwi_joined_fail_free(context, &q));
+    BW_TRY(model->cyclic ? fail_free_sector(context, &q) : bwi_joined_fail_free(context, &q));
   BW_TRY(bwi_static_begin(context, model, &opts, q.reduction.dof_map, &result));
   BW_TRY(solve(context, &q, opts.solver, model, result));
   result->report.residual = result->residual;
@@ -342,11 +338,13 @@ bw_status bw_joined_modes(bw_context *context, const bw_model *model, const bw_m
   double *mass = NULL;
   BW_TRY(bwi_modes_options_check(context, given, &options));
   BW_TRY(check_density(context, model));
+  if (model->cyclic)
+    return bwi_cyclic_modes(context, model, &options, modes);
   BW_TRY(bwi_joined_open(context, model, true, &q));
   mass = BW_NEW(context, double, q.pattern->block_count);
   BW_TRY_MEMORY(mass);
   BW_TRY(bw_mass(context, q.pattern, model->mesh, model->material, mass));
-  add_attachments(model, q.pattern, 1, mass);
+  bwi_add_attachments(model, q.pattern, 1, mass);
   BW_TRY(bwi_joined_operator(context, &q, mass, 1, "mass of the joined bodies", &m));
   bw_eigen_solve_options how;
   bw_eigen_solve_options_default(&how);

@@ -57,6 +57,8 @@ static bw_status prepare(bw_context *context, const bw_static *solution, pencil 
   bw_status status = BW_OK;
   bwi_joined_equations *q = &p->equations;
   double *values = NULL;
+  if (solution->model->cyclic)
+    return bwi_refuse_joints(context, solution->model);
   if (solution->model->coupling_count > 0)
     return bw_fail(context, BW_UNSUPPORTED,
                    "the model has couplings: a load on a remote point turns with its lever, which "

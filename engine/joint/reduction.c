@@ -281,9 +281,9 @@ typedef struct row_sum {
   uint8_t *mark;
 } row_sum;
 
-/* sum += factor (component ci of row i of the block) T */
+/* sum += factor (component ci of row i of the block) T, from row `first` of T on */
 static void add_block(const product *p, row_sum *s, const double *block, bool turned, int ci,
-                      int32_t j, double factor) {
+                      int64_t first, double factor) {
   const bw_sparse_matrix *t = p->reduction->t;
   for (int cj = 0; cj < 3; cj++) {
     double value = p->block == 1 ? (ci == cj ? block[0] : 0)
@@ -291,7 +291,7 @@ static void add_block(const product *p, row_sum *s, const double *block, bool tu
                                  : block[3 * ci + cj];
     if (value == 0)
       continue;
-    int64_t row = 3 * (int64_t)j + cj;
+    int64_t row = first + cj;
     for (int64_t e = t->start[row]; e < t->start[row + 1]; e++) {
       int32_t column = t->column[e];
       if (column > s->last)
@@ -310,20 +310,22 @@ static bw_status product_rows(void *data, int64_t begin, int64_t end, int worker
   const bw_sparse_matrix *transposed = p->reduction->transposed;
   const bw_block_pattern *pattern = p->pattern;
   int64_t columns = p->reduction->unknown_count;
+  int32_t size = 3 * p->reduction->dof_map->mesh->node_count;
   for (int64_t r = begin; r < end; r++) {
     row_sum s = {.sum = p->sum + worker * columns,
                  .touched = p->touched + worker * columns,
                  .mark = p->mark + worker * columns,
                  .last = (int32_t)r};
     for (int64_t e = transposed->start[r]; e < transposed->start[r + 1]; e++) {
-      int32_t i = transposed->column[e] / 3;
-      int ci = transposed->column[e] % 3;
+      int32_t part = transposed->column[e] / size, i = transposed->column[e] % size / 3;
+      int ci = transposed->column[e] % 3; /* size is a multiple of 3 */
       double factor = transposed->value[e];
       for (int64_t b = pattern->start[i]; b < pattern->start[i + 1]; b++)
-        add_block(p, &s, p->values + p->block * b, false, ci, pattern->column[b], factor);
+        add_block(p, &s, p->values + p->block * b, false, ci,
+                  3 * (int64_t)pattern->column[b] + (int64_t)part * size, factor);
       for (int64_t u = pattern->upper_start[i]; u < pattern->upper_start[i + 1]; u++)
         add_block(p, &s, p->values + p->block * bw_upper_block(pattern, u), true, ci,
-                  pattern->upper_row[u], factor);
+                  3 * (int64_t)pattern->upper_row[u] + (int64_t)part * size, factor);
     }
     if (!p->column)
       p->start[r + 1] = s.count;

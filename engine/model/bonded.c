@@ -15,6 +15,12 @@ enum { SWEEPS = 60 };
 bw_status bwi_refuse_joints(bw_context *context, const bw_model *model) {
   if (!bw_model_joined(model))
     return BW_OK;
+  if (model->cyclic)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "the model is one of %d sectors of cyclic symmetry: it gives static solutions "
+                   "and modes, but not what needs its equations otherwise; model the whole for "
+                   "that",
+                   model->cyclic->count);
   return bw_fail(
       context, BW_UNSUPPORTED,
       "the model has %d bond%s, %d attachment%s and %d coupling%s: it gives static solutions, "
@@ -26,16 +32,26 @@ bw_status bwi_refuse_joints(bw_context *context, const bw_model *model) {
       model->coupling_count == 1 ? "" : "s");
 }
 
-typedef struct motions {
-  const bw_dof_map *dof_map;
-  int count;      /* of motions */
-  double *square; /* count x count */
-  double *row;    /* count */
-} motions;
+bw_status bwi_motions_open(bw_context *context, const bw_dof_map *dof_map, int count,
+                           bwi_motions *m) {
+  int64_t n = count;
+  *m = (bwi_motions){.dof_map = dof_map, .count = count, .bodies = count};
+  m->square = BW_NEW0(context, double, n *n);
+  m->row = BW_NEW0(context, double, n);
+  m->vector = BW_NEW(context, double, n *n);
+  return m->square && m->row && m->vector ? BW_OK : BW_MEMORY;
+}
 
-/* row += factor d . (motions of a body at x). A body turns by its own size. */
-static void add_motion(const motions *m, int32_t body, const double x[3], const double d[3],
-                       double factor, double *row) {
+void bwi_motions_clear(bwi_motions *m) {
+  bw_free(m->square);
+  bw_free(m->row);
+  bw_free(m->vector);
+}
+
+/* A body turns by its own size. */
+void bwi_add_motion(const bwi_motions *m, int32_t body, const double x[3], const double d[3],
+                    double factor) {
+  double *row = m->row + m->first;
   const double *centre = m->dof_map->body_centre + 3 * (size_t)body;
   double size = cbrt(m->dof_map->body_volume[body]), turn[3];
   double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]};
@@ -47,26 +63,26 @@ static void add_motion(const motions *m, int32_t body, const double x[3], const 
 }
 
 /* Rows have few bodies in them. */
-static void take_row(const motions *m) {
+void bwi_take_row(const bwi_motions *m) {
   for (int i = 0; i < m->count; i++)
     for (int k = 0; m->row[i] != 0 && k < m->count; k++)
       m->square[i * (int64_t)m->count + k] += m->row[i] * m->row[k];
   memset(m->row, 0, (size_t)m->count * sizeof *m->row);
 }
 
-static void take_supports(const motions *m, int32_t count, const bwi_constraint *constraint) {
+void bwi_take_supports(const bwi_motions *m, int32_t count, const bwi_constraint *constraint) {
   const bw_mesh *mesh = m->dof_map->mesh;
   for (int32_t h = 0; h < count; h++)
     for (int i = 0; i < constraint[h].count; i++) {
       int32_t node = constraint[h].node;
-      add_motion(m, mesh->component[node], mesh->node + 3 * (int64_t)node,
-                 constraint[h].direction[i], 1, m->row);
-      take_row(m);
+      bwi_add_motion(m, mesh->component[node], mesh->node + 3 * (int64_t)node,
+                     constraint[h].direction[i], 1);
+      bwi_take_row(m);
     }
 }
 
 /* A spring leaves alone what does not move its nodes along it. */
-static void take_spring(const motions *m, const bw_attachment *spring) {
+void bwi_take_spring(const bwi_motions *m, const bw_attachment *spring) {
   const bw_mesh *mesh = m->dof_map->mesh;
   int32_t parts = bwi_attachment_parts(spring);
   for (int32_t p = 0; p < parts; p++) {
@@ -78,35 +94,36 @@ static void take_spring(const motions *m, const bw_attachment *spring) {
         const double d[3] = {k == 0, k == 1, k == 2};
         if (spring->stiffness[k] == 0)
           continue;
-        add_motion(m, mesh->component[node[i]], mesh->node + 3 * (int64_t)node[i], d, 1, m->row);
-        take_row(m);
+        bwi_add_motion(m, mesh->component[node[i]], mesh->node + 3 * (int64_t)node[i], d, 1);
+        bwi_take_row(m);
       }
   }
 }
 
 /* `sliding`: the place in a row of a shortening that is free, or -1. */
-static void take_bond(const motions *m, const bw_bond *bond, int64_t sliding) {
+static void take_bond(const bwi_motions *m, const bw_bond *bond, int64_t sliding) {
   const bw_mesh *mesh = m->dof_map->mesh;
   const bw_sparse_matrix *f = bond->follows;
   for (int32_t i = 0; i < bond->node_count; i++)
     for (int k = 0; k < 3; k++) {
       const double *x = mesh->node + 3 * (int64_t)bond->node[i], d[3] = {k == 0, k == 1, k == 2};
-      add_motion(m, mesh->component[bond->node[i]], x, d, 1, m->row);
+      bwi_add_motion(m, mesh->component[bond->node[i]], x, d, 1);
       for (int64_t e = f->start[i]; e < f->start[i + 1]; e++)
-        add_motion(m, mesh->component[f->column[e]], x, d, -f->value[e], m->row);
+        bwi_add_motion(m, mesh->component[f->column[e]], x, d, -f->value[e]);
       if (sliding >= 0)
         m->row[sliding] = -bond->normal[k];
-      take_row(m);
+      bwi_take_row(m);
     }
 }
 
 /* row += factor (motion k of remote point p). A point turns by the reach of its coupling. */
-static void add_point(const motions *m, const bw_coupling *coupling, int p, int k, double factor) {
+static void add_point(const bwi_motions *m, const bw_coupling *coupling, int p, int k,
+                      double factor) {
   int64_t at = 6 * ((int64_t)m->dof_map->mesh->component_count + p) + k;
   m->row[at] += factor / (k < 3 ? 1 : coupling->reach);
 }
 
-static void take_coupling(const motions *m, const bw_coupling *coupling, int p) {
+static void take_coupling(const bwi_motions *m, const bw_coupling *coupling, int p) {
   const bw_mesh *mesh = m->dof_map->mesh;
   const bw_remote_point *point = &coupling->point;
   int64_t width = 3 * (int64_t)coupling->node_count;
@@ -114,7 +131,7 @@ static void take_coupling(const motions *m, const bw_coupling *coupling, int p) 
     double scale = k < 3 ? 1 : coupling->reach;
     if (point->fixed[k] || point->spring[k] > 0) {
       add_point(m, coupling, p, k, scale);
-      take_row(m);
+      bwi_take_row(m);
     }
     if (point->kind == BW_RIGID)
       continue;
@@ -122,10 +139,10 @@ static void take_coupling(const motions *m, const bw_coupling *coupling, int p) 
     for (int64_t i = 0; i < width; i++) {
       int32_t node = coupling->node[i / 3];
       const double d[3] = {i % 3 == 0, i % 3 == 1, i % 3 == 2};
-      add_motion(m, mesh->component[node], mesh->node + 3 * (int64_t)node, d,
-                 scale * coupling->mean[k * width + i], m->row);
+      bwi_add_motion(m, mesh->component[node], mesh->node + 3 * (int64_t)node, d,
+                     scale * coupling->mean[k * width + i]);
     }
-    take_row(m);
+    bwi_take_row(m);
   }
   for (int64_t i = 0; point->kind == BW_RIGID && i < width; i++) {
     int32_t node = coupling->node[i / 3];
@@ -133,12 +150,32 @@ static void take_coupling(const motions *m, const bw_coupling *coupling, int p) 
     const double d[3] = {i % 3 == 0, i % 3 == 1, i % 3 == 2};
     double arm[3] = {x[0] - point->at[0], x[1] - point->at[1], x[2] - point->at[2]}, turn[3];
     bw_cross(arm, d, turn);
-    add_motion(m, mesh->component[node], x, d, 1, m->row);
+    bwi_add_motion(m, mesh->component[node], x, d, 1);
     for (int k = 0; k < 3; k++) {
       add_point(m, coupling, p, k, -d[k]);
       add_point(m, coupling, p, 3 + k, -turn[k]);
     }
-    take_row(m);
+    bwi_take_row(m);
+  }
+}
+
+void bwi_count_rigid_modes(const bwi_motions *m, int *count, int32_t *body) {
+  double largest = 0, most = 0;
+  int64_t n = m->count;
+  *count = 0;
+  *body = -1;
+  bwi_symmetric_eigen(m->count, m->count, m->square, m->vector, 1e-28, SWEEPS);
+  for (int64_t i = 0; i < n; i++)
+    largest = fmax(largest, m->square[i * n + i]);
+  for (int64_t i = 0; i < n; i++) {
+    if (m->square[i * n + i] > free_square * largest)
+      continue;
+    for (int64_t k = 0; *count == 0 && k < m->bodies; k++)
+      if (fabs(m->vector[i * n + k]) > most) {
+        most = fabs(m->vector[i * n + k]);
+        *body = (int32_t)(k / 6 % m->dof_map->mesh->component_count);
+      }
+    ++*count;
   }
 }
 
@@ -148,45 +185,26 @@ bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
   bw_status status = BW_OK;
   int32_t constrained = 0;
   bwi_constraint *constraint = NULL;
+  bwi_motions m = {0};
   int64_t of_bodies = 6 * (int64_t)dof_map->mesh->component_count;
   int64_t sliding = of_bodies + 6 * (int64_t)model->coupling_count, n = sliding;
   for (int i = 0; i < model->bond_count; i++)
     n += !locked && model->bond[i].preload == BW_PRELOAD_FORCE;
-  motions m = {.dof_map = dof_map, .count = (int)n};
-  double *vector = NULL, largest = 0, most = 0;
-  *count = 0;
-  *body = -1;
-  m.square = BW_NEW0(context, double, n *n);
-  m.row = BW_NEW0(context, double, n);
-  vector = BW_NEW(context, double, n *n);
-  BW_TRY_MEMORY(m.square && m.row && vector);
+  BW_TRY(bwi_motions_open(context, dof_map, (int)n, &m));
+  m.bodies = (int)of_bodies;
   BW_TRY(bwi_node_constraints(context, model, &constrained, &constraint));
-  take_supports(&m, constrained, constraint);
+  bwi_take_supports(&m, constrained, constraint);
   for (int i = 0; i < model->bond_count; i++) {
     bool slides = !locked && model->bond[i].preload == BW_PRELOAD_FORCE;
     take_bond(&m, &model->bond[i], slides ? sliding++ : -1);
   }
   for (int i = 0; i < model->attachment_count; i++)
-    take_spring(&m, &model->attachment[i]);
+    bwi_take_spring(&m, &model->attachment[i]);
   for (int i = 0; i < model->coupling_count; i++)
     take_coupling(&m, &model->coupling[i], i);
-  bwi_symmetric_eigen(m.count, m.count, m.square, vector, 1e-28, SWEEPS);
-  for (int64_t i = 0; i < n; i++)
-    largest = fmax(largest, m.square[i * n + i]);
-  for (int64_t i = 0; i < n; i++) {
-    if (m.square[i * n + i] > free_square * largest)
-      continue;
-    for (int64_t k = 0; *count == 0 && k < of_bodies; k++)
-      if (fabs(vector[i * n + k]) > most) {
-        most = fabs(vector[i * n + k]);
-        *body = (int32_t)(k / 6);
-      }
-    ++*count;
-  }
+  bwi_count_rigid_modes(&m, count, body);
 done:
-  bw_free(m.square);
-  bw_free(m.row);
-  bw_free(vector);
+  bwi_motions_clear(&m);
   bw_free(constraint);
   return status;
 }

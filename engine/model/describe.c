@@ -291,12 +291,32 @@ static void describe_coupling(bwi_text *out, const bw_coupling *coupling, int nu
   bwi_text_add(out, "\n");
 }
 
+static void describe_cyclic(bwi_text *out, const bw_cyclic *cyclic, double size) {
+  bwi_text_add(out, "cyclic symmetry: one of ");
+  bwi_text_integer(out, cyclic->count);
+  bwi_text_add(out, " sectors about the axis through ");
+  bwi_text_vector(out, cyclic->point, 5, 1e-9 * size);
+  bwi_text_add(out, " m along ");
+  bwi_text_vector(out, cyclic->axis, 5, 1e-12);
+  bwi_text_add(out, ", ");
+  bwi_text_integer(out, cyclic->axis_count);
+  bwi_text_add(out, " nodes on it, faces match within ");
+  bwi_text_number(out, cyclic->distance, 3, 1e-12 * size);
+  bwi_text_add(out, " m; masses, loads and results are of one sector; low: ");
+  describe_selection(out, cyclic->low, size);
+  bwi_text_add(out, "; high: ");
+  describe_selection(out, cyclic->high, size);
+  bwi_text_add(out, "\n");
+}
+
 /* The same of bodies with bonds and springs. */
 static bw_status describe_bonded(bw_context *context, bwi_text *out, const bw_model *model,
                                  const bw_dof_map *dof_map) {
   int count;
   int32_t body;
-  bw_status status = bwi_bonded_rigid_modes(context, model, dof_map, false, &count, &body);
+  bw_status status = model->cyclic
+                         ? bwi_cyclic_rigid_modes(context, model, dof_map, 0, &count, &body)
+                         : bwi_bonded_rigid_modes(context, model, dof_map, false, &count, &body);
   if (status != BW_OK)
     return status;
   if (count == 0)
@@ -304,7 +324,8 @@ static bw_status describe_bonded(bw_context *context, bwi_text *out, const bw_mo
   else {
     bwi_text_integer(out, count);
     bwi_text_add(out, count == 1 ? " rigid-body mode" : " rigid-body modes");
-    bwi_text_add(out, " of the joined bodies unconstrained\n");
+    bwi_text_add(out, model->cyclic ? " that all sectors share unconstrained\n"
+                                    : " of the joined bodies unconstrained\n");
   }
   return BW_OK;
 }
@@ -377,6 +398,8 @@ bw_status bw_model_describe(bw_context *context, const bw_model *model, char **t
     describe_attachment(&out, &model->attachment[i], i + 1, size);
   for (int i = 0; i < model->coupling_count; i++)
     describe_coupling(&out, &model->coupling[i], i + 1, size);
+  if (model->cyclic)
+    describe_cyclic(&out, model->cyclic, size);
   bw_status status = describe_free(context, &out, model);
   if (status == BW_OK && out.failed)
     status = BW_MEMORY;

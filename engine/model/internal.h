@@ -56,6 +56,51 @@ bw_status bwi_dof_map_apart(bw_context *context, const bw_model *model, bw_dof_m
  * their sides move along the normal, unless they are `locked`. */
 bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
                                  const bw_dof_map *dof_map, bool locked, int *count, int32_t *body);
+/* Motions of rigid bodies, six for each, and the sum of squares of conditions on them. */
+typedef struct bwi_motions {
+  const bw_dof_map *dof_map;
+  int count;      /* of motions */
+  int bodies;     /* of these the first, of bodies; then those of remote points and preloads */
+  int first;      /* of those that rows are added to */
+  double *square; /* count x count */
+  double *row;    /* count: a condition, 0 between them */
+  double *vector; /* count x count */
+} bwi_motions;
+/* Clear with bwi_motions_clear in any case. */
+bw_status bwi_motions_open(bw_context *context, const bw_dof_map *dof_map, int count,
+                           bwi_motions *m);
+void bwi_motions_clear(bwi_motions *m);
+/* row += factor d . (motions of a body at x) */
+void bwi_add_motion(const bwi_motions *m, int32_t body, const double x[3], const double d[3],
+                    double factor);
+/* Adds the row to the squares. */
+void bwi_take_row(const bwi_motions *m);
+/* Conditions of supports, and of a spring: that it is left alone. */
+void bwi_take_supports(const bwi_motions *m, int32_t count, const bwi_constraint *constraint);
+void bwi_take_spring(const bwi_motions *m, const bw_attachment *spring);
+/* How many motions fulfil the conditions, and the body that moves most in one of them (-1 without).
+ */
+void bwi_count_rigid_modes(const bwi_motions *m, int *count, int32_t *body);
+
+/* ---- cyclic.c, cyclic_rigid.c ---------------------------------------------------------------- */
+
+/* The rotation by so many sectors. */
+void bwi_cyclic_rotation(const bw_cyclic *cyclic, int turns, double rotation[9]);
+/* out = rotation v, which may be one; and of a place, about the axis. */
+void bwi_rotate(const double rotation[9], const double v[3], double out[3]);
+void bwi_cyclic_place(const bw_cyclic *cyclic, const double rotation[9], const double x[3],
+                      double out[3]);
+/* BW_INVALID where supports, or loads, are not the same in all sectors. */
+bw_status bwi_cyclic_check_supports(bw_context *context, const bw_model *model);
+bw_status bwi_cyclic_check_loads(bw_context *context, const bw_model *model);
+/* 1 where displacements with so many nodal diameters are real, 2 with an imaginary part. */
+int bwi_cyclic_parts(const bw_cyclic *cyclic, int diameter);
+/* The phase exp(2 pi i turns / count): cosine and sine. */
+void bwi_cyclic_phase(const bw_cyclic *cyclic, int64_t turns, double *c, double *s);
+/* The rigid-body modes with so many nodal diameters; others as bwi_bonded_rigid_modes. */
+bw_status bwi_cyclic_rigid_modes(bw_context *context, const bw_model *model,
+                                 const bw_dof_map *dof_map, int diameter, int *count,
+                                 int32_t *body);
 
 /* ---- attachment.c ---------------------------------------------------------------------------- */
 

@@ -33,6 +33,7 @@ static void model_destroy(void *object) {
   bw_free(model->bond);
   bw_free(model->attachment);
   bw_free(model->coupling);
+  bw_release(model->cyclic);
   bw_release(model->mesh);
   bw_release(model->material);
   bw_free(model);
@@ -342,6 +343,9 @@ bw_status bw_model_preload(bw_context *context, bw_model *model, const bw_select
   if (!isfinite(pull))
     return bw_fail(context, BW_INVALID, "the %s of a bond is not a finite number",
                    kind == BW_PRELOAD_FORCE ? "preload" : "shortening");
+  if (model->cyclic)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "a sector of cyclic symmetry takes no bonds: join the bodies in one mesh");
   if (kind != BW_NO_PRELOAD)
     BW_TRY(section_normal(context, a, normal));
   bw_bond *list = (bw_bond *)bw_resize(context, model->bond, (size_t)model->bond_count + 1,
@@ -434,6 +438,9 @@ bw_status bw_model_couple(bw_context *context, bw_model *model, const bw_selecti
                           const bw_remote_point *point) {
   bw_status status;
   BW_TRY(bwi_check_selection(context, model, on, true, "a coupling"));
+  if (model->cyclic)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "a sector of cyclic symmetry takes no couplings: load the face itself");
   bw_coupling *list = bw_resize(context, model->coupling, (size_t)model->coupling_count + 1,
                                 sizeof *model->coupling);
   BW_TRY_MEMORY(list);

@@ -163,6 +163,16 @@ done:
   return status;
 }
 
+static bw_status transfer_cyclic(transfer *t, const bw_cyclic *cyclic) {
+  bw_status status = BW_OK;
+  const bw_selection *low, *high;
+  BW_TRY(transfer_selection(t, cyclic->low, &low));
+  BW_TRY(transfer_selection(t, cyclic->high, &high));
+  BW_TRY(bw_model_cyclic(t->context, t->to, low, high, cyclic->count, cyclic->axis, cyclic->point));
+done:
+  return status;
+}
+
 /* Whether a load at nodes can be expressed at the new nodes: forces where no loaded node is gone, a
  * change of temperature that is the same everywhere. */
 static bw_status check_nodal(const transfer *t, int number, const bw_load *load) {
@@ -237,7 +247,7 @@ static bw_status transfer_model(bw_context *context, const bw_model *model, cons
   transfer t = {
       .context = context, .from = model, .node_from = node_from, .refinement = refinement};
   int max = model->support_count + model->load_count + 2 * model->bond_count +
-            model->attachment_count + model->coupling_count + also_count;
+            model->attachment_count + model->coupling_count + 2 + also_count;
   bw_material *material = NULL;
   BW_TRY(carry_material(context, model, mesh, node_from != NULL, refinement, &material));
   BW_TRY(bw_model_create(context, mesh, material, &t.to));
@@ -254,6 +264,8 @@ static bw_status transfer_model(bw_context *context, const bw_model *model, cons
     BW_TRY(transfer_attachment(&t, &model->attachment[i]));
   for (int i = 0; i < model->coupling_count; i++)
     BW_TRY(transfer_coupling(&t, &model->coupling[i]));
+  if (model->cyclic)
+    BW_TRY(transfer_cyclic(&t, model->cyclic));
   for (int i = 0; i < model->load_count; i++)
     BW_TRY(transfer_load(&t, i));
   for (int i = 0; i < also_count; i++) {

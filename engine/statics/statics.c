@@ -17,6 +17,7 @@ static void static_destroy(void *object) {
   bw_static *result = object;
   bw_release(result->model);
   bw_release(result->system);
+  bw_release(result->cyclic);
   bw_free(result->displacement);
   bw_free(result->force);
   bw_free(result->reaction);
@@ -93,6 +94,7 @@ bw_status bwi_static_new(bw_context *context, const bw_model *model, bw_static *
   result->report.solver = result->report.backend = result->report.preconditioner = "";
   result->model = bw_retain(model);
   result->revision = model->object.revision;
+  result->cyclic = bw_retain(model->cyclic);
   result->displacement = BW_NEW(context, double, size);
   result->force = BW_NEW(context, double, size);
   BW_TRY_MEMORY(result->displacement && result->force);

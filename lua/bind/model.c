@@ -270,6 +270,48 @@ static int model_clear_couplings(lua_State *L) {
   return leave_self(L, bw_model_clear_couplings(lbw_enter(L), model));
 }
 
+/* ---- cyclic symmetry ------------------------------------------------------------------------- */
+
+/* model:cyclic{low = selection, high = selection, count = , axis = , about = } */
+static int model_cyclic(lua_State *L) {
+  struct cyclic {
+    int count;
+    double axis[3], about[3];
+  } cyclic = {.axis = {0, 0, 1}};
+  static const lbw_option list[] = {{"low", LBW_OTHER, 0},
+                                    {"high", LBW_OTHER, 0},
+                                    {"count", LBW_INT, offsetof(struct cyclic, count)},
+                                    {"axis", LBW_VECTOR, offsetof(struct cyclic, axis)},
+                                    {"about", LBW_VECTOR, offsetof(struct cyclic, about)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_model *model = self(L);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  lbw_options(L, 2, "cyclic", list, &cyclic);
+  if (!option_present(L, "count"))
+    return lbw_error(L, "cyclic: option 'count' is missing: the number of sectors of the whole");
+  const bw_selection *low = selection_option(L, "cyclic", "low"),
+                     *high = selection_option(L, "cyclic", "high");
+  return leave_self(
+      L, bw_model_cyclic(lbw_enter(L), model, low, high, cyclic.count, cyclic.axis, cyclic.about));
+}
+
+/* model:whole() */
+static int model_whole(lua_State *L) {
+  const bw_model *sector = self(L);
+  lbw_box *box = lbw_box_new(L, &lbw_model_class);
+  bw_model *whole = NULL;
+  bw_status status = bw_model_whole(lbw_enter(L), sector, &whole);
+  lbw_box_fill(L, box, whole);
+  return lbw_leave(L, status, 1);
+}
+
+static int model_clear_cyclic(lua_State *L) {
+  bw_model_clear_cyclic(self(L));
+  lua_settop(L, 1);
+  return 1;
+}
+
 /* ---- loads ----------------------------------------------------------------------------------- */
 
 /* model:gravity{x, y, z} */
@@ -534,7 +576,25 @@ static int model_solve(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* model:modes{count, tolerance, sturm, seed, laplacian, solver, former} */
+/* The option `nodal_diameter`: "all" or a number of them. */
+static int nodal_diameter(lua_State *L, const bw_cyclic *cyclic, bool laplacian) {
+  int type = lbw_option_get(L, 2, "nodal_diameter"), whole = 0;
+  int64_t value = lua_tointegerx(L, -1, &whole);
+  const char *word = type == LUA_TSTRING ? lua_tostring(L, -1) : "";
+  if (cyclic && laplacian)
+    return lbw_error(L, "modes: modes of the Laplacian know no cyclic symmetry: leave 'laplacian' "
+                        "out, or clear the cyclic symmetry");
+  if (type != LUA_TNIL && !cyclic)
+    return lbw_error(L, "modes: option 'nodal_diameter' goes with cyclic symmetry only: give the "
+                        "model one with cyclic");
+  bool all = type == LUA_TNIL || strcmp(word, "all") == 0;
+  if (!all && !(type == LUA_TNUMBER && whole && value >= 0 && value <= INT32_MAX))
+    lbw_option_refused(L, "modes", "nodal_diameter", "\"all\" or an integer, 0 or more");
+  lua_settop(L, 2);
+  return all ? -1 : (int)value;
+}
+
+/* model:modes{count, tolerance, sturm, seed, laplacian, solver, former, nodal_diameter} */
 static int model_modes(lua_State *L) {
   struct opts {
     bw_modes_options options;
@@ -546,6 +606,7 @@ static int model_modes(lua_State *L) {
       {"sturm", LBW_BOOLEAN, offsetof(struct opts, options.sturm)},
       {"seed", LBW_SEED, offsetof(struct opts, options.seed)},
       {"laplacian", LBW_BOOLEAN, offsetof(struct opts, laplacian)},
+      {"nodal_diameter", LBW_OTHER, 0},
       {"solver", LBW_OTHER, 0},
       {"former", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
@@ -553,6 +614,8 @@ static int model_modes(lua_State *L) {
   lua_settop(L, 2);
   bw_modes_options_default(&opts.options);
   lbw_options(L, 2, "modes", list, &opts);
+  opts.options.nodal_diameter =
+      nodal_diameter(L, ((const bw_model *)model->object)->cyclic, opts.laplacian);
   const bw_eigensolver *solver = lbw_eigensolver_option(L, 2, "modes");
   bool external = solver && solver->options.kind == BW_EIGENSOLVER_SLEPC;
   if (external && opts.laplacian)
@@ -758,6 +821,29 @@ static int model_couplings(lua_State *L) {
   return 1;
 }
 
+/* The cyclic symmetry, or nil. */
+static int model_cyclic_symmetry(lua_State *L) {
+  const bw_cyclic *cyclic = self(L)->cyclic;
+  if (!cyclic)
+    return 0;
+  lua_createtable(L, 0, 7);
+  lbw_push(L, &lbw_selection_class, cyclic->low);
+  lua_setfield(L, -2, "low");
+  lbw_push(L, &lbw_selection_class, cyclic->high);
+  lua_setfield(L, -2, "high");
+  lua_pushinteger(L, cyclic->count);
+  lua_setfield(L, -2, "count");
+  lbw_push_vector(L, cyclic->axis);
+  lua_setfield(L, -2, "axis");
+  lbw_push_vector(L, cyclic->point);
+  lua_setfield(L, -2, "about");
+  lua_pushnumber(L, cyclic->distance);
+  lua_setfield(L, -2, "distance");
+  lua_pushinteger(L, cyclic->axis_count);
+  lua_setfield(L, -2, "axis_node_count");
+  return 1;
+}
+
 static int model_tostring(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   lbw_state *state = lbw_state_of(L);
@@ -802,6 +888,9 @@ static const luaL_Reg methods[] = {{"fix", model_fix},
                                    {"clear_attachments", model_clear_attachments},
                                    {"couple", model_couple},
                                    {"clear_couplings", model_clear_couplings},
+                                   {"cyclic", model_cyclic},
+                                   {"clear_cyclic", model_clear_cyclic},
+                                   {"whole", model_whole},
                                    {"gravity", model_gravity},
                                    {"load", model_load},
                                    {"temperature", model_temperature},
@@ -822,6 +911,7 @@ static const luaL_Reg properties[] = {{"mesh", model_mesh},
                                       {"bonds", model_bonds},
                                       {"attachments", model_attachments},
                                       {"couplings", model_couplings},
+                                      {"cyclic_symmetry", model_cyclic_symmetry},
                                       {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", model_tostring}, {NULL, NULL}};
 const lbw_class lbw_model_class = {"model", methods, properties, meta, NULL};

@@ -365,6 +365,16 @@ static int static_tostring(lua_State *L) {
   return 1;
 }
 
+/* static:whole() */
+static int static_whole(lua_State *L) {
+  const bw_static *sector = self(L);
+  lbw_box *box = lbw_box_new(L, &lbw_static_class);
+  bw_static *whole = NULL;
+  bw_status status = bw_static_whole(lbw_enter(L), sector, &whole);
+  lbw_box_fill(L, box, whole);
+  return lbw_leave(L, status, 1);
+}
+
 static int static_locking(lua_State *L) {
   const bw_model *model = self(L)->model;
   lua_pushstring(L, bw_locking(model->mesh, model->material));
@@ -373,6 +383,7 @@ static int static_locking(lua_State *L) {
 
 static const luaL_Reg static_methods[] = {{"error_estimate", static_error_estimate},
                                           {"interface_traction", static_interface_traction},
+                                          {"whole", static_whole},
                                           {NULL, NULL}};
 static const luaL_Reg static_properties[] = {
     {"displacement", static_displacement},
@@ -458,6 +469,29 @@ static int modes_tested(lua_State *L) {
   return 1;
 }
 
+/* The nodal diameters of a sector's modes, or nil. */
+static int modes_nodal_diameters(lua_State *L) {
+  const bw_modes *modes = modes_self(L);
+  if (!modes->nodal_diameter)
+    return 0;
+  lua_createtable(L, modes->count, 0);
+  for (int k = 0; k < modes->count; k++) {
+    lua_pushinteger(L, modes->nodal_diameter[k]);
+    lua_rawseti(L, -2, k + 1);
+  }
+  return 1;
+}
+
+/* modes:whole() */
+static int modes_whole(lua_State *L) {
+  const bw_modes *modes = modes_self(L);
+  lbw_box *box = lbw_box_new(L, &lbw_modes_class);
+  bw_modes *whole = NULL;
+  bw_status status = bw_modes_whole(lbw_enter(L), modes, &whole);
+  lbw_box_fill(L, box, whole);
+  return lbw_leave(L, status, 1);
+}
+
 static int modes_mesh(lua_State *L) {
   lbw_push(L, &lbw_mesh_class, modes_self(L)->mesh);
   return 1;
@@ -500,8 +534,9 @@ static int modes_tostring(lua_State *L) {
                           : "about %.0f cents too high at most",
                cents);
     snprintf(text, sizeof text,
-             "%d elastic modes by %s, %s to %s, %d rigid-body motions left out%s; %s", modes->count,
-             modes->report.solver, lbw_quantity(modes->frequency[0], "Hz").text,
+             "%d elastic modes%s by %s, %s to %s, %d rigid-body motions left out%s; %s",
+             modes->count, modes->cyclic ? " of the whole of sectors" : "", modes->report.solver,
+             lbw_quantity(modes->frequency[0], "Hz").text,
              lbw_quantity(modes->frequency[last], "Hz").text, modes->rigid_count,
              modes->counted  ? ", none missing"
              : modes->tested ? ", none found missing"
@@ -515,7 +550,8 @@ static int modes_tostring(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg modes_methods[] = {{"shape", modes_shape}, {NULL, NULL}};
+static const luaL_Reg modes_methods[] = {
+    {"shape", modes_shape}, {"whole", modes_whole}, {NULL, NULL}};
 static const luaL_Reg modes_properties[] = {{"eigenvalues", modes_eigenvalues},
                                             {"frequencies", modes_frequencies},
                                             {"residuals", modes_residuals},
@@ -526,6 +562,7 @@ static const luaL_Reg modes_properties[] = {{"eigenvalues", modes_eigenvalues},
                                             {"recovered", modes_recovered},
                                             {"counted", modes_counted},
                                             {"tested", modes_tested},
+                                            {"nodal_diameters", modes_nodal_diameters},
                                             {"mesh", modes_mesh},
                                             {"report", modes_report},
                                             {NULL, NULL}};

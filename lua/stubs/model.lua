@@ -49,6 +49,8 @@ function bw.model(options) end
 ---@field bonds bw.Bond[] in the order in which they were added
 ---@field attachments bw.Attachment[] in the order in which they were added
 ---@field couplings bw.Coupling[] in the order in which they were added
+
+---@field cyclic_symmetry bw.CyclicSymmetry? nil where the body is the whole
 local Model = {}
 
 ---A load of a model.
@@ -76,6 +78,16 @@ local Model = {}
 ---@field node_count integer (count) nodes of side a that follow
 ---@field preload? number (N) that was given
 ---@field shortening? number (m) that was given
+
+---The cyclic symmetry of a sector.
+---@class bw.CyclicSymmetry
+---@field low bw.Selection the face that turns into the other one
+---@field high bw.Selection that other one
+---@field count integer (count) of sectors in the whole
+---@field axis bw.Vector (-) unit vector: about it `low` turns into `high` by a full turn over `count`
+---@field about bw.Vector (m) a point on the axis
+---@field distance number (m) the largest one between nodes that match
+---@field axis_node_count integer (count) nodes on the axis, which both faces have
 
 ---A mass or a spring of a model.
 ---@class bw.Attachment
@@ -168,6 +180,52 @@ function Model:bond(options) end
 ---Removes all bonds.
 ---@return bw.Model self
 function Model:clear_bonds() end
+
+---Makes the body one of `count` equal sectors of a wheel. The face `low`, turned by a full turn over `count` about the axis, is the
+---face `high`: their nodes and facets match one to one. The axis may look either way. Loads, supports, masses and results are
+---those of one sector. A sector gives static solutions and modes; what needs its equations otherwise is refused. A second
+---cyclic symmetry, fewer than two sectors and a selection without a facet raise.
+---```lua
+---local box = bw.mesh.box {max = {1, 1, 0.3}, cells = {3, 3, 1}}
+---local part = bw.model {mesh = box, material = bw.material.steel}
+---local low, high = box.boundary:below("y", 0), box.boundary:below("x", 0)
+---assert(part:cyclic {low = low, high = high, count = 4})
+---local modes = assert(part:modes {count = 6})
+---print(part, modes, table.concat(modes.nodal_diameters, " "))
+---```
+---
+---Errors: geometry (faces that do not match, with angle or distance; an axis that passes elements away from their edges),
+---unsupported (a model with bonds).
+---
+---Source: Thomas, Int. J. Numer. Meth. Eng. 14 (1979); docs/theory/symmetry.md.
+---@param options bw.CyclicOptions faces, number of sectors and axis
+---@return bw.Model? self the model
+---@return string? message
+---@return bw.Details? details
+function Model:cyclic(options) end
+
+---The sectors of a cyclic symmetry.
+---@class bw.CyclicOptions
+---@field low bw.Selection a cut face of the sector
+---@field high bw.Selection the other one
+---@field count integer (count) of sectors in the whole. Range: 2 or more
+---@field axis? bw.Vector (-) direction of the axis, of any length but 0. Default: {0, 0, 1}
+---@field about? bw.Vector (m) a point on the axis. Default: {0, 0, 0}
+
+---Removes the cyclic symmetry.
+---@return bw.Model self
+function Model:clear_cyclic() end
+
+---The model of the whole wheel of a sector, without cyclic symmetry. Supports, attachments, loads and axes of the material turn
+---with the sectors. Its nodes are the sector's but those of the high face, turned sector by sector, then those on the axis. A model
+---without cyclic symmetry raises.
+---
+---Errors: unsupported (displacements that are prescribed by a field or in some directions only, springs that differ along x,
+---y and z), limit (too many nodes).
+---@return bw.Model? model of the whole
+---@return string? message
+---@return bw.Details? details
+function Model:whole() end
 
 ---Attaches a mass, or springs to the ground, to a selection: exactly one of them. It is spread evenly over the area, or over the
 ---nodes of a node set without a facet. Gravity acts on a mass, and modes move it; it does not stiffen the body. Springs restrain
@@ -414,6 +472,7 @@ function Model:modes(options) end
 ---@field sturm? boolean count the eigenvalues below the last one by an indefinite factor, so that none is missing; without a factor, look for missing ones from random vectors. Default: true
 ---@field seed? integer (seed) of the start vector. Default: 1
 ---@field laplacian? boolean modes of the Laplacian, with free boundary. Default: false
+---@field nodal_diameter? "all"|integer (count) of cyclic symmetry: modes with so many nodal diameters, 0 to half the sectors, or the lowest of all. Default: "all"
 ---@field solver? bw.Eigensolver|"auto" the eigensolver; that of SLEPc runs on all processes that mpirun started (docs/howto_cluster.md). Default: "auto"
 ---@field former? bw.Model|bw.Static|bw.System of a part of the same elements, as of `Model:solve`. Default: the part's own
 ---@field error? number (-) relative error of every frequency to be reached. Range: above 0 to 1. Default: none, one mesh

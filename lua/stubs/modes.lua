@@ -24,6 +24,7 @@
 ---@field recovered integer (count) modes that were found only after the Sturm count, or by the test in place of it
 ---@field counted boolean whether the Sturm count confirmed that none is missing
 ---@field tested boolean whether, without a factor, an iteration from random vectors found no missing mode; that is no proof
+---@field nodal_diameters integer[]? (count, count, per mode) of each mode of a sector of cyclic symmetry; nil of the whole
 ---@field mesh bw.Mesh of the model
 ---@field report bw.SolverReport which eigensolver found them, why, and what it took
 local Modes = {}
@@ -33,6 +34,25 @@ local Modes = {}
 ---@param i integer (index from 1) the mode
 ---@return bw.Array shape (any, node_count × components, per node) displacement, or the value of the Laplacian's mode
 function Modes:shape(i) end
+
+---The modes of the whole wheel from those of a sector of cyclic symmetry, of unit modal mass, on the mesh of `Model:whole`. A
+---sector's own shape is the real part of a complex one where its nodal diameters are neither 0 nor half the sectors. Modes of the
+---whole raise.
+---```lua
+---local box = bw.mesh.box {max = {1, 1, 0.3}, cells = {3, 3, 1}}
+---local part = bw.model {mesh = box, material = bw.material.steel}
+---assert(part:cyclic {low = box.boundary:below("y", 0), high = box.boundary:below("x", 0), count = 4})
+---local whole = assert(assert(part:modes {count = 4}):whole())
+---print(whole, whole.mesh)
+---```
+---
+---Errors: limit (too many nodes).
+---
+---Source: docs/theory/symmetry.md.
+---@return bw.Modes? modes of the whole
+---@return string? message
+---@return bw.Details? details
+function Modes:whole() end
 
 ---By how many cents each frequency is too high: the recovered stress of the shape gives its error in energy. Modes of the
 ---Laplacian raise.

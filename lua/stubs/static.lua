@@ -170,6 +170,25 @@ function Static:interface_traction(a, b) end
 ---@field shared integer (count) nodes of the interface that supports or other regions hold, too
 ---@field imbalance number (-) the sum of both sides' nodal forces at the other nodes, over their magnitude. Inertia relief and nodal forces on the interface show here
 
+---The static solution of the whole wheel from that of a sector of cyclic symmetry, with the model of `Model:whole`. A solution of
+---the whole, and one whose model has changed, raise.
+---```lua
+---local box = bw.mesh.box {max = {1, 1, 0.3}, cells = {3, 3, 1}}
+---local part = bw.model {mesh = box, material = bw.material.steel}
+---assert(part:cyclic {low = box.boundary:below("y", 0), high = box.boundary:below("x", 0), count = 4})
+---part:fix(box.boundary:below("z", 0))
+---part:load {on = box.boundary:above("z", 0.3), pressure = 1e6}
+---print(assert(assert(part:solve()):whole()))
+---```
+---
+---Errors: unsupported (what `Model:whole` does not carry over), limit (too many nodes).
+---
+---Source: docs/theory/symmetry.md.
+---@return bw.Static? static solution of the whole
+---@return string? message
+---@return bw.Details? details
+function Static:whole() end
+
 ---The sum of the reactions on a selection.
 ---@param selection bw.Selection where they are summed
 ---@return bw.Vector reaction (N) the sum

@@ -107,8 +107,8 @@ BW_API bw_status bw_stress_functional(bw_context *context, const bw_mesh *mesh,
  * it, by its recovered stress (docs/theory/error_control.md). */
 BW_API bw_status bw_shape_error(bw_context *context, const bw_mesh *mesh,
                                 const bw_material *material, const double *shape, double *relative);
-/* By how much every elastic mode's eigenvalue is too high, relative (-, modes->count) to it, by the
- * recovered stress of its shape (docs/theory/error_control.md). BW_INVALID for Laplacian modes. */
+/* By how much each eigenvalue is too high, relative (-, modes->count) to it, by recovered stress
+ * (docs/theory/error_control.md). BW_INVALID for Laplacian modes, BW_UNSUPPORTED for a sector's. */
 BW_API bw_status bw_modes_error(bw_context *context, const bw_modes *modes, double *relative);
 /* The nodal forces of a displacement (m, node_count x 3), K u: force (N, node_count x 3). */
 BW_API bw_status bw_internal_force(bw_context *context, const bw_mesh *mesh,
@@ -244,7 +244,7 @@ typedef struct bw_weak_regions {
   bw_weak_region *region; /* by mode, then rank */
 } bw_weak_regions;
 /* The regions of all modes (elastic or Laplacian). BW_EMPTY where no mode has strain energy,
- * BW_UNSUPPORTED for the displacement target with Laplacian modes. `options` may be NULL. */
+ * BW_UNSUPPORTED for the displacement target with Laplacian modes, and for modes of a sector. */
 BW_API bw_status bw_weak_regions_find(bw_context *context, const bw_mesh *mesh,
                                       const bw_material *material, const bw_modes *modes,
                                       const bw_weak_options *options, bw_weak_regions **regions);

@@ -57,6 +57,8 @@ typedef struct bw_modes_options {
   bool sturm;    /* count eigenvalues below the last one from an indefinite factor; default true */
   uint64_t seed; /* of the start vector; default 1 */
   const bw_eigensolver *solver; /* borrowed; default NULL: automatic */
+  int nodal_diameter; /* of a sector of cyclic symmetry: modes with so many nodal diameters, 0 or
+                         more, at most half the sectors; default -1: the lowest of all */
 } bw_modes_options;
 BW_API void bw_modes_options_default(bw_modes_options *options);
 
@@ -81,6 +83,10 @@ typedef struct bw_modes {
                        found none below the last */
   bw_solver_report report;             /* how they were found */
   struct bw_external_report *external; /* of an external solver, or NULL */
+  const bw_cyclic *cyclic; /* retained, of a sector; NULL: of the whole, also what follows */
+  int *nodal_diameter;     /* (count) of each mode */
+  double *quadrature; /* (any, count x node_count x 3) the imaginary part of the shape, of which
+                         `shape` is the real one; the M-norm of both together is 1 */
 } bw_modes;
 /* The lowest elastic modes K u = lambda M u (consistent mass) on the inverse, with the system's own
  * factor; unconstrained rigid-body modes are projected out exactly. Fewer than wanted where the

@@ -1,5 +1,6 @@
 /* joint: static solutions, modes and load factors of models with bonds, attached masses and
- * springs, and remote points (docs/theory/joints.md). */
+ * springs, and remote points (docs/theory/joints.md), and of sectors of cyclic symmetry
+ * (docs/theory/symmetry.md). */
 #ifndef BARWRIGHT_JOINT_H
 #define BARWRIGHT_JOINT_H
 
@@ -17,14 +18,16 @@ extern "C" {
  * is looked at. result->system is NULL. BW_UNCONSTRAINED where supports, bonds and springs leave
  * rigid-body modes, BW_SINGULAR for springs too soft beside the body, BW_INVALID for a node that
  * follows others in two bonds, or follows nodes that follow others, for one of a rigid coupling
- * that a support or a bond moves otherwise, and for prescribed values of a remote point that are
- * over-constrained, BW_LIMIT for more than 2000 nodes of a distributed coupling with springs, a
- * mass or prescribed values; and those of bw_linear_solve. `options` may be NULL. */
+ * that a support or a bond moves otherwise, for prescribed values of a remote point that are
+ * over-constrained, and for supports and loads of a sector that differ from sector to sector,
+ * BW_LIMIT for more than 2000 nodes of a distributed coupling with springs, a mass or prescribed
+ * values; and those of bw_linear_solve. `options` may be NULL. */
 BW_API bw_status bw_joined_statics(bw_context *context, const bw_model *model,
                                    const bw_statics_options *options, bw_static **result);
-/* Its lowest modes: those of T^T K T and T^T M T. Rigid-body modes are left out. BW_INVALID as
- * bw_joined_statics, and for masses without a density of the material; and those of
- * bw_eigen_solve. `options` may be NULL. */
+/* Its lowest modes: those of T^T K T and T^T M T, of a sector for each number of nodal diameters.
+ * Rigid-body modes are left out. BW_INVALID as bw_joined_statics, for masses without a density of
+ * the material, and for too many nodal diameters; and those of bw_eigen_solve. `options` may be
+ * NULL. */
 BW_API bw_status bw_joined_modes(bw_context *context, const bw_model *model,
                                  const bw_modes_options *options, bw_modes **modes);
 /* Load factors of its static solution, with those of T^T K T and T^T K_sigma T, as
@@ -34,6 +37,22 @@ BW_API bw_status bw_joined_modes(bw_context *context, const bw_model *model,
  */
 BW_API bw_status bw_joined_buckling(bw_context *context, const bw_static *solution,
                                     const bw_buckling_options *options, bw_buckling **buckling);
+
+/* ---- cyclic symmetry ------------------------------------------------------------------------- */
+
+/* The model of the whole wheel of a sector, without cyclic symmetry. Its nodes are the sector's but
+ * those of the high face, turned sector by sector, then those on the axis. The material turns with
+ * the sectors, and so do supports, attachments and loads. BW_INVALID for a model without cyclic
+ * symmetry, BW_LIMIT for more than 2^31 - 1 nodes, BW_UNSUPPORTED for displacements that are
+ * prescribed by a field or in some directions only, and for springs that differ along x, y and z;
+ * and those of bw_mesh_adopt and of the functions that add supports, attachments and loads. */
+BW_API bw_status bw_model_whole(bw_context *context, const bw_model *sector, bw_model **whole);
+/* The static solution of the whole wheel from that of its sector. BW_INVALID for a solution that is
+ * no sector's or whose model has changed, and those of bw_model_whole. */
+BW_API bw_status bw_static_whole(bw_context *context, const bw_static *sector, bw_static **whole);
+/* The modes of the whole wheel from those of its sector, on the same mesh, of M-norm 1. BW_INVALID
+ * and BW_LIMIT as bw_static_whole. */
+BW_API bw_status bw_modes_whole(bw_context *context, const bw_modes *sector, bw_modes **whole);
 
 #ifdef __cplusplus
 }

@@ -195,6 +195,20 @@ typedef struct bw_coupling {
                              rotation of the point from the displacements of the nodes; else NULL */
 } bw_coupling;
 
+/* The cyclic symmetry of a sector: the whole is `count` of them about an axis
+ * (docs/theory/symmetry.md). */
+typedef struct bw_cyclic {
+  bw_object object;
+  const bw_selection *low, *high; /* retained: the face that turns into the other one */
+  int count;                      /* of sectors */
+  double point[3];                /* (m) on the axis */
+  double axis[3];                 /* (-) of length 1: by 2 pi / count about it low becomes high */
+  double distance;                /* (m) the largest one between nodes that match */
+  int32_t axis_count;             /* of nodes on the axis, which both faces have */
+  int32_t *partner; /* (index, node_count) of a node of the high face: its node of the low face, on
+                       the axis itself; -1 of others */
+} bw_cyclic;
+
 /* A mesh with material, supports, loads, bonds, attachments and couplings. Mutable: its object's
  * revision grows with every one added, and when its material is turned. */
 typedef struct bw_model {
@@ -207,11 +221,13 @@ typedef struct bw_model {
   bw_bond *bond;             /* bond_count bonds */
   bw_attachment *attachment; /* attachment_count masses and springs */
   bw_coupling *coupling;     /* coupling_count couplings with remote points */
+  const bw_cyclic *cyclic;   /* retained; NULL: it is the whole */
 } bw_model;
-/* Whether it has bonds, attachments or couplings: only the functions of joint.h know its
- * equations. */
+/* Whether it has bonds, attachments, couplings or a cyclic symmetry: only the functions of joint.h
+ * know its equations. */
 static inline bool bw_model_joined(const bw_model *model) {
-  return model->bond_count > 0 || model->attachment_count > 0 || model->coupling_count > 0;
+  return model->bond_count > 0 || model->attachment_count > 0 || model->coupling_count > 0 ||
+         model->cyclic;
 }
 
 /* The material of a mesh with regions, part (mesh->region_count) for each of them in order. One
@@ -291,7 +307,8 @@ BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, cons
  * through a plane bond exactly. joint.h has static solutions, modes and load factors of such a
  * model; other functions refuse one where they need its equations. BW_EMPTY for a side without a
  * facet, BW_INVALID for a node on both sides and a gap that is no number, BW_GEOMETRY for sides
- * that do not touch (with the distance) and facets of side a that side b hardly covers. */
+ * that do not touch (with the distance) and facets of side a that side b hardly covers,
+ * BW_UNSUPPORTED for a sector of cyclic symmetry. */
 BW_API bw_status bw_model_bond(bw_context *context, bw_model *model, const bw_selection *a,
                                const bw_selection *b, double gap);
 /* The same, with the same `gap` (m) and statuses, and a preload across the section, which is plane:
@@ -322,11 +339,25 @@ BW_API bw_status bw_model_clear_attachments(bw_context *context, bw_model *model
  * functions refuse one where they need its equations. BW_EMPTY as for supports. BW_INVALID for a
  * node in two rigid couplings, numbers that are not finite, springs and masses below 0, and an
  * inertia that is not symmetric or negative. BW_GEOMETRY for facets without area, and for nodes on
- * one line: they leave the rotation about it undefined. */
+ * one line: they leave the rotation about it undefined, BW_UNSUPPORTED for a sector of cyclic
+ * symmetry. */
 BW_API bw_status bw_model_couple(bw_context *context, bw_model *model, const bw_selection *on,
                                  const bw_remote_point *point);
 /* Removes all couplings. */
 BW_API bw_status bw_model_clear_couplings(bw_context *context, bw_model *model);
+/* Makes the body one of `count` equal sectors about an axis through `point` (m) along `axis` (-, of
+ * any length but 0). Its face `low`, turned by 2 pi / count, is its face `high`: nodes and facets
+ * match one to one. The axis may look either way. Loads, masses and results are those of the
+ * sector. joint.h has static solutions and modes of such a model; other functions refuse one where
+ * they need its equations. BW_EMPTY for a selection without a facet, BW_INVALID for fewer than two
+ * sectors, for an axis without direction and where the model has a cyclic symmetry, BW_GEOMETRY for
+ * faces that do not match (with angle or distance), and an axis that passes elements away from
+ * their edges, BW_UNSUPPORTED for a model with bonds or couplings. */
+BW_API bw_status bw_model_cyclic(bw_context *context, bw_model *model, const bw_selection *low,
+                                 const bw_selection *high, int count, const double axis[3],
+                                 const double point[3]);
+/* Removes the cyclic symmetry. */
+BW_API void bw_model_clear_cyclic(bw_model *model);
 /* A place where stresses, or fluxes of heat, are recovered: a node, as one of the materials around
  * it sees it. */
 typedef struct bw_stress_point {

@@ -30,6 +30,7 @@ typedef struct bw_static {
   const bw_model *model;               /* retained */
   uint64_t revision;                   /* of the model when it was solved */
   bw_system *system;                   /* retained; NULL: of an edit session */
+  const bw_cyclic *cyclic;             /* retained, of a sector; NULL: of the whole */
   double *displacement;                /* (m, node_count x 3) */
   double *force;                       /* (N, node_count x 3) applied */
   double *reaction;                    /* (N, node_count x 3) K u - f at prescribed components, 0

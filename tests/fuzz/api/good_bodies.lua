@@ -125,6 +125,9 @@ add {
     return p:variant("bw.Selection", 2), r:one_of {"symmetric", "antisymmetric"}
   end,
   ["Model:prescribe"] = function(p) return p.Selection, {0.01, false, 0} end,
+  ["Model:cyclic"] = function(p, r)
+    return {low = p.Selection, high = p:variant("bw.Selection", 2), count = r:one_of {4, 5}}
+  end,
   ["Model:bond"] = function(p, r)
     return {a = p.Selection, b = p:variant("bw.Selection", 2), gap = r:one_of {0, 1e-3},
       preload = r:chance(0.3) and 10 or nil}
