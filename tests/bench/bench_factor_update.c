@@ -118,7 +118,8 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
   BW_TRY(bwi_elimination_reach_create(context, symbolic, s->mesh, s->subdomains, s->subdomain,
                                       &reach));
   start = bw_seconds();
-  BW_TRY(bwi_factor_create_with_updates(context, symbolic, &matrix, reach, &factor, NULL));
+  BW_TRY(
+      bwi_factor_create_in(context, symbolic, &matrix, reach, &bwi_kernels_double, &factor, NULL));
   double first = bw_seconds() - start;
   start = bw_seconds();
   BW_TRY(bwi_factor_update(context, factor, &matrix, NULL, NULL, NULL));

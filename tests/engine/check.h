@@ -34,23 +34,36 @@
       fail_msg("%s: message \"%s\" lacks \"%s\"", #call, bw_message(context), (text));             \
   } while (0)
 
-/* A call that makes an object or none: with each allocation in turn failing, and all behind it, it
- * fails with BW_MEMORY, until it succeeds. What it makes is released. */
+/* Ends the n-th run and begins the next one; false behind the run that passed. */
+static inline bool check_next_failure(bw_context *context, int64_t *n, bw_status status,
+                                      int64_t least) {
+  bw_fail_allocation(0, false);
+  if (*n > 0 && status != BW_OK && status != BW_MEMORY)
+    fail_msg("without the allocation %d: %s (%s)", (int)*n, bw_message(context),
+             bw_status_word(status));
+  if (*n > 0 && status == BW_OK && *n <= least)
+    fail_msg("only %d allocations, at least %d expected", (int)*n - 1, (int)least);
+  if (*n > 0 && status == BW_OK)
+    return false;
+  bw_clear_failure(context);
+  bw_fail_allocation(++*n, true);
+  return true;
+}
+
+/* Runs the statement that follows with its first allocation and all behind it failing, then from
+ * the second on, until it sets `status`, which is declared here, to BW_OK. In the runs before,
+ * `least` of them at least, it must be BW_MEMORY. What they leave behind fails the fixture. */
+#define check_each_allocation(context, status, least)                                              \
+  for (bw_status status = BW_MEMORY, *check_once_ = &status; check_once_; check_once_ = NULL)      \
+    for (int64_t check_n_ = 0; check_next_failure(context, &check_n_, status, least);)
+
+/* The same of a call that makes an object, which is released, or none. */
 #define check_allocations(context, object, call)                                                   \
-  do {                                                                                             \
-    bw_status check_status_ = BW_MEMORY;                                                           \
-    for (int64_t check_n_ = 1;; check_n_++) {                                                      \
-      bw_fail_allocation(check_n_, true);                                                          \
-      check_status_ = (call);                                                                      \
-      bw_fail_allocation(0, false);                                                                \
-      bw_release(object);                                                                          \
-      (object) = NULL;                                                                             \
-      if (check_status_ == BW_OK)                                                                  \
-        break;                                                                                     \
-      assert_int_equal(check_status_, BW_MEMORY);                                                  \
-      bw_clear_failure(context);                                                                   \
-    }                                                                                              \
-  } while (0)
+  check_each_allocation(context, check_status_, 0) {                                               \
+    check_status_ = (call);                                                                        \
+    bw_release(object);                                                                            \
+    (object) = NULL;                                                                               \
+  }
 
 #define check_near(value, expected, tolerance)                                                     \
   do {                                                                                             \
@@ -97,5 +110,12 @@ static inline bw_mesh *check_tagged(bw_context *context, bw_mesh *mesh, const in
 
 #define check_context(state) (((check_state *)*(state))->context)
 #define check_test(function) cmocka_unit_test_setup_teardown(function, check_setup, check_teardown)
+
+/* The program of these tests. */
+#define check_main(...)                                                                            \
+  int main(void) {                                                                                 \
+    const struct CMUnitTest tests[] = {__VA_ARGS__};                                               \
+    return cmocka_run_group_tests(tests, NULL, NULL);                                              \
+  }
 
 #endif

@@ -760,15 +760,9 @@ static bool message_arrives(lbw_live_server *server, int s) {
 }
 
 static void test_memory_running_out(void **state) {
-  bw_status status = BW_MEMORY;
-  for (int n = 1; status != BW_OK; n++) {
-    assert_true(n < 100);
-    int64_t before = bw_live_blocks();
-    bw_fail_allocation(n, true);
-    status = make_and_use(check_context(state));
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
-    assert_int_equal(bw_live_blocks(), before);
+  bw_context *context = check_context(state);
+  check_each_allocation(context, status, 1) {
+    status = make_and_use(context);
   }
   /* In the server's thread: a window is refused, or told why it is closed, and the server goes on.
    */

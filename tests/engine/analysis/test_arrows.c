@@ -66,7 +66,4 @@ static void patches_become_arrows(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(patches_become_arrows)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(patches_become_arrows))

@@ -154,28 +154,13 @@ static void failures(void **state) {
   check_fails(context, BW_INVALID, "0 drops", bw_drop_test(context, system, &options, &result));
   options.drops = 3;
   check_ok(context, bw_set_threads(context, 1));
-  for (int64_t fail = 1;; fail++) {
-    int64_t blocks = bw_live_blocks();
-    bw_fail_allocation(fail, true);
-    bw_status status = bw_drop_test(context, system, &options, &result);
-    bw_fail_allocation(0, false);
-    if (status == BW_OK) {
+  check_each_allocation(context, status, 10) {
+    status = bw_drop_test(context, system, &options, &result);
+    if (status == BW_OK)
       bw_drop_test_result_clear(&result);
-      assert_true(fail > 10);
-      break;
-    }
-    assert_int_equal(status, BW_MEMORY);
-    assert_int_equal(bw_live_blocks(), blocks);
   }
   bw_release(system);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(ball_is_hit_with_its_whole_mass),
-      check_test(dumbbell_breaks_at_the_neck),
-      check_test(contact_does_not_depend_on_the_mesh),
-      check_test(failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(ball_is_hit_with_its_whole_mass), check_test(dumbbell_breaks_at_the_neck),
+           check_test(contact_does_not_depend_on_the_mesh), check_test(failures))

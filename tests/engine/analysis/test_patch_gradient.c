@@ -240,9 +240,5 @@ static void test_wrong_input(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_differences),
-                                     check_test(test_boundary_motions),
-                                     check_test(test_support_border), check_test(test_wrong_input)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_differences), check_test(test_boundary_motions),
+           check_test(test_support_border), check_test(test_wrong_input))

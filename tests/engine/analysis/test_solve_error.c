@@ -64,7 +64,4 @@ static void residual_bounds_error(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(residual_bounds_error)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(residual_bounds_error))

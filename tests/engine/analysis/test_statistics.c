@@ -85,11 +85,6 @@ static void allocation_failures(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(spearman_by_hand),    check_test(weights_are_repetitions),
-      check_test(quantiles_by_hand),   check_test(nonsense_is_refused),
-      check_test(allocation_failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(spearman_by_hand), check_test(weights_are_repetitions),
+           check_test(quantiles_by_hand), check_test(nonsense_is_refused),
+           check_test(allocation_failures))

@@ -482,17 +482,8 @@ static void memory_runs_out(void **state) {
   choose(b.mesh, node);
   bw_model *model = model_on(context, &s, &b, b.mesh);
   bw_static *result = solved(context, &s, model);
-  bool passed = false;
-  for (int64_t k = 1; !passed; k++) {
-    int64_t blocks = bw_live_blocks();
-    bw_fail_allocation(k, true);
-    bw_status status = gradient_of(context, model, result, NODES, node, j, gradient);
-    bw_fail_allocation(0, false);
-    assert_int_equal(bw_live_blocks(), blocks);
-    passed = status == BW_OK;
-    if (!passed)
-      assert_int_equal(status, BW_MEMORY);
-    assert_true(k < 200);
+  check_each_allocation(context, status, 1) {
+    status = gradient_of(context, model, result, NODES, node, j, gradient);
   }
   free(gradient);
   bw_release(result);
@@ -500,11 +491,6 @@ static void memory_runs_out(void **state) {
   drop(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(each_load_by_differences), check_test(free_bodies_by_differences),
-      check_test(rigid_motion_and_size),    check_test(bar_in_tension),
-      check_test(batches_and_threads),      check_test(refusals),
-      check_test(memory_runs_out)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(each_load_by_differences), check_test(free_bodies_by_differences),
+           check_test(rigid_motion_and_size), check_test(bar_in_tension),
+           check_test(batches_and_threads), check_test(refusals), check_test(memory_runs_out))

@@ -461,33 +461,15 @@ static void failures(void **state) {
       bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, ignore, NULL, NULL));
   bw_clear_cancel(context);
   check_ok(context, bw_set_threads(context, 1));
-  for (int64_t fail = 1;; fail++) {
-    int64_t blocks = bw_live_blocks();
-    bw_fail_allocation(fail, true);
-    bw_status status =
+  check_each_allocation(context, status, 20) {
+    status =
         bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, ignore, NULL, NULL);
-    bw_fail_allocation(0, false);
-    assert_int_equal(bw_live_blocks(), blocks);
-    if (status == BW_OK) {
-      assert_true(fail > 20);
-      break;
-    }
-    assert_int_equal(status, BW_MEMORY);
   }
   bw_release(regions);
   part_close(&p);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(pinned_equals_bordered),
-      check_test(invariances),
-      check_test(symmetric_body),
-      check_test(slender_bar_is_bent_in_the_middle),
-      check_test(dumbbell_breaks_at_the_neck),
-      check_test(constrained_body),
-      check_test(same_bits_for_any_number_of_threads),
-      check_test(failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(pinned_equals_bordered), check_test(invariances), check_test(symmetric_body),
+           check_test(slender_bar_is_bent_in_the_middle), check_test(dumbbell_breaks_at_the_neck),
+           check_test(constrained_body), check_test(same_bits_for_any_number_of_threads),
+           check_test(failures))

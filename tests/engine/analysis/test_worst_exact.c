@@ -316,8 +316,5 @@ static void leaves_hold_in_rational_arithmetic(void **state) {
   glp_free_env();
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(bound_holds_in_rational_arithmetic),
-                                     check_test(leaves_hold_in_rational_arithmetic)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(bound_holds_in_rational_arithmetic),
+           check_test(leaves_hold_in_rational_arithmetic))

@@ -450,54 +450,27 @@ static void failures(void **state) {
               bw_worst_screening(context, p.system, p.basis, &options, 16, 0, 5, &found));
   bw_clear_cancel(context);
   check_ok(context, bw_set_threads(context, 1));
-  for (int64_t fail = 1;; fail++) {
-    int64_t blocks = bw_live_blocks();
-    bw_fail_allocation(fail, true);
-    bw_status status = bw_worst_screening(context, p.system, p.basis, &options, 16, 0, 5, &found);
+  check_each_allocation(context, status, 20) {
+    status = bw_worst_screening(context, p.system, p.basis, &options, 16, 0, 5, &found);
     if (status == BW_OK)
       status = bw_weak_regions_directed(context, p.mesh, 1, element, stress, &regions);
-    bw_fail_allocation(0, false);
     bw_screening_clear(&found);
     bw_release(regions);
     regions = NULL;
-    assert_int_equal(bw_live_blocks(), blocks);
-    if (status == BW_OK) {
-      assert_true(fail > 20);
-      break;
-    }
-    assert_int_equal(status, BW_MEMORY);
   }
   part_close(&p);
   part_open(context, &p, make_box(context, 1, 1, 1, 1, 1, 1, 1), false);
-  for (int64_t fail = 1;; fail++) {
-    int64_t blocks = bw_live_blocks();
-    bw_fail_allocation(fail, true);
+  check_each_allocation(context, status, 20) {
     bw_bound_leaves leaves = {0};
-    bw_status status =
-        bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.3, &bound, &leaves);
-    bw_fail_allocation(0, false);
+    status = bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.3, &bound, &leaves);
     bw_bound_leaves_clear(&leaves);
-    assert_int_equal(bw_live_blocks(), blocks);
-    if (status == BW_OK) {
-      assert_true(fail > 20);
-      break;
-    }
-    assert_int_equal(status, BW_MEMORY);
   }
   part_close(&p);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(ascent_never_decreases),
-      check_test(patches_are_screened_and_reached),
-      check_test(patches_divide_the_boundary),
-      check_test(faces_cover_the_half_sphere),
-      check_test(bound_is_above_every_linear_program),
-      check_test(same_bits_for_any_number_of_threads),
-      check_test(slabs_give_the_same_responses),
-      check_test(multipliers_have_few_digits),
-      check_test(failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(ascent_never_decreases), check_test(patches_are_screened_and_reached),
+           check_test(patches_divide_the_boundary), check_test(faces_cover_the_half_sphere),
+           check_test(bound_is_above_every_linear_program),
+           check_test(same_bits_for_any_number_of_threads),
+           check_test(slabs_give_the_same_responses), check_test(multipliers_have_few_digits),
+           check_test(failures))

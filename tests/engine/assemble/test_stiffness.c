@@ -236,19 +236,9 @@ static void out_of_memory(void **state) {
   bw_mesh *mesh = NULL;
   perturbed_box(context, 1, 1, 1, 2, 0, 0.1, &mesh);
   double *values = (double *)calloc(8000, sizeof *values);
-  int64_t before = bw_live_blocks();
-  int failures = 0;
-  for (int n = 1;; n++) {
-    bw_fail_allocation(n, true);
-    bw_status status = assemble_all(context, mesh, material, values);
-    bw_fail_allocation(0, false);
-    assert_int_equal(bw_live_blocks(), before);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
-    failures++;
+  check_each_allocation(context, status, 15) {
+    status = assemble_all(context, mesh, material, values);
   }
-  assert_true(failures >= 15);
   free(values);
   bw_release(mesh);
   bw_release(material);

@@ -98,10 +98,4 @@ static void frames_of_nodes_count(void **state) {
   session_clear(&now);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(what_counts_as_changed),
-      check_test(frames_of_nodes_count),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(what_counts_as_changed), check_test(frames_of_nodes_count))

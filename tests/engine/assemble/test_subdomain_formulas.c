@@ -117,83 +117,6 @@ static void paper_formulas_against_quadrature(void **state) {
   bw_release(material[1]);
 }
 
-/* dK x against central differences, for each material and subdomain; the sum over p of a uniform
- * scaling is K itself (K grows with the length). */
-static void derivative(void **state) {
-  bw_context *context = check_context(state);
-  for (int kind = 0; kind < 3; kind++) {
-    session now;
-    session_create(context, 2, kind == 0, kind == 2, &now);
-    const bw_block_pattern *g = now.b.pattern;
-    size_t n = 3 * (size_t)g->node_count, entries = 9 * (size_t)g->block_count;
-    double *x = (double *)malloc(sizeof(double) * n), *y = (double *)malloc(sizeof(double) * n);
-    double *z = (double *)malloc(sizeof(double) * n),
-           *k = (double *)malloc(sizeof(double) * entries);
-    bw_random random;
-    bw_random_seed(&random, 8);
-    for (size_t i = 0; i < n; i++)
-      x[i] = uniform(&random, -1, 1);
-    bw_subdomain_motion motion[SUBDOMAINS];
-    const double axis[3] = {1, 2, -1};
-    double q[9];
-    turn(0.5, axis, q);
-    for (int d = 0; d < SUBDOMAINS; d++) {
-      bw_subdomain_motion_rest(&motion[d]);
-      for (int r = 0; r < 9; r++)
-        motion[d].linear[r] += uniform(&random, -0.2, 0.2);
-      times(q, motion[d].linear, motion[d].linear);
-      transposed(q, motion[d].frame);
-    }
-    for (int d = 0; d < SUBDOMAINS; d += 2) {
-      double direction[9], h = 1e-4, size = 0;
-      for (int r = 0; r < 9; r++)
-        direction[r] = uniform(&random, -1, 1);
-      memset(y, 0, sizeof(double) * n);
-      for (int side = 1; side >= -1; side--) { /* the middle one last but one, then back */
-        bw_subdomain_motion at[SUBDOMAINS];
-        memcpy(at, motion, sizeof at);
-        for (int r = 0; r < 9; r++)
-          at[d].linear[r] += side * h * direction[r];
-        check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, now.s->material,
-                                                        at, NULL));
-        if (side == 0)
-          check_ok(context, bw_subdomain_stiffness_derivative(context, now.s, d, direction, x, y));
-        else if (side == 1)
-          memcpy(k, now.s->values, sizeof(double) * entries);
-        else
-          for (size_t i = 0; i < entries; i++)
-            k[i] = (k[i] - now.s->values[i]) / (2 * h);
-      }
-      check_ok(context, bw_block_multiply(context, g, k, 9, 3, 1, x, z));
-      for (size_t i = 0; i < n; i++)
-        size = fmax(size, fabs(z[i]));
-      for (size_t i = 0; i < n; i++)
-        check_near(y[i], z[i], 1e-6 * size);
-    }
-    check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, now.s->material,
-                                                    motion, NULL));
-    memset(y, 0, sizeof(double) * n);
-    for (int d = 0; d < SUBDOMAINS; d++)
-      check_ok(context,
-               bw_subdomain_stiffness_derivative(context, now.s, d, motion[d].linear, x, y));
-    check_ok(context, bw_block_multiply(context, g, now.s->values, 9, 3, 1, x, z));
-    double size = 0;
-    for (size_t i = 0; i < n; i++)
-      size = fmax(size, fabs(z[i]));
-    for (size_t i = 0; i < n; i++)
-      check_near(y[i], z[i], 1e-13 * size);
-    motion[1].reshaped = true;
-    check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, now.s->material,
-                                                    motion, NULL));
-    check_fails(context, BW_INVALID, "subdomain 2 is reshaped",
-                bw_subdomain_stiffness_derivative(context, now.s, 1, q, x, y));
-    check_fails(context, BW_INVALID, "subdomain 10",
-                bw_subdomain_stiffness_derivative(context, now.s, 9, q, x, y));
-    free(x), free(y), free(z), free(k);
-    session_clear(&now);
-  }
-}
-
 /* Whether a facet of the boundary has both nodes. */
 static bool share_facet(const bw_mesh *mesh, int32_t i, int32_t j) {
   for (int f = 0; f < mesh->facet_count; f++) {
@@ -245,11 +168,5 @@ static void skew_halves_are_of_the_boundary(void **state) {
   bw_release(material[1]);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(skew_halves_are_of_the_boundary),
-      check_test(paper_formulas_against_quadrature),
-      check_test(derivative),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(skew_halves_are_of_the_boundary),
+           check_test(paper_formulas_against_quadrature))

@@ -276,14 +276,11 @@ static void out_of_memory(void **state) {
   bw_context *context = check_context(state);
   session now;
   session_create(context, 2, true, false, &now);
-  bw_status status = BW_MEMORY;
   bw_subdomain_stiffness *other = NULL;
-  for (int n = 1; status != BW_OK; n++) {
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 1) {
     status = bw_subdomain_stiffness_create(context, now.b.pattern, now.b.rest, now.material, false,
                                            SUBDOMAINS, now.b.element_subdomain,
                                            now.b.node_subdomain, &other);
-    bw_fail_allocation(0, false);
     assert_true(status == BW_OK ? other != NULL : status == BW_MEMORY && !other);
   }
   bw_release(other);
@@ -293,7 +290,7 @@ static void out_of_memory(void **state) {
   size_t size = sizeof(double) * 9 * (size_t)now.b.pattern->block_count;
   double *before = (double *)malloc(size);
   memcpy(before, now.s->values, size);
-  status = BW_MEMORY;
+  bw_status status = BW_MEMORY;
   for (int n = 1; status != BW_OK; n++) {
     bw_fail_allocation(n, true);
     status =
@@ -311,11 +308,5 @@ static void out_of_memory(void **state) {
   session_clear(&now);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(any_edits_equal_scratch), check_test(same_bits_by_any_way),
-      check_test(many_subdomains_and_one), check_test(refusals),
-      check_test(out_of_memory),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(any_edits_equal_scratch), check_test(same_bits_by_any_way),
+           check_test(many_subdomains_and_one), check_test(refusals), check_test(out_of_memory))

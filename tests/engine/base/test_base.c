@@ -214,9 +214,5 @@ static void test_sha256(void **state) {
   remove(pipe);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_messages), check_test(test_memory),
-                                     check_test(test_arrays),   check_test(test_threads),
-                                     check_test(test_tensors),  check_test(test_sha256)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_messages), check_test(test_memory), check_test(test_arrays),
+           check_test(test_threads), check_test(test_tensors), check_test(test_sha256))

@@ -181,25 +181,12 @@ static void test_allocation_failures(void **state) {
   unsigned char *bytes = NULL;
   size_t count = 0;
   int wanted = 100000;
-  bw_status status = BW_MEMORY;
-  int n = 0;
-  while (status != BW_OK) {
-    n++;
-    assert_true(n < 100);
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 2) {
     status = bwi_child_run(context, "counting", NULL, write_numbers, &wanted, &bytes, &count);
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
   }
-  assert_true(n > 2);
   bw_free(bytes);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_bytes_come_back),       check_test(test_threads_of_others),
-      check_test(test_failures_are_reported), check_test(test_cancel_ends_the_child),
-      check_test(test_allocation_failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_bytes_come_back), check_test(test_threads_of_others),
+           check_test(test_failures_are_reported), check_test(test_cancel_ends_the_child),
+           check_test(test_allocation_failures))

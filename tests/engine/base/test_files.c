@@ -73,13 +73,8 @@ static void folders(void **state) {
               bw_folder_visit(context, in_folder("none"), count_entry, count));
   check_ok(context, bw_file_touch(context, in_folder("a/file")));
   check_fails(context, BW_IO, "none", bw_file_touch(context, in_folder("none")));
-  for (int64_t n = 1;; n++) {
-    bw_fail_allocation(n, true);
-    bw_status status = bw_folder_make(context, in_folder("a/e"));
-    bw_fail_allocation(0, false);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
+  check_each_allocation(context, status, 1) {
+    status = bw_folder_make(context, in_folder("a/e"));
   }
 }
 
@@ -134,13 +129,8 @@ static void locks(void **state) {
   check_ok(context, bw_lock_take(context, path, 0, &lock));
   bw_release(lock);
   check_fails(context, BW_IO, "no/lock", bw_lock_take(context, in_folder("no/lock"), 0, &lock));
-  for (int64_t n = 1;; n++) {
-    bw_fail_allocation(n, true);
-    bw_status status = bw_lock_take(context, path, 0, &lock);
-    bw_fail_allocation(0, false);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
+  check_each_allocation(context, status, 1) {
+    status = bw_lock_take(context, path, 0, &lock);
   }
   bw_release(lock);
 }

@@ -524,22 +524,8 @@ static void test_in_a_row(void **state) {
   assert_int_equal(bw_live_blocks(), blocks);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_many_at_a_time),
-      check_test(test_large_results),
-      check_test(test_ends),
-      check_test(test_limit_without_waiting),
-      check_test(test_limits_of_the_starter),
-      check_test(test_waiting),
-      check_test(test_group),
-      check_test(test_dies_with_the_starter),
-      check_test(test_threads_after_the_fork),
-      check_test(test_output),
-      check_test(test_usage),
-      check_test(test_nested),
-      check_test(test_allocation_failures),
-      check_test(test_in_a_row),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_many_at_a_time), check_test(test_large_results), check_test(test_ends),
+           check_test(test_limit_without_waiting), check_test(test_limits_of_the_starter),
+           check_test(test_waiting), check_test(test_group), check_test(test_dies_with_the_starter),
+           check_test(test_threads_after_the_fork), check_test(test_output), check_test(test_usage),
+           check_test(test_nested), check_test(test_allocation_failures), check_test(test_in_a_row))

@@ -197,7 +197,4 @@ static void test_manufactured(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_patch), check_test(test_manufactured)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_patch), check_test(test_manufactured))

@@ -192,7 +192,4 @@ static void test_orthotropic(void **state) {
   bw_release(material);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_isotropic), check_test(test_orthotropic)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_isotropic), check_test(test_orthotropic))

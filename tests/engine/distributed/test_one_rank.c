@@ -235,9 +235,5 @@ static void test_small(void **state) {
   bw_release(material);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_memory), check_test(test_cancel),
-                                     check_test(test_rotated_by_element), check_test(test_fall),
-                                     check_test(test_small)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_memory), check_test(test_cancel), check_test(test_rotated_by_element),
+           check_test(test_fall), check_test(test_small))

@@ -506,20 +506,9 @@ static void too_many_modes(void **state) {
   free(value);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(simple_spectrum),
-                                     check_test(multiplicity_beyond_the_block),
-                                     check_test(multiplicity_uncounted),
-                                     check_test(nearly_equal),
-                                     check_test(many_equal_pieces),
-                                     check_test(hidden_partners),
-                                     check_test(small_spaces),
-                                     check_test(same_bits_again),
-                                     check_test(cancelled),
-                                     check_test(cancelled_at_the_last_report),
-                                     check_test(threads_beside_each_other),
-                                     check_test(without_a_factor),
-                                     check_test(refused),
-                                     check_test(too_many_modes)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(simple_spectrum), check_test(multiplicity_beyond_the_block),
+           check_test(multiplicity_uncounted), check_test(nearly_equal),
+           check_test(many_equal_pieces), check_test(hidden_partners), check_test(small_spaces),
+           check_test(same_bits_again), check_test(cancelled),
+           check_test(cancelled_at_the_last_report), check_test(threads_beside_each_other),
+           check_test(without_a_factor), check_test(refused), check_test(too_many_modes))

@@ -435,15 +435,7 @@ static void memory_failures(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(each_eigensolver_gives_the_closed_form),
-      check_test(a_shift_serves_singular_matrices),
-      check_test(all_pairs_of_a_small_matrix),
-      check_test(bits_do_not_depend_on_threads),
-      check_test(failures_are_reported),
-      check_test(errors_may_be_unknown),
-      check_test(memory_failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(each_eigensolver_gives_the_closed_form),
+           check_test(a_shift_serves_singular_matrices), check_test(all_pairs_of_a_small_matrix),
+           check_test(bits_do_not_depend_on_threads), check_test(failures_are_reported),
+           check_test(errors_may_be_unknown), check_test(memory_failures))

@@ -135,8 +135,5 @@ static void versions(void **state) {
   bw_free(text);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(box_converges), check_test(threads_of_others),
-                                     check_test(two_bodies), check_test(versions)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(box_converges), check_test(threads_of_others), check_test(two_bodies),
+           check_test(versions))

@@ -383,22 +383,10 @@ done:
 
 static void failing_memory(void **state) {
   bw_context *context = check_context(state);
-  int64_t blocks = bw_live_blocks(), n = 0;
-  bw_status status;
-  do {
-    bw_fail_allocation(++n, true);
+  check_each_allocation(context, status, 30) {
     status = chain(context);
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
-    assert_int_equal(bw_live_blocks(), blocks);
-  } while (status != BW_OK);
-  assert_true(n > 30);
+  }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(dof_map),   check_test(edits),      check_test(boundary),
-      check_test(embedding), check_test(coarsening), check_test(failing_memory),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(dof_map), check_test(edits), check_test(boundary), check_test(embedding),
+           check_test(coarsening), check_test(failing_memory))

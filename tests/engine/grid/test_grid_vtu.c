@@ -52,16 +52,9 @@ static void hexahedra(void **state) {
              candidate[i], path, bw_grid_volume(grid));
     assert_int_equal(system(command), 0);
   }
-  int64_t blocks = bw_live_blocks(), n = 0;
-  bw_status status;
-  do {
-    bw_fail_allocation(++n, true);
+  check_each_allocation(context, status, 10) {
     status = bw_grid_write_vtu(context, grid, path, 2, field);
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
-    assert_int_equal(bw_live_blocks(), blocks);
-  } while (status != BW_OK);
-  assert_true(n > 10);
+  }
   field[0].array = wrong;
   check_fails(context, BW_INVALID, "field 'u' on nodes has 5 rows",
               bw_grid_write_vtu(context, grid, path, 2, field));
@@ -74,7 +67,4 @@ static void hexahedra(void **state) {
     skip();
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(hexahedra)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(hexahedra))

@@ -476,12 +476,8 @@ static void test_contact_memory(void **state) {
     check_ok(context, bw_select_region(context, heat->mesh, r, &side[r]));
   const bw_heat_condition contact = {
       .kind = BW_HEAT_CONTACT, .on = side[0], .with = side[1], .coefficient = 10};
-  bw_status status = BW_MEMORY;
-  for (int64_t n = 1; status != BW_OK; n++) {
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 1) {
     status = bw_heat_add(context, heat, &contact);
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
     assert_int_equal(heat->condition_count, status == BW_OK);
   }
   heat_on_plane(context, heat, 0, 0,
@@ -512,20 +508,9 @@ static void test_contact_memory(void **state) {
   bw_release(whole);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_slab),
-                                     check_test(test_orthotropic),
-                                     check_test(test_orders),
-                                     check_test(test_cylinder),
-                                     check_test(test_error_of_cylinder),
-                                     check_test(test_flux_beside_interface),
-                                     check_test(test_radiating_plate),
-                                     check_test(test_nafems_t2),
-                                     check_test(test_nafems_t4),
-                                     check_test(test_conductivity_by_temperature),
-                                     check_test(test_balance_and_solvers),
-                                     check_test(test_misuse),
-                                     check_test(test_memory),
-                                     check_test(test_contact_memory)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_slab), check_test(test_orthotropic), check_test(test_orders),
+           check_test(test_cylinder), check_test(test_error_of_cylinder),
+           check_test(test_flux_beside_interface), check_test(test_radiating_plate),
+           check_test(test_nafems_t2), check_test(test_nafems_t4),
+           check_test(test_conductivity_by_temperature), check_test(test_balance_and_solvers),
+           check_test(test_misuse), check_test(test_memory), check_test(test_contact_memory))

@@ -235,11 +235,6 @@ static void test_misuse(void **state) {
   free(field);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_lumped_cooling), check_test(test_half_space),
-      check_test(test_two_layers),     check_test(test_undershoot),
-      check_test(test_nafems_t3),      check_test(test_radiating_in_time),
-      check_test(test_estimate),       check_test(test_misuse)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_lumped_cooling), check_test(test_half_space),
+           check_test(test_two_layers), check_test(test_undershoot), check_test(test_nafems_t3),
+           check_test(test_radiating_in_time), check_test(test_estimate), check_test(test_misuse))

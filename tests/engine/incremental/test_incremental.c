@@ -254,20 +254,15 @@ static void no_memory(void **state) {
     options.solver = solver_by(run == 0 ? WAY_ITERATE : WAY_REFACTOR);
     options.precision = run < 2 ? 0 : 32;
     bool updated = false;
-    for (int64_t n = 1;; n++) {
+    check_each_allocation(context, status, 1) {
       bw_static *result = NULL;
-      bw_status status = BW_OK;
-      bw_fail_allocation(n, true);
+      status = BW_OK;
       if (!updated)
         status = bw_incremental_system_update(context, incremental, model, motion, NULL);
       updated = updated || status == BW_OK;
       if (status == BW_OK)
         status = bw_incremental_statics(context, incremental, model, NULL, &options, &result, NULL);
-      bw_fail_allocation(0, false);
       bw_release(result);
-      if (status == BW_OK)
-        break;
-      assert_int_equal(status, BW_MEMORY);
     }
     bw_reuse reuse = {0};
     compare(context, incremental, model, WAY_AUTO, &reuse);
@@ -409,16 +404,6 @@ static void reports_of_several(void **state) {
   bar_clear(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(other_factors),
-      check_test(reports_of_several),
-      check_test(random_sequences),
-      check_test(reuse_is_said),
-      check_test(failures_and_recovery),
-      check_test(supports_become_others),
-      check_test(no_memory),
-      check_test(threads_agree),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(other_factors), check_test(reports_of_several), check_test(random_sequences),
+           check_test(reuse_is_said), check_test(failures_and_recovery),
+           check_test(supports_become_others), check_test(no_memory), check_test(threads_agree))

@@ -176,11 +176,5 @@ static void no_convergence(void **state) {
   bar_clear(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(choice_by_cost), check_test(work_is_predicted),
-      check_test(given_up_early), check_test(iteration_ratio_too_small),
-      check_test(no_convergence),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(choice_by_cost), check_test(work_is_predicted), check_test(given_up_early),
+           check_test(iteration_ratio_too_small), check_test(no_convergence))

@@ -184,10 +184,4 @@ static void material_rotates(void **state) {
   bar_clear(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(orthotropic),
-      check_test(material_rotates),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(orthotropic), check_test(material_rotates))

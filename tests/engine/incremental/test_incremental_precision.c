@@ -111,11 +111,4 @@ static void choice_of_precision(void **state) {
   bar_clear(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(precisions),
-      check_test(too_thin_for_single),
-      check_test(choice_of_precision),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(precisions), check_test(too_thin_for_single), check_test(choice_of_precision))

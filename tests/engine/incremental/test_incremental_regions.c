@@ -263,10 +263,5 @@ static void other_laws(void **state) {
   bar_clear(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(from_scratch),     check_test(back_and_forth), check_test(costs_as_an_edit),
-      check_test(spreads_multiply), check_test(other_laws),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(from_scratch), check_test(back_and_forth), check_test(costs_as_an_edit),
+           check_test(spreads_multiply), check_test(other_laws))

@@ -222,12 +222,5 @@ static void view_serves_modes(void **state) {
   bar_clear(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(many_sides),
-      check_test(energy_alone),
-      check_test(guesses),
-      check_test(view_serves_modes),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(many_sides), check_test(energy_alone), check_test(guesses),
+           check_test(view_serves_modes))

@@ -167,7 +167,4 @@ static void meshio(void **state) {
   assert_int_equal(system(command), 0);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(meshio)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(meshio))

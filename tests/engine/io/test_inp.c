@@ -244,11 +244,5 @@ static void calculix_prescribed(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(calculix_bars),
-      check_test(calculix_weight_and_equations),
-      check_test(calculix_prescribed),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(calculix_bars), check_test(calculix_weight_and_equations),
+           check_test(calculix_prescribed))

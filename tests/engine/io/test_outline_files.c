@@ -494,38 +494,19 @@ static void memory_failures_lose_nothing(void **state) {
       "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\na\n10\n1\n20\n1\n40\n1\n0\nSPLINE\n71\n1\n40\n0\n40\n"
       "0\n40\n1\n40\n2\n40\n3\n40\n3\n10\n5\n20\n0\n10\n8\n20\n0\n10\n5\n20\n3\n10\n5\n20\n0\n0\nEN"
       "DSEC\n0\nEOF\n"};
-  bw_outline *o = NULL;
   for (int i = 0; i < 2; i++)
-    for (int n = 1;; n++) {
-      bw_fail_allocation(n, true);
-      bw_status status = parse(context, i == 0 ? "a.svg" : "a.dxf", text[i], 0, &o);
-      bw_fail_allocation(0, false);
+    check_each_allocation(context, status, 1) {
+      bw_outline *o = NULL;
+      status = parse(context, i == 0 ? "a.svg" : "a.dxf", text[i], 0, &o);
       bw_clear_warnings(context);
-      if (status == BW_OK) {
-        bw_release(o);
-        break;
-      }
-      assert_int_equal(status, BW_MEMORY);
-      assert_true(n < 300);
+      bw_release(o);
     }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(shapes_of_svg),
-      check_test(paths_of_svg),
-      check_test(groups_and_units_of_svg),
-      check_test(names_and_tags_of_svg),
-      check_test(curves_of_dxf),
-      check_test(splines_are_exact),
-      check_test(layers_units_and_strangers_of_dxf),
-      check_test(svg_comes_back_as_it_was),
-      check_test(dxf_comes_back_with_its_layers),
-      check_test(wrong_svg_is_refused),
-      check_test(wrong_dxf_is_refused),
-      check_test(ends_are_put_together_within_the_tolerance),
-      check_test(what_is_drawn_twice_is_dropped),
-      check_test(memory_failures_lose_nothing),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(shapes_of_svg), check_test(paths_of_svg), check_test(groups_and_units_of_svg),
+           check_test(names_and_tags_of_svg), check_test(curves_of_dxf),
+           check_test(splines_are_exact), check_test(layers_units_and_strangers_of_dxf),
+           check_test(svg_comes_back_as_it_was), check_test(dxf_comes_back_with_its_layers),
+           check_test(wrong_svg_is_refused), check_test(wrong_dxf_is_refused),
+           check_test(ends_are_put_together_within_the_tolerance),
+           check_test(what_is_drawn_twice_is_dropped), check_test(memory_failures_lose_nothing))

@@ -115,15 +115,9 @@ REPLAY(bwm)
 REPLAY(plane)
 REPLAY(matrix)
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(replay_stl),   cmocka_unit_test(replay_obj),
-      cmocka_unit_test(replay_off),   cmocka_unit_test(replay_ply),
-      cmocka_unit_test(replay_msh),   cmocka_unit_test(replay_vtu),
-      cmocka_unit_test(replay_medit), cmocka_unit_test(replay_tetgen),
-      cmocka_unit_test(replay_inp),   cmocka_unit_test(replay_tgf),
-      cmocka_unit_test(replay_svg),   cmocka_unit_test(replay_dxf),
-      cmocka_unit_test(replay_bwm),   cmocka_unit_test(replay_plane),
-      cmocka_unit_test(replay_matrix)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(cmocka_unit_test(replay_stl), cmocka_unit_test(replay_obj), cmocka_unit_test(replay_off),
+           cmocka_unit_test(replay_ply), cmocka_unit_test(replay_msh), cmocka_unit_test(replay_vtu),
+           cmocka_unit_test(replay_medit), cmocka_unit_test(replay_tetgen),
+           cmocka_unit_test(replay_inp), cmocka_unit_test(replay_tgf), cmocka_unit_test(replay_svg),
+           cmocka_unit_test(replay_dxf), cmocka_unit_test(replay_bwm),
+           cmocka_unit_test(replay_plane), cmocka_unit_test(replay_matrix))

@@ -422,30 +422,16 @@ static void out_of_memory(void **state) {
       "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
       PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"};
   for (int i = 0; i < 4; i++)
-    for (int64_t n = 1;; n++) {
+    check_each_allocation(context, status, 5) {
       bw_surface *surface = NULL;
-      bw_fail_allocation(n, true);
-      bw_status status = parse_text(context, name[i], text[i], &surface, NULL);
-      bw_fail_allocation(0, false);
-      if (status == BW_OK) {
-        bw_release(surface);
-        assert_true(n > 5);
-        break;
-      }
-      assert_int_equal(status, BW_MEMORY);
+      status = parse_text(context, name[i], text[i], &surface, NULL);
+      bw_release(surface);
     }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(ascii_stl_variants),  check_test(ascii_stl_refusals),
-      check_test(binary_stl_refusals), check_test(obj_variants),
-      check_test(obj_refusals),        check_test(off_variants),
-      check_test(off_refusals),        check_test(ply_variants),
-      check_test(ply_byte_orders),     check_test(ply_refusals),
-      check_test(concave_polygons),    check_test(unknown_content),
-      check_test(round_trips),         check_test(shared_models),
-      check_test(files_that_are_none), check_test(out_of_memory),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(ascii_stl_variants), check_test(ascii_stl_refusals),
+           check_test(binary_stl_refusals), check_test(obj_variants), check_test(obj_refusals),
+           check_test(off_variants), check_test(off_refusals), check_test(ply_variants),
+           check_test(ply_byte_orders), check_test(ply_refusals), check_test(concave_polygons),
+           check_test(unknown_content), check_test(round_trips), check_test(shared_models),
+           check_test(files_that_are_none), check_test(out_of_memory))

@@ -263,10 +263,6 @@ static void other_locale(void **state) {
   setlocale(LC_ALL, "C");
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(commit_and_discard), check_test(odd_targets),
-                                     check_test(full_disk),          check_test(cut_off),
-                                     check_test(interrupted),        check_test(numbers),
-                                     check_test(other_locale)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(commit_and_discard), check_test(odd_targets), check_test(full_disk),
+           check_test(cut_off), check_test(interrupted), check_test(numbers),
+           check_test(other_locale))

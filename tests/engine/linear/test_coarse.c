@@ -129,20 +129,14 @@ static void no_memory(void **state) {
   bar_make(context, 1, 2, &b);
   load_bar(context, &b, 0);
   bw_incremental_system *incremental = incremental_of(context, &b);
-  for (int64_t n = 1;; n++) {
+  check_each_allocation(context, status, 1) {
     bwi_coarse *coarse = NULL;
     bool usable = false;
-    bw_fail_allocation(n, true);
-    bw_status status = bwi_coarse_create(context, incremental->system->mesh, &coarse);
+    status = bwi_coarse_create(context, incremental->system->mesh, &coarse);
     if (status == BW_OK)
       status = bwi_coarse_follow(context, coarse, incremental->inner->model,
                                  incremental->system->dof_map, &usable);
-    bw_fail_allocation(0, false);
     bw_release(coarse);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
-    bw_clear_failure(context);
   }
   bw_release(incremental);
   bar_clear(&b);
@@ -248,12 +242,5 @@ static void multigrid_fails(void **state) {
   bw_release(model);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(linear_fields_are_solved),
-      check_test(no_memory),
-      check_test(multigrid_below),
-      check_test(multigrid_fails),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(linear_fields_are_solved), check_test(no_memory), check_test(multigrid_below),
+           check_test(multigrid_fails))

@@ -98,7 +98,7 @@ static void fields_of_the_space_are_solved(void **state) {
     for (int64_t i = 0; i < s->count; i++)
       bwi_project_unknowns(v.dof_map, i, g + 3 * i, g + 3 * i);
     check_near(difference(g, f, size), 0, 2e-3);
-    assert_true(bw_bytes(rotations) > 0 && bwi_corner_rotations_flops(rotations) > 0);
+    assert_true(bw_bytes(rotations) > 0);
     bw_release(rotations);
     levels_clear(&v);
     free(u);
@@ -390,18 +390,8 @@ static void strong_couplings_converge(void **state) {
   bw_release(pcg);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(fields_of_the_space_are_solved),
-      check_test(no_memory),
-      check_test(plates_converge),
-      check_test(strong_couplings_converge),
-      check_test(ordinary_bodies_keep_theirs),
-      check_test(same_bits),
-      check_test(many_right_hand_sides),
-      check_test(modes_rotate),
-      check_test(another_shape_remembers),
-      check_test(cancelled_rotations_are_made_later),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(fields_of_the_space_are_solved), check_test(no_memory),
+           check_test(plates_converge), check_test(strong_couplings_converge),
+           check_test(ordinary_bodies_keep_theirs), check_test(same_bits),
+           check_test(many_right_hand_sides), check_test(modes_rotate),
+           check_test(another_shape_remembers), check_test(cancelled_rotations_are_made_later))

@@ -216,13 +216,6 @@ static void no_memory(void **state) {
   bw_release(material);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(is_the_stored_product),
-      check_test(thin_chunks),
-      check_test(any_number_of_threads),
-      check_test(serves_straight_elements),
-      check_test(no_memory),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(is_the_stored_product), check_test(thin_chunks),
+           check_test(any_number_of_threads), check_test(serves_straight_elements),
+           check_test(no_memory))

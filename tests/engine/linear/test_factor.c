@@ -357,9 +357,5 @@ static void same_bits(void **state) {
   close_problem(&p);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(against_cholmod), check_test(units_of_single_precision),
-      check_test(fronts_of_any_size), check_test(inertia), check_test(same_bits)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(against_cholmod), check_test(units_of_single_precision),
+           check_test(fronts_of_any_size), check_test(inertia), check_test(same_bits))

@@ -266,8 +266,8 @@ static void broken(void **state) {
   uint8_t *touched = calloc((size_t)p.subdomain_count, 1);
   double *x = numbers(p.symbolic->unknowns);
   bwi_factor *factor = NULL;
-  check_ok(context,
-           bwi_factor_create_with_updates(context, p.symbolic, &p.matrix, p.reach, &factor, NULL));
+  check_ok(context, bwi_factor_create_in(context, p.symbolic, &p.matrix, p.reach,
+                                         &bwi_kernels_double, &factor, NULL));
   int32_t node = p.mesh->node_count - 1, bad = -1;
   double *diagonal = p.stiffness + 9 * (p.pattern->start[node + 1] - 1), kept = diagonal[0];
   assert_int_equal(p.pattern->column[p.pattern->start[node + 1] - 1], node);
@@ -411,25 +411,12 @@ static void memory_failures(void **state) {
   uint8_t *touched = calloc((size_t)p.subdomain_count, 1);
   touched[0] = 1;
   check_ok(context, bw_set_threads(context, 1));
-  int64_t blocks = bw_live_blocks();
-  for (int64_t n = 1;; n++) {
-    bw_fail_allocation(n, true);
-    bw_status status = whole(context, &p, touched);
-    bw_fail_allocation(0, false);
-    assert_int_equal(bw_live_blocks(), blocks);
-    if (status == BW_OK) {
-      assert_true(n > 40);
-      break;
-    }
-    assert_int_equal(status, BW_MEMORY);
+  check_each_allocation(context, status, 40) {
+    status = whole(context, &p, touched);
   }
   free(touched);
   close_problem(&p);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(random_edits), check_test(units), check_test(sets),           check_test(broken),
-      check_test(orders),       check_test(neck),  check_test(memory_failures)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(random_edits), check_test(units), check_test(sets), check_test(broken),
+           check_test(orders), check_test(neck), check_test(memory_failures))

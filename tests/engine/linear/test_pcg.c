@@ -359,16 +359,6 @@ static void is_cancelled(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(ends_with_the_spectrum),
-      check_test(side_by_side),
-      check_test(one_check_serves_all),
-      check_test(first_guess),
-      check_test(projector),
-      check_test(breakdown),
-      check_test(predicts),
-      check_test(is_cancelled),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(ends_with_the_spectrum), check_test(side_by_side),
+           check_test(one_check_serves_all), check_test(first_guess), check_test(projector),
+           check_test(breakdown), check_test(predicts), check_test(is_cancelled))

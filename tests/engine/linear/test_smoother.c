@@ -453,16 +453,6 @@ static void no_memory(void **state) {
   scene_clear(&s);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(chunks_are_apart),
-      check_test(halves),
-      check_test(products),
-      check_test(upper_halves_alone),
-      check_test(sweeps),
-      check_test(blocks_are_solved),
-      check_test(singular_nodes_are_reported),
-      check_test(no_memory),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(chunks_are_apart), check_test(halves), check_test(products),
+           check_test(upper_halves_alone), check_test(sweeps), check_test(blocks_are_solved),
+           check_test(singular_nodes_are_reported), check_test(no_memory))

@@ -373,16 +373,6 @@ static void oblique_fibres(void **state) {
   bw_release(material);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(sweeps),
-      check_test(singular_stars),
-      check_test(no_memory),
-      check_test(nearly_incompressible),
-      check_test(many_right_hand_sides),
-      check_test(cancelled_at_once),
-      check_test(cancelled),
-      check_test(oblique_fibres),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(sweeps), check_test(singular_stars), check_test(no_memory),
+           check_test(nearly_incompressible), check_test(many_right_hand_sides),
+           check_test(cancelled_at_once), check_test(cancelled), check_test(oblique_fibres))

@@ -454,28 +454,15 @@ static void cancelling_and_memory(void **state) {
     check_fails(context, BW_CANCELLED, "cancel", solve_once(context, model, solver, u));
     bw_clear_cancel(context);
     bw_set_progress(context, NULL, NULL);
-    int64_t before = bw_live_blocks();
-    bw_status status = BW_MEMORY;
-    for (int64_t n = 1; status == BW_MEMORY; n++) {
-      bw_fail_allocation(n, true);
+    check_each_allocation(context, status, 1) {
       status = solve_once(context, model, solver, u);
-      bw_fail_allocation(0, false);
-      bw_clear_failure(context);
-      assert_int_equal(bw_live_blocks(), before);
     }
-    assert_int_equal(status, BW_OK);
     bw_release(solver);
   }
   free(u);
   bw_release(model);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(every_solver),
-                                     check_test(one_system),
-                                     check_test(without_memory_for_a_factor),
-                                     check_test(a_factor_in_place_of_iterations),
-                                     check_test(refusals),
-                                     check_test(cancelling_and_memory)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(every_solver), check_test(one_system),
+           check_test(without_memory_for_a_factor), check_test(a_factor_in_place_of_iterations),
+           check_test(refusals), check_test(cancelling_and_memory))

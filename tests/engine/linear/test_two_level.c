@@ -287,17 +287,7 @@ static void no_memory(void **state) {
   bar_clear(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(as_a_factor),
-      check_test(linear_elements_are_refused),
-      check_test(sizes_do_not_matter),
-      check_test(many_sides),
-      check_test(same_bits),
-      check_test(chosen_by_cost),
-      check_test(chosen_for_a_thick_body),
-      check_test(followed_once),
-      check_test(no_memory),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(as_a_factor), check_test(linear_elements_are_refused),
+           check_test(sizes_do_not_matter), check_test(many_sides), check_test(same_bits),
+           check_test(chosen_by_cost), check_test(chosen_for_a_thick_body),
+           check_test(followed_once), check_test(no_memory))

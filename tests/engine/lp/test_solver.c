@@ -346,14 +346,6 @@ static void knapsack_bounds(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(each_backend_finds_the_best_vertex),
-      check_test(a_limit_of_iterations_holds),
-      check_test(solvers_can_be_cancelled),
-      check_test(an_abort_of_glpk_is_caught),
-      check_test(environments_of_others_are_left_alone),
-      check_test(knapsack_bounds),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(each_backend_finds_the_best_vertex), check_test(a_limit_of_iterations_holds),
+           check_test(solvers_can_be_cancelled), check_test(an_abort_of_glpk_is_caught),
+           check_test(environments_of_others_are_left_alone), check_test(knapsack_bounds))

@@ -215,12 +215,5 @@ static void areas_survive_filling(void **state) {
     }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(shapes_have_their_faces),
-      check_test(fillets_are_parted_from_planes),
-      check_test(faces_survive_filling),
-      check_test(areas_survive_filling),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(shapes_have_their_faces), check_test(fillets_are_parted_from_planes),
+           check_test(faces_survive_filling), check_test(areas_survive_filling))

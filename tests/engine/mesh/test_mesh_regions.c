@@ -414,10 +414,6 @@ static void bad_parts(void **state) {
   release_parts(part, 2);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(regions_are_kept), check_test(bad_regions),
-                                     check_test(splits),           check_test(split_errors),
-                                     check_test(fills_parts),      check_test(fills_random_boxes),
-                                     check_test(bad_parts)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(regions_are_kept), check_test(bad_regions), check_test(splits),
+           check_test(split_errors), check_test(fills_parts), check_test(fills_random_boxes),
+           check_test(bad_parts))

@@ -127,24 +127,13 @@ static void test_locator_memory(void **state) {
   int cells[3] = {2, 2, 2};
   bw_mesh *mesh;
   check_ok(context, bw_mesh_box_grid(context, low, high, cells, 1, &mesh));
-  bw_status status = BW_MEMORY;
-  for (int64_t n = 1; status != BW_OK; n++) {
+  check_each_allocation(context, status, 1) {
     bw_locator *locator = NULL;
-    bw_fail_allocation(n, true);
     status = bw_locator_create(context, mesh, &locator);
-    bw_fail_allocation(0, false);
-    assert_true((status == BW_OK || status == BW_MEMORY) && n < 20);
     bw_release(locator);
   }
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_regular),
-      check_test(test_flat),
-      check_test(test_locator),
-      check_test(test_locator_memory),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_regular), check_test(test_flat), check_test(test_locator),
+           check_test(test_locator_memory))

@@ -265,17 +265,9 @@ static void fields_at_points(void **state) {
   bw_release(linear);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(exponents_of_free_edges),
-      check_test(exponents_at_supports),
-      check_test(notches_have_one_edge),
-      check_test(an_l_section_has_one_edge),
-      check_test(convex_and_round_bodies_have_none),
-      check_test(facets_of_round_faces_are_no_edges),
-      check_test(surfaces_without_an_inside_are_refused),
-      check_test(memory_failures),
-      check_test(fields_at_points),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(exponents_of_free_edges), check_test(exponents_at_supports),
+           check_test(notches_have_one_edge), check_test(an_l_section_has_one_edge),
+           check_test(convex_and_round_bodies_have_none),
+           check_test(facets_of_round_faces_are_no_edges),
+           check_test(surfaces_without_an_inside_are_refused), check_test(memory_failures),
+           check_test(fields_at_points))

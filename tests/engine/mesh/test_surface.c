@@ -376,36 +376,18 @@ static void test_allocation_failures(void **state) {
   bw_context *context = check_context(state);
   bw_surface *a = unit_box(context), *b = box_between(context, 0.5, 1.5),
              *both = together(context, a, b);
-  bw_status status = BW_MEMORY;
-  int n = 0;
   check_ok(context, everything(context, both)); /* threads are there from now on */
-  while (status != BW_OK) {
-    n++;
-    assert_true(n < 1000);
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 40) {
     status = everything(context, both);
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
   }
-  assert_true(n > 40);
   bw_release(a);
   bw_release(b);
   bw_release(both);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_measures),
-      check_test(test_bad_arrays_are_refused),
-      check_test(test_weld),
-      check_test(test_predicates_are_exact),
-      check_test(test_check_counts),
-      check_test(test_intersections),
-      check_test(test_orientation_of_nested_shells),
-      check_test(test_one_sided_strip_is_refused),
-      check_test(test_distance),
-      check_test(test_same_for_any_number_of_threads),
-      check_test(test_allocation_failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_measures), check_test(test_bad_arrays_are_refused),
+           check_test(test_weld), check_test(test_predicates_are_exact),
+           check_test(test_check_counts), check_test(test_intersections),
+           check_test(test_orientation_of_nested_shells),
+           check_test(test_one_sided_strip_is_refused), check_test(test_distance),
+           check_test(test_same_for_any_number_of_threads), check_test(test_allocation_failures))

@@ -149,11 +149,5 @@ static void test_needles_are_remeshed(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_good_models_are_sound),
-      check_test(test_bad_models_are_repaired),
-      check_test(test_needles_are_remeshed),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_good_models_are_sound), check_test(test_bad_models_are_repaired),
+           check_test(test_needles_are_remeshed))

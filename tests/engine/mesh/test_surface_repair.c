@@ -448,38 +448,17 @@ static void test_allocation_failures(void **state) {
   triangle[33] = triangle[34]; /* a facet that repeats a point, and so a hole */
   open = make(context, 8, box->point, 12, triangle);
   check_ok(context, everything(context, open));
-  bw_status status = BW_MEMORY;
-  int n = 0;
-  while (status != BW_OK) {
-    n++;
-    assert_true(n < 5000);
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 100) {
     status = everything(context, open);
-    bw_fail_allocation(0, false);
-    if (status != BW_OK && status != BW_MEMORY)
-      fail_msg("allocation %d: %s (%s)", n, bw_status_word(status), bw_message(context));
   }
-  assert_true(n > 100);
   bw_release(open);
   bw_release(box);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_sound_stays_as_it_is),
-      check_test(test_holes_and_cracks),
-      check_test(test_double_sided),
-      check_test(test_wall_between_bodies),
-      check_test(test_overlapping_shells),
-      check_test(test_boxes_touching_along_an_edge),
-      check_test(test_wrap),
-      check_test(test_refusals),
-      check_test(test_remesh_keeps_edges_and_volume),
-      check_test(test_remesh_steps),
-      check_test(test_remesh_needles),
-      check_test(test_remesh_thin_shell),
-      check_test(test_remesh_refuses_open),
-      check_test(test_allocation_failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_sound_stays_as_it_is), check_test(test_holes_and_cracks),
+           check_test(test_double_sided), check_test(test_wall_between_bodies),
+           check_test(test_overlapping_shells), check_test(test_boxes_touching_along_an_edge),
+           check_test(test_wrap), check_test(test_refusals),
+           check_test(test_remesh_keeps_edges_and_volume), check_test(test_remesh_steps),
+           check_test(test_remesh_needles), check_test(test_remesh_thin_shell),
+           check_test(test_remesh_refuses_open), check_test(test_allocation_failures))

@@ -105,21 +105,10 @@ done:
 
 static void test_allocation_failures(void **state) {
   bw_context *context = check_context(state);
-  bw_status status = BW_MEMORY;
-  for (int n = 1; status != BW_OK; n++) {
-    assert_true(n < 300);
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 1) {
     status = make_all(context);
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_box_sphere_cylinder),
-      check_test(test_implicit),
-      check_test(test_allocation_failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_box_sphere_cylinder), check_test(test_implicit),
+           check_test(test_allocation_failures))

@@ -232,12 +232,6 @@ static void features_are_logarithms(void **state) {
     assert_true(soft[25 * i] > 0);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(a_homogeneous_box_is_that_box),
-                                     check_test(bending_locks_less),
-                                     check_test(between_reuss_and_voigt),
-                                     check_test(surroundings_give_way),
-                                     check_test(a_turned_block_is_the_block_turned),
-                                     check_test(features_are_logarithms)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(a_homogeneous_box_is_that_box), check_test(bending_locks_less),
+           check_test(between_reuss_and_voigt), check_test(surroundings_give_way),
+           check_test(a_turned_block_is_the_block_turned), check_test(features_are_logarithms))

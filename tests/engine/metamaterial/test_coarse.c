@@ -330,31 +330,19 @@ static void test_memory(void **state) {
   bw_grid *grid = make_grid(context, cells, material, fraction);
   material[5] = material[5] ? 0 : 1;
   bw_grid *edited = make_grid(context, cells, material, fraction);
-  for (int64_t n = 1;; n++) {
+  check_each_allocation(context, status, 1) {
     bw_coarse *coarse = NULL, *next = NULL;
-    int64_t blocks = bw_live_blocks();
-    bw_fail_allocation(n, true);
-    bw_status status = bw_coarsen(context, BW_COARSE_NAIVE, NULL, material_table, grid, 2, &coarse);
+    status = bw_coarsen(context, BW_COARSE_NAIVE, NULL, material_table, grid, 2, &coarse);
     if (status == BW_OK)
       status = bw_coarse_follow(context, coarse, edited, &next);
-    bw_fail_allocation(0, false);
     bw_release(coarse);
     bw_release(next);
-    assert_int_equal(bw_live_blocks(), blocks);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
   }
   bw_release(grid);
   bw_release(edited);
   bw_release(material_table);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_naive),         check_test(test_average),  check_test(test_rows),
-      check_test(test_follow),        check_test(test_refusals), check_test(test_memory),
-      check_test(test_displacements),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_naive), check_test(test_average), check_test(test_rows),
+           check_test(test_follow), check_test(test_refusals), check_test(test_memory),
+           check_test(test_displacements))

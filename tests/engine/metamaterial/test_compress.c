@@ -157,26 +157,13 @@ static void test_memory(void **state) {
   bw_context *context = check_context(state);
   bw_library *library = fixture_library(context, 1, true, 1, 8);
   check_ok(context, bw_set_threads(context, 1));
-  for (int64_t n = 1;; n++) {
+  check_each_allocation(context, status, 1) {
     bwi_levels *levels = NULL;
-    int64_t blocks = bw_live_blocks();
-    bw_fail_allocation(n, true);
-    bw_status status =
-        bwi_levels_create(context, library->inner->keys, library->inner->fit[0], 8, &levels);
-    bw_fail_allocation(0, false);
+    status = bwi_levels_create(context, library->inner->keys, library->inner->fit[0], 8, &levels);
     bwi_levels_destroy(levels);
-    assert_int_equal(bw_live_blocks(), blocks);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
   }
   bw_release(library);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_farthest), check_test(test_own_fits), check_test(test_tables),
-      check_test(test_symmetry), check_test(test_threads),  check_test(test_memory),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_farthest), check_test(test_own_fits), check_test(test_tables),
+           check_test(test_symmetry), check_test(test_threads), check_test(test_memory))

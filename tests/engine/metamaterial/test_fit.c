@@ -372,19 +372,10 @@ static void nnls_keeps_the_limit(void **state) {
   check_near(x[2], 2.5, 1e-12);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(an_auxetic_block_is_left_as_it_is),
-                                     check_test(a_homogeneous_block_keeps_its_moduli),
-                                     check_test(layers_are_a_laminate),
-                                     check_test(condensing_is_exact_for_laminates),
-                                     check_test(fits_beat_naive_coarsening),
-                                     check_test(symmetries_are_kept),
-                                     check_test(the_same_again),
-                                     check_test(blocks_with_void),
-                                     check_test(blocks_of_fitted_materials),
-                                     check_test(other_laws),
-                                     check_test(memory_that_runs_out),
-                                     check_test(nnls_is_optimal),
-                                     check_test(nnls_keeps_the_limit)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(an_auxetic_block_is_left_as_it_is),
+           check_test(a_homogeneous_block_keeps_its_moduli), check_test(layers_are_a_laminate),
+           check_test(condensing_is_exact_for_laminates), check_test(fits_beat_naive_coarsening),
+           check_test(symmetries_are_kept), check_test(the_same_again),
+           check_test(blocks_with_void), check_test(blocks_of_fitted_materials),
+           check_test(other_laws), check_test(memory_that_runs_out), check_test(nnls_is_optimal),
+           check_test(nnls_keeps_the_limit))

@@ -382,26 +382,15 @@ static void test_memory(void **state) {
   const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
   const int32_t cells[3] = {4, 4, 2}, material[32] = {[0] = 1, [1] = 1, [4] = 1};
   bw_grid *grid;
-  bw_status status = BW_MEMORY;
   check_ok(context, bw_set_threads(context, 1));
   check_ok(context, bw_grid_create(context, origin, spacing, cells, material, NULL, &grid));
-  for (int64_t n = 1; status != BW_OK; n++) {
-    int64_t blocks = bw_live_blocks();
+  check_each_allocation(context, status, 1) {
     unlink(path);
-    bw_fail_allocation(n, true);
     status = bw_library_grow(context, empty, material_table, grid, 2, path, &grown);
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
-    if (status != BW_OK)
-      assert_int_equal(bw_live_blocks(), blocks);
   }
   check_ok(context, bw_library_write(context, grown, path));
-  status = BW_MEMORY;
-  for (int64_t n = 1; status != BW_OK; n++) {
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 1) {
     status = bw_library_read(context, path, &read);
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
   }
   fixture_same(grown, read);
   bw_release(read);

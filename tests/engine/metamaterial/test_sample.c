@@ -88,8 +88,4 @@ static void energy_is_work(void **state) {
     }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(small_shapes_are_linear),
-                                     check_test(energy_is_work)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(small_shapes_are_linear), check_test(energy_is_work))

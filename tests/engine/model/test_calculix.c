@@ -307,12 +307,6 @@ static void free_body_under_a_balanced_load_is_pinned(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(calculix_agrees),
-      check_test(temperatures_agree),
-      check_test(several_materials_agree),
-      check_test(free_body_under_a_balanced_load_is_pinned),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(calculix_agrees), check_test(temperatures_agree),
+           check_test(several_materials_agree),
+           check_test(free_body_under_a_balanced_load_is_pinned))

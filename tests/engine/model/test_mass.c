@@ -39,7 +39,4 @@ static void weighted_motions_are_mass_times_motions(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(weighted_motions_are_mass_times_motions)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(weighted_motions_are_mass_times_motions))

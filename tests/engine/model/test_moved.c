@@ -319,20 +319,15 @@ static void no_memory(void **state) {
   check_ok(context, bw_model_torque(context, model, side, torque, NULL));
   int32_t *subdomain = (int32_t *)calloc((size_t)mesh->node_count, sizeof *subdomain);
   const double rest[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  for (int64_t n = 1;; n++) {
+  check_each_allocation(context, status, 1) {
     bw_model *moved = NULL;
     bw_dof_map *dof_map = NULL;
     bool same;
-    bw_fail_allocation(n, true);
-    bw_status status = bw_model_moved(context, model, mesh, &moved);
+    status = bw_model_moved(context, model, mesh, &moved);
     if (status == BW_OK)
       status = bw_dof_map_follow(context, moved, NULL, 1, subdomain, rest, &same, &dof_map);
-    bw_fail_allocation(0, false);
     bw_release(dof_map);
     bw_release(moved);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
   }
   free(subdomain);
   bw_release(side);
@@ -341,12 +336,6 @@ static void no_memory(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(loads_go_with_the_surface),
-                                     check_test(supports_go_with_the_surface),
-                                     check_test(transferred_to_a_refilled_mesh),
-                                     check_test(dof_map_in_frames),
-                                     check_test(pins_stay),
-                                     check_test(no_memory)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(loads_go_with_the_surface), check_test(supports_go_with_the_surface),
+           check_test(transferred_to_a_refilled_mesh), check_test(dof_map_in_frames),
+           check_test(pins_stay), check_test(no_memory))

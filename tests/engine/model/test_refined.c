@@ -82,21 +82,16 @@ static void no_memory(void **state) {
   check_ok(context, bw_model_torque(context, model, tip, torque, NULL));
   check_ok(context, bw_model_temperature(context, model, change, &(double){1e-5}));
   uint8_t *levels = some_levels(mesh, 3, 2);
-  for (int64_t n = 1;; n++) {
+  check_each_allocation(context, status, 1) {
     bw_refinement r = {.mesh = NULL};
     bw_model *refined = NULL;
     bw_selection *carried[1] = {NULL};
-    bw_fail_allocation(n, true);
-    bw_status status = bw_mesh_refine(context, mesh, levels, 2, 100000, &r);
+    status = bw_mesh_refine(context, mesh, levels, 2, 100000, &r);
     if (status == BW_OK)
       status = bw_model_refined(context, model, &r, r.mesh, 1, also, carried, &refined);
-    bw_fail_allocation(0, false);
     bw_refinement_clear(&r);
     bw_release(carried[0]);
     bw_release(refined);
-    if (status == BW_OK)
-      break;
-    assert_int_equal(status, BW_MEMORY);
   }
   free(levels);
   bw_release(change);
@@ -106,8 +101,4 @@ static void no_memory(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(nested_and_conforming), check_test(refuses),
-                                     check_test(no_memory)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(nested_and_conforming), check_test(refuses), check_test(no_memory))

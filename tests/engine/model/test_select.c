@@ -249,15 +249,7 @@ static void empty_selections_say_where_the_body_is(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(shapes_select_what_lies_in_them),
-      check_test(directions_select_sides),
-      check_test(selections_combine),
-      check_test(a_selection_knows_the_face_it_misses),
-      check_test(supports_need_facets_or_a_node_set),
-      check_test(what_is_missed_is_reported),
-      check_test(empty_selections_say_where_the_body_is),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(shapes_select_what_lies_in_them), check_test(directions_select_sides),
+           check_test(selections_combine), check_test(a_selection_knows_the_face_it_misses),
+           check_test(supports_need_facets_or_a_node_set), check_test(what_is_missed_is_reported),
+           check_test(empty_selections_say_where_the_body_is))

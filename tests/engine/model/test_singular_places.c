@@ -78,10 +78,4 @@ static void memory_failures(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(borders_of_supports),
-      check_test(memory_failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(borders_of_supports), check_test(memory_failures))

@@ -119,8 +119,5 @@ static void test_prescribed_field(void **state) {
   bw_release(material);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_free_expansion), check_test(test_clamped),
-                                     check_test(test_prescribed_field)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_free_expansion), check_test(test_clamped),
+           check_test(test_prescribed_field))

@@ -168,8 +168,4 @@ static void test_buckled(void **state) {
   body_release(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_column), check_test(test_elastica),
-                                     check_test(test_buckled)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_column), check_test(test_elastica), check_test(test_buckled))

@@ -210,8 +210,4 @@ static void test_pressed(void **state) {
     }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_uniaxial), check_test(test_shear),
-                                     check_test(test_pressed)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_uniaxial), check_test(test_shear), check_test(test_pressed))

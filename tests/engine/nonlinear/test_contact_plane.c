@@ -160,9 +160,5 @@ static void test_misuse(void **state) {
   box_free(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_weight), check_test(test_press),
-                                     check_test(test_cantilever), check_test(test_lifted),
-                                     check_test(test_misuse)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_weight), check_test(test_press), check_test(test_cantilever),
+           check_test(test_lifted), check_test(test_misuse))

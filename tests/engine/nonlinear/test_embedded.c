@@ -273,7 +273,4 @@ static void test_sphere(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_cook), check_test(test_sphere)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_cook), check_test(test_sphere))

@@ -408,10 +408,6 @@ static void test_memory(void **state) {
   bw_release(made);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_patch),    check_test(test_plain_sums), check_test(test_derivatives),
-      check_test(test_rotation), check_test(test_threads),    check_test(test_projected),
-      check_test(test_empty),    check_test(test_inverted),   check_test(test_memory)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_patch), check_test(test_plain_sums), check_test(test_derivatives),
+           check_test(test_rotation), check_test(test_threads), check_test(test_projected),
+           check_test(test_empty), check_test(test_inverted), check_test(test_memory))

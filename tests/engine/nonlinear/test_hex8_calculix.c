@@ -109,7 +109,4 @@ static void test_same(void **state) {
   bw_release(grid);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_same)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_same))

@@ -329,17 +329,7 @@ static void test_unconstrained(void **state) {
   box_free(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_totals),
-      check_test(test_followers),
-      check_test(test_follower_derivative),
-      check_test(test_elsewhere),
-      check_test(test_even),
-      check_test(test_press),
-      check_test(test_follows_volume),
-      check_test(test_contradictions),
-      check_test(test_unconstrained),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_totals), check_test(test_followers),
+           check_test(test_follower_derivative), check_test(test_elsewhere), check_test(test_even),
+           check_test(test_press), check_test(test_follows_volume), check_test(test_contradictions),
+           check_test(test_unconstrained))

@@ -192,14 +192,6 @@ static void test_hidden_loads(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_uniaxial),
-      check_test(test_small_loads_are_linear),
-      check_test(test_load_steps_do_not_matter),
-      check_test(test_same_bits),
-      check_test(test_kept),
-      check_test(test_hidden_loads),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_uniaxial), check_test(test_small_loads_are_linear),
+           check_test(test_load_steps_do_not_matter), check_test(test_same_bits),
+           check_test(test_kept), check_test(test_hidden_loads))

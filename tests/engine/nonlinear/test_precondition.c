@@ -316,9 +316,5 @@ static void test_misuse(void **state) {
   block_free(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_the_same),   check_test(test_levels),
-                                     check_test(test_iterations), check_test(test_contact_plane),
-                                     check_test(test_by_cost),    check_test(test_misuse)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_the_same), check_test(test_levels), check_test(test_iterations),
+           check_test(test_contact_plane), check_test(test_by_cost), check_test(test_misuse))

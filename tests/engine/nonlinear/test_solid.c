@@ -119,8 +119,5 @@ static void test_refused(void **state) {
   bw_release(first);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_factor), check_test(test_mass),
-                                     check_test(test_previous), check_test(test_refused)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_factor), check_test(test_mass), check_test(test_previous),
+           check_test(test_refused))

@@ -63,7 +63,4 @@ static void test_means(void **state) {
   bw_release(solid);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_shear), check_test(test_means)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_shear), check_test(test_means))

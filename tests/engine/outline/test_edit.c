@@ -415,18 +415,9 @@ static void memory_failures_lose_nothing(void **state) {
   bw_release(o);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(a_loop_more_and_fewer),
-      check_test(a_join_undoes_a_split),
-      check_test(smoothing_evens_a_wave_and_keeps_corners),
-      check_test(pulling_without_strain_is_rigid),
-      check_test(pulling_bends_what_lies_between_pins),
-      check_test(random_pulls_stay_valid),
-      check_test(tags_change),
-      check_test(the_nearest_place),
-      check_test(polygons_keep_their_tolerance),
-      check_test(memory_failures_lose_nothing),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(a_loop_more_and_fewer), check_test(a_join_undoes_a_split),
+           check_test(smoothing_evens_a_wave_and_keeps_corners),
+           check_test(pulling_without_strain_is_rigid),
+           check_test(pulling_bends_what_lies_between_pins), check_test(random_pulls_stay_valid),
+           check_test(tags_change), check_test(the_nearest_place),
+           check_test(polygons_keep_their_tolerance), check_test(memory_failures_lose_nothing))

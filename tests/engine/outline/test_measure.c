@@ -141,11 +141,6 @@ static void the_gradient_of_the_area(void **state) {
   bw_release(o);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(a_rectangle_with_a_hole),    check_test(a_segment_of_a_parabola),
-      check_test(regions_are_measured_apart), check_test(a_circle_is_nearly_round),
-      check_test(the_gradient_of_the_area),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(a_rectangle_with_a_hole), check_test(a_segment_of_a_parabola),
+           check_test(regions_are_measured_apart), check_test(a_circle_is_nearly_round),
+           check_test(the_gradient_of_the_area))

@@ -126,7 +126,6 @@ static void refusals(void **state) {
   check_fails(context, BW_INVALID, "20000 x 100 pixels",
               bw_picture_grids(context, 1, &panel, &options, path));
   options.width = 100;
-  bw_status status;
   bw_surface *box;
   bw_embedding *embedding;
   double value[2] = {1, 2};
@@ -142,15 +141,9 @@ static void refusals(void **state) {
   both[1].value = value;
   both[1].on_elements = true;
   check_ok(context, bw_picture_grids(context, 2, both, &options, path));
-  int64_t blocks = bw_live_blocks(), n = 0;
-  do {
-    bw_fail_allocation(++n, true);
+  check_each_allocation(context, status, 15) {
     status = bw_picture_grids(context, 2, both, &options, path);
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
-    assert_int_equal(bw_live_blocks(), blocks);
-  } while (status != BW_OK);
-  assert_true(n > 15);
+  }
   bw_release(box);
   bw_release(embedding);
   unlink(path);
@@ -247,24 +240,14 @@ static void animations(void **state) {
               bw_animation_write(context, 2, png, 0, 0, path));
   check_fails(context, BW_INVALID, "animation of 0 pictures",
               bw_animation_write(context, 0, png, 1, 0, path));
-  int64_t blocks = bw_live_blocks(), n = 0;
-  bw_status status;
-  do {
-    bw_fail_allocation(++n, true);
+  check_each_allocation(context, status, 1) {
     status = bw_animation_write(context, 2, png, 0.04, 0, path);
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
-    assert_int_equal(bw_live_blocks(), blocks);
-  } while (status != BW_OK);
+  }
   for (int i = 0; i < 3; i++)
     unlink(png[i]);
   unlink(path);
   bw_release(grid);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(lines_without_diagonals),
-                                     check_test(one_scale_for_all), check_test(refusals),
-                                     check_test(animations)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(lines_without_diagonals), check_test(one_scale_for_all), check_test(refusals),
+           check_test(animations))

@@ -151,15 +151,9 @@ static void memory_failures(void **state) {
   bw_plane_mesh *from = mesh_on(context, outline, 2, 60), *to = mesh_on(context, outline, 2, 90);
   double *value = calloc((size_t)from->topology->nodes->node_count, sizeof(double));
   double *transferred = calloc((size_t)to->topology->nodes->node_count, sizeof(double));
-  bw_status status = BW_MEMORY;
-  for (int n = 1; status != BW_OK && n < 100; n++) {
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 1) {
     status = bw_plane_transfer(context, from, to, 1, value, transferred);
-    bw_fail_allocation(0, false);
-    if (status != BW_OK)
-      assert_int_equal(status, BW_MEMORY);
   }
-  assert_int_equal(status, BW_OK);
   check_fails(context, BW_INVALID, "components",
               bw_plane_transfer(context, from, to, 0, value, transferred));
   free(value);
@@ -169,9 +163,5 @@ static void memory_failures(void **state) {
   bw_release(outline);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(locating), check_test(polynomials),
-                                     check_test(flipped_mid_edge_nodes), check_test(curved_sides),
-                                     check_test(memory_failures)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(locating), check_test(polynomials), check_test(flipped_mid_edge_nodes),
+           check_test(curved_sides), check_test(memory_failures))

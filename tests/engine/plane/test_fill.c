@@ -349,15 +349,9 @@ static void memory_failures(void **state) {
   options.elements = 60;
   options.order = 2;
   bw_plane_mesh *mesh = NULL;
-  bw_status status = BW_MEMORY;
-  for (int n = 1; status != BW_OK && n < 2000; n++) {
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 1) {
     status = bw_plane_fill(context, outline, &options, &mesh);
-    bw_fail_allocation(0, false);
-    if (status != BW_OK)
-      assert_int_equal(status, BW_MEMORY);
   }
-  assert_int_equal(status, BW_OK);
   bw_release(mesh);
   bw_release(outline);
 }
@@ -376,11 +370,7 @@ static void large(void **state) {
   bw_release(filled(context, &s, &options));
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(block),       check_test(size_field),      check_test(regions),
-      check_test(hard_shapes), check_test(scales),          check_test(details),
-      check_test(strip),       check_test(limits),          check_test(same_every_time),
-      check_test(refusals),    check_test(memory_failures), check_test(large)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(block), check_test(size_field), check_test(regions), check_test(hard_shapes),
+           check_test(scales), check_test(details), check_test(strip), check_test(limits),
+           check_test(same_every_time), check_test(refusals), check_test(memory_failures),
+           check_test(large))

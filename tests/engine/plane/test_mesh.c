@@ -164,32 +164,17 @@ static void refusals(void **state) {
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
   bw_plane_mesh *mesh = NULL, *moved = NULL;
-  bw_status status = BW_MEMORY;
-  for (int n = 1; status != BW_OK && n < 1000; n++) {
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 1) {
     status = bw_plane_rectangle(context, 2, LOW, HIGH, 2, 2, BW_DIAGONAL_UNION_JACK, &mesh);
-    bw_fail_allocation(0, false);
-    if (status != BW_OK)
-      assert_int_equal(status, BW_MEMORY);
   }
-  assert_int_equal(status, BW_OK);
   const bw_plane_topology *t = mesh->topology;
-  status = BW_MEMORY;
-  for (int n = 1; status != BW_OK && n < 1000; n++) {
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 1) {
     status = bw_plane_mesh_copy(context, 2, t->nodes->node_count, mesh->point, t->element_count,
                                 t->element, NULL, &moved);
-    bw_fail_allocation(0, false);
-    if (status != BW_OK)
-      assert_int_equal(status, BW_MEMORY);
   }
-  assert_int_equal(status, BW_OK);
   bw_release(moved);
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(rectangles), check_test(copies), check_test(curved),
-                                     check_test(refusals), check_test(memory_failures)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(rectangles), check_test(copies), check_test(curved), check_test(refusals),
+           check_test(memory_failures))

@@ -309,8 +309,5 @@ static void test_metallophone(void **state) {
   drags(check_context(state), RINGING, 2, 8);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_steady), check_test(test_vibration),
-                                     check_test(test_cantilever), check_test(test_metallophone)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_steady), check_test(test_vibration), check_test(test_cantilever),
+           check_test(test_metallophone))

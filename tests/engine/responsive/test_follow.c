@@ -373,10 +373,6 @@ static void test_kirsch(void **state) {
   bw_release(material);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_static), check_test(test_transient), check_test(test_large_deflection),
-      check_test(test_memory), check_test(test_renamed),   check_test(test_le1),
-      check_test(test_kirsch)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_static), check_test(test_transient), check_test(test_large_deflection),
+           check_test(test_memory), check_test(test_renamed), check_test(test_le1),
+           check_test(test_kirsch))

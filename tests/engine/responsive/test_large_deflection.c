@@ -346,11 +346,7 @@ static void test_threads(void **state) {
   same_on_any_threads(check_context(state), 1e6, 1e3, 0, large_deflection);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_derivatives), check_test(test_elastica),
-                                     check_test(test_cook),        check_test(test_stretch),
-                                     check_test(test_rotation),    check_test(test_crushed),
-                                     check_test(test_memory),      check_test(test_threads),
-                                     check_test(test_small_load),  check_test(test_frames)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_derivatives), check_test(test_elastica), check_test(test_cook),
+           check_test(test_stretch), check_test(test_rotation), check_test(test_crushed),
+           check_test(test_memory), check_test(test_threads), check_test(test_small_load),
+           check_test(test_frames))

@@ -220,9 +220,5 @@ static void test_threads(void **state) {
   same_on_any_threads(check_context(state), 1e6, 1e3, 0, three_steps);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_order),     check_test(test_energy),
-                                     check_test(test_resonance), check_test(test_refused),
-                                     check_test(test_memory),    check_test(test_threads)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_order), check_test(test_energy), check_test(test_resonance),
+           check_test(test_refused), check_test(test_memory), check_test(test_threads))

@@ -200,7 +200,4 @@ static void random_plates(void **state) {
   bw_release(wood);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(random_plates)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(random_plates))

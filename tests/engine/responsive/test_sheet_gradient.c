@@ -133,7 +133,4 @@ static void test_bounds(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_differences), check_test(test_bounds)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_differences), check_test(test_bounds))

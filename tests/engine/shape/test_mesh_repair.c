@@ -497,25 +497,16 @@ static void test_allocation_failures(void **state) {
     replace[e] = e % (mesh->element_count / 2) < mesh->element_count / 8;
   double *node = copy_nodes(context, mesh), *tangled = copy_nodes(context, mesh);
   push_inner(mesh, tangled, 1);
-  bw_status status = BW_MEMORY;
-  for (int64_t n = 1; status != BW_OK; n++) {
+  check_each_allocation(context, status, 1) {
     bw_mesh_repair_report report;
     memcpy(node, tangled, 24 * (size_t)mesh->node_count);
-    bw_fail_allocation(n, true);
     status = bw_mesh_relax(context, mesh, may, node, &report);
-    bw_fail_allocation(0, false);
-    assert_true(status == BW_OK || status == BW_MEMORY);
     assert_true(status == BW_OK || memcmp(node, tangled, 24 * (size_t)mesh->node_count) == 0);
   }
-  status = BW_MEMORY;
-  for (int64_t n = 1; status != BW_OK; n++) {
+  check_each_allocation(context, status, 1) {
     bw_mesh *made = NULL;
     int32_t *node_from = NULL, *element_from = NULL;
-    bw_fail_allocation(n, true);
     status = bw_mesh_refill(context, mesh, mesh->node, replace, &made, &node_from, &element_from);
-    bw_fail_allocation(0, false);
-    if (status != BW_OK && status != BW_MEMORY)
-      fail_msg("allocation %d: %s", (int)n, bw_message(context));
     assert_true((status == BW_OK) == (made != NULL) && (status == BW_OK) == (node_from != NULL));
     bw_free(node_from);
     bw_free(element_from);
@@ -527,13 +518,7 @@ static void test_allocation_failures(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_quality), check_test(test_pushed_nodes),
-      check_test(test_stays_local),   check_test(test_dent),
-      check_test(test_refusals),      check_test(test_bent_bar),
-      check_test(test_components),    check_test(test_regions),
-      check_test(test_cancel),        check_test(test_allocation_failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(cmocka_unit_test(test_quality), check_test(test_pushed_nodes),
+           check_test(test_stays_local), check_test(test_dent), check_test(test_refusals),
+           check_test(test_bent_bar), check_test(test_components), check_test(test_regions),
+           check_test(test_cancel), check_test(test_allocation_failures))

@@ -426,21 +426,15 @@ static void every_failing_allocation_is_survived(void **state) {
   bw_release(s);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(a_tree_is_directed_away_from_its_root),
-      check_test(an_order_with_parents_first_is_kept),
-      check_test(names_that_are_taken_are_stepped_over),
-      check_test(what_is_no_tree_is_refused),
-      check_test(frames_are_right_handed_and_follow_the_bones),
-      check_test(inserting_a_joint_cuts_a_bone),
-      check_test(merging_undoes_inserting),
-      check_test(the_root_moves_when_its_joint_is_merged_away),
-      check_test(moving_removing_and_rooting),
-      check_test(a_file_brings_back_the_same_skeleton),
-      check_test(files_of_others_are_understood),
-      check_test(malformed_files_are_refused_by_line),
-      check_test(every_failing_allocation_is_survived),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(a_tree_is_directed_away_from_its_root),
+           check_test(an_order_with_parents_first_is_kept),
+           check_test(names_that_are_taken_are_stepped_over),
+           check_test(what_is_no_tree_is_refused),
+           check_test(frames_are_right_handed_and_follow_the_bones),
+           check_test(inserting_a_joint_cuts_a_bone), check_test(merging_undoes_inserting),
+           check_test(the_root_moves_when_its_joint_is_merged_away),
+           check_test(moving_removing_and_rooting),
+           check_test(a_file_brings_back_the_same_skeleton),
+           check_test(files_of_others_are_understood),
+           check_test(malformed_files_are_refused_by_line),
+           check_test(every_failing_allocation_is_survived))

@@ -241,11 +241,4 @@ static void test_random_edits(void **state) {
   release_comb(&c);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_cut),
-      check_test(test_local),
-      check_test(test_random_edits),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_cut), check_test(test_local), check_test(test_random_edits))

@@ -389,32 +389,16 @@ static void test_memory(void **state) {
   bw_context *context = check_context(state);
   limbs l = limbs_of_bar(context, 2, 2, 20);
   bw_subdomains *d = NULL, *changed = NULL;
-  bw_status status = BW_MEMORY;
-  int64_t blocks = bw_live_blocks();
-  int n;
-  for (n = 1; status == BW_MEMORY && n < 500; n++) {
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 25) {
     status = bw_subdomains_create(context, l.mesh, l.skeleton, l.weight, NULL, &d);
-    bw_fail_allocation(0, false);
-    if (status != BW_OK)
-      assert_int_equal(bw_live_blocks(), blocks);
   }
-  check_ok(context, status);
-  assert_true(n > 25);
-  blocks = bw_live_blocks();
   int32_t element = 0;
   for (int32_t e = 0; e < l.mesh->element_count; e++)
     if (d->element_subdomain[e] == 2 && middle(l.mesh, e, 0) > middle(l.mesh, element, 0))
       element = e;
-  status = BW_MEMORY;
-  for (n = 1; status == BW_MEMORY && n < 500; n++) {
-    bw_fail_allocation(n, true);
+  check_each_allocation(context, status, 1) {
     status = bw_subdomains_assign(context, d, 1, &element, -1, &changed);
-    bw_fail_allocation(0, false);
-    if (status != BW_OK)
-      assert_int_equal(bw_live_blocks(), blocks);
   }
-  check_ok(context, status);
   check_ok(context, bw_subdomains_check(context, changed));
   bw_release(d);
   bw_release(changed);

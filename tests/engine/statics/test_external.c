@@ -348,16 +348,11 @@ static void test_memory(void **state) {
   bw_model *model = cantilever(context, true);
   const bw_modes_options opts = {.count = 2, .tolerance = 1e-8, .seed = 1};
   for (int what = 0; what < 2; what++) {
-    bw_status status = BW_MEMORY;
-    for (int64_t n = 1; status == BW_MEMORY; n++) {
+    check_each_allocation(context, status, 1) {
       bw_static *result = NULL;
       bw_modes *modes = NULL;
-      bw_fail_allocation(n, true);
       status = what == 0 ? statics(context, model, false, &result)
                          : external_modes(context, model, &opts, &modes);
-      bw_fail_allocation(0, false);
-      if (status != BW_MEMORY)
-        check_ok(context, status);
       bw_release(result);
       bw_release(modes);
     }
@@ -366,9 +361,5 @@ static void test_memory(void **state) {
   bw_external_register(NULL);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_same_answers), check_test(test_lies),
-                                     check_test(test_many_right_hand_sides),
-                                     check_test(test_misuse), check_test(test_memory)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_same_answers), check_test(test_lies),
+           check_test(test_many_right_hand_sides), check_test(test_misuse), check_test(test_memory))

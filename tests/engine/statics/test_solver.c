@@ -391,13 +391,8 @@ static void cancelling_and_memory(void **state) {
                 bw_statics(context, b.model, NULL, &options, &result));
     bw_clear_cancel(context);
     bw_set_progress(context, NULL, NULL);
-    bw_status status = BW_MEMORY;
-    for (int64_t n = 1; status == BW_MEMORY; n++) {
-      bw_fail_allocation(n, true);
+    check_each_allocation(context, status, 1) {
       status = bw_statics(context, b.model, NULL, &options, &result);
-      bw_fail_allocation(0, false);
-      if (status != BW_MEMORY)
-        check_ok(context, status);
     }
     bw_release(result);
     bw_release(solver);
@@ -405,12 +400,7 @@ static void cancelling_and_memory(void **state) {
   bar_clear(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(all_solvers),        check_test(other_backend),
-      check_test(descriptions),       check_test(wide_in_place_of_single),
-      check_test(unsymmetric),        check_test(refusals),
-      check_test(mechanism),          check_test(large_elements),
-      check_test(too_few_iterations), check_test(cancelling_and_memory)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(all_solvers), check_test(other_backend), check_test(descriptions),
+           check_test(wide_in_place_of_single), check_test(unsymmetric), check_test(refusals),
+           check_test(mechanism), check_test(large_elements), check_test(too_few_iterations),
+           check_test(cancelling_and_memory))

@@ -575,16 +575,9 @@ static void available_memory(void **state) {
 #define solver_test(function)                                                                      \
   cmocka_unit_test_setup_teardown(function, make_solvers, release_solvers)
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      solver_test(as_a_factor),      solver_test(partly_free),
-      solver_test(two_bodies),       solver_test(free_bodies),
-      solver_test(curved_elements),  solver_test(factor_is_predicted),
-      solver_test(small_bodies),     solver_test(large_bodies),
-      solver_test(not_converged),    solver_test(mechanism),
-      solver_test(same_bits),        solver_test(no_memory),
-      solver_test(available_memory), solver_test(block_in_tension),
-      solver_test(mean_dilatation),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(solver_test(as_a_factor), solver_test(partly_free), solver_test(two_bodies),
+           solver_test(free_bodies), solver_test(curved_elements), solver_test(factor_is_predicted),
+           solver_test(small_bodies), solver_test(large_bodies), solver_test(not_converged),
+           solver_test(mechanism), solver_test(same_bits), solver_test(no_memory),
+           solver_test(available_memory), solver_test(block_in_tension),
+           solver_test(mean_dilatation))

@@ -313,13 +313,7 @@ static void loads_that_reach_nothing_are_refused(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(bar_in_tension),
-                                     check_test(bar_under_own_weight),
-                                     check_test(prescribed_stretch),
-                                     check_test(free_bodies),
-                                     check_test(mechanism_is_refused),
-                                     check_test(nothing_to_solve),
-                                     check_test(loads_that_reach_nothing_are_refused)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(bar_in_tension), check_test(bar_under_own_weight),
+           check_test(prescribed_stretch), check_test(free_bodies),
+           check_test(mechanism_is_refused), check_test(nothing_to_solve),
+           check_test(loads_that_reach_nothing_are_refused))

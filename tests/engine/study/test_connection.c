@@ -539,12 +539,7 @@ static void test_confined(void **state) {
   assert_int_equal(system(command), 0);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_file_test(test_functions),      check_file_test(test_pragmas),
-      check_file_test(test_statements),     check_file_test(test_hostile_files),
-      check_file_test(test_hostile_schema), check_file_test(test_names),
-      check_file_test(test_confined),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_file_test(test_functions), check_file_test(test_pragmas),
+           check_file_test(test_statements), check_file_test(test_hostile_files),
+           check_file_test(test_hostile_schema), check_file_test(test_names),
+           check_file_test(test_confined))

@@ -501,19 +501,9 @@ static void test_allocation_failures(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_file_test(test_opening),
-      check_file_test(test_refused),
-      check_file_test(test_read_only_folder),
-      check_file_test(test_two_openers),
-      check_file_test(test_full_disk),
-      check_file_test(test_damage),
-      check_file_test(test_lost_list),
-      check_file_test(test_nothing_to_save),
-      check_file_test(test_random_damage),
-      check_file_test(test_statements),
-      check_file_test(test_allocation_failures),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_file_test(test_opening), check_file_test(test_refused),
+           check_file_test(test_read_only_folder), check_file_test(test_two_openers),
+           check_file_test(test_full_disk), check_file_test(test_damage),
+           check_file_test(test_lost_list), check_file_test(test_nothing_to_save),
+           check_file_test(test_random_damage), check_file_test(test_statements),
+           check_file_test(test_allocation_failures))

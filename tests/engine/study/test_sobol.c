@@ -181,10 +181,5 @@ static void test_parts_and_seeds(void **state) {
   assert_int_equal(status, BW_MEMORY);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_polynomials), check_test(test_lines),       check_test(test_planes),
-      check_test(test_quality),     check_test(test_integration), check_test(test_parts_and_seeds),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_polynomials), check_test(test_lines), check_test(test_planes),
+           check_test(test_quality), check_test(test_integration), check_test(test_parts_and_seeds))

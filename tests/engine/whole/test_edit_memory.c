@@ -207,7 +207,4 @@ static void test_sweep(void **state) {
   assert_true(all > asked / step / 2 && one > asked / step / 2);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_sweep)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_sweep))

@@ -128,7 +128,4 @@ static void test_sweep(void **state) {
   unlink(file.picture);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_sweep)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+check_main(check_test(test_sweep))
