@@ -367,10 +367,8 @@ static int array_call(lua_State *L) {
   return 1;
 }
 
-static int array_length(lua_State *L) {
-  lua_pushinteger(L, ((const bw_array *)lbw_check(L, 1, &lbw_array_class))->rows);
-  return 1;
-}
+LBW_PUSH(array_length,
+         lua_pushinteger(L, ((const bw_array *)lbw_check(L, 1, &lbw_array_class))->rows))
 
 /* first, last, step at argument 2..4 into a range of 0..count-1 */
 static void check_range(lua_State *L, int64_t count, int64_t *first, int64_t *number,
@@ -542,20 +540,13 @@ uint8_t *lbw_to_mask(lua_State *L, int index, const char *what, int64_t count) {
 
 /* ---- the class ------------------------------------------------------------------------------- */
 
-static int array_row_count(lua_State *L) {
-  lua_pushinteger(L, ((const bw_array *)lbw_check(L, 1, &lbw_array_class))->rows);
-  return 1;
-}
-
-static int array_column_count(lua_State *L) {
-  lua_pushinteger(L, ((const bw_array *)lbw_check(L, 1, &lbw_array_class))->columns);
-  return 1;
-}
-
-static int array_type(lua_State *L) {
-  lua_pushstring(L, lbw_type_word(((const bw_array *)lbw_check(L, 1, &lbw_array_class))->type));
-  return 1;
-}
+LBW_PUSH(array_row_count,
+         lua_pushinteger(L, ((const bw_array *)lbw_check(L, 1, &lbw_array_class))->rows))
+LBW_PUSH(array_column_count,
+         lua_pushinteger(L, ((const bw_array *)lbw_check(L, 1, &lbw_array_class))->columns))
+LBW_PUSH(array_type,
+         lua_pushstring(L,
+                        lbw_type_word(((const bw_array *)lbw_check(L, 1, &lbw_array_class))->type)))
 
 static const luaL_Reg methods[] = {{"rows", array_rows},      {"columns", array_columns},
                                    {"column", array_column},  {"totable", array_totable},

@@ -19,6 +19,13 @@
 
 #include "barwright.h"
 
+/* A property, or a method without arguments, whose value one call pushes. */
+#define LBW_PUSH(name, push)                                                                       \
+  static int name(lua_State *L) {                                                                  \
+    push;                                                                                          \
+    return 1;                                                                                      \
+  }
+
 /* ---- one state per Lua state ----------------------------------------------------------------- */
 
 typedef struct lbw_class lbw_class;
@@ -269,7 +276,6 @@ int lbw_option_get(lua_State *L, int index, const char *key);
 /* The place of a word of a list that ends with NULL. */
 int lbw_word_option(lua_State *L, int index, const char *function, const char *key,
                     const char *const words[], int otherwise);
-int lbw_option_error(lua_State *L, const char *function, const char *key, const char *expected);
 /* The option is missing; `why` ends the sentence and may be "". */
 int lbw_option_missing(lua_State *L, const char *function, const char *key, const char *why);
 /* An option with what was found, which is on the top of the stack: "a string" expected. */

@@ -124,10 +124,6 @@ void lbw_check_matrix(lua_State *L, int argument, const char *what, int rows, in
   lua_pop(L, 1);
 }
 
-int lbw_option_error(lua_State *L, const char *function, const char *key, const char *expected) {
-  return lbw_error(L, "%s: option '%s': %s", function, key, expected);
-}
-
 const void *lbw_object_option(lua_State *L, int index, const char *function, const char *key,
                               const lbw_class *class, const char *expected) {
   int type = lbw_option_get(L, index, key);

@@ -242,20 +242,9 @@ static int database_check(lua_State *L) {
   return leave(L, BW_OK, 2);
 }
 
-static int database_path(lua_State *L) {
-  lua_pushstring(L, bw_database_path(self(L)));
-  return 1;
-}
-
-static int database_inside_transaction(lua_State *L) {
-  lua_pushboolean(L, bw_database_inside_transaction(self(L)));
-  return 1;
-}
-
-static int database_tostring(lua_State *L) {
-  lua_pushfstring(L, "database: %s", bw_database_path(self(L)));
-  return 1;
-}
+LBW_PUSH(database_path, lua_pushstring(L, bw_database_path(self(L))))
+LBW_PUSH(database_inside_transaction, lua_pushboolean(L, bw_database_inside_transaction(self(L))))
+LBW_PUSH(database_tostring, lua_pushfstring(L, "database: %s", bw_database_path(self(L))))
 
 static const luaL_Reg methods[] = {{"execute", database_execute},
                                    {"change", database_change},

@@ -97,20 +97,14 @@ static int embedding_moved(lua_State *L) {
   return lbw_leave_object(L, box, out, status);
 }
 
-static int embedding_grid(lua_State *L) {
-  lbw_push(L, &lbw_grid_class, self(L)->grid);
-  return 1;
-}
+LBW_PUSH(embedding_grid, lbw_push(L, &lbw_grid_class, self(L)->grid))
 
 static int embedding_elements(lua_State *L) {
   const bw_embedding *it = self(L);
   return lbw_push_indices(L, it->point_count, 1, it->element);
 }
 
-static int embedding_point_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->point_count);
-  return 1;
-}
+LBW_PUSH(embedding_point_count, lua_pushinteger(L, self(L)->point_count))
 
 static int embedding_tostring(lua_State *L) {
   const bw_embedding *it = self(L);

@@ -228,15 +228,8 @@ static int flow_counts(lua_State *L) {
   return 2;
 }
 
-static int flow_time(lua_State *L) {
-  lua_pushnumber(L, self(L)->time);
-  return 1;
-}
-
-static int flow_outline(lua_State *L) {
-  lbw_push(L, &lbw_outline_class, self(L)->mesh->outline);
-  return 1;
-}
+LBW_PUSH(flow_time, lua_pushnumber(L, self(L)->time))
+LBW_PUSH(flow_outline, lbw_push(L, &lbw_outline_class, self(L)->mesh->outline))
 
 /* flow.frequency(signal, step, periods) */
 static int flow_frequency(lua_State *L) {

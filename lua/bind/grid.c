@@ -377,15 +377,8 @@ static int grid_fractions(lua_State *L) {
   return 1;
 }
 
-static int grid_element_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->element_count);
-  return 1;
-}
-
-static int grid_node_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->node_count);
-  return 1;
-}
+LBW_PUSH(grid_element_count, lua_pushinteger(L, self(L)->element_count))
+LBW_PUSH(grid_node_count, lua_pushinteger(L, self(L)->node_count))
 
 static int grid_cells(lua_State *L) {
   const bw_grid *grid = self(L);
@@ -397,15 +390,8 @@ static int grid_cells(lua_State *L) {
   return 1;
 }
 
-static int grid_spacing(lua_State *L) {
-  lbw_push_vector(L, self(L)->spacing);
-  return 1;
-}
-
-static int grid_origin(lua_State *L) {
-  lbw_push_vector(L, self(L)->origin);
-  return 1;
-}
+LBW_PUSH(grid_spacing, lbw_push_vector(L, self(L)->spacing))
+LBW_PUSH(grid_origin, lbw_push_vector(L, self(L)->origin))
 
 static int grid_bounds(lua_State *L) {
   double min[3], max[3];
@@ -414,10 +400,7 @@ static int grid_bounds(lua_State *L) {
   return 1;
 }
 
-static int grid_volume(lua_State *L) {
-  lua_pushnumber(L, bw_grid_volume(self(L)));
-  return 1;
-}
+LBW_PUSH(grid_volume, lua_pushnumber(L, bw_grid_volume(self(L))))
 
 /* {[material] = number of elements} */
 static int grid_material_counts(lua_State *L) {

@@ -202,20 +202,9 @@ static int heat_transient(lua_State *L) {
   return lbw_leave_object(L, box, transient, status);
 }
 
-static int heat_mesh(lua_State *L) {
-  lbw_push(L, &lbw_mesh_class, self(L)->mesh);
-  return 1;
-}
-
-static int heat_material(lua_State *L) {
-  lbw_push(L, &lbw_material_class, self(L)->material);
-  return 1;
-}
-
-static int heat_conditions(lua_State *L) {
-  lua_pushinteger(L, self(L)->condition_count);
-  return 1;
-}
+LBW_PUSH(heat_mesh, lbw_push(L, &lbw_mesh_class, self(L)->mesh))
+LBW_PUSH(heat_material, lbw_push(L, &lbw_material_class, self(L)->material))
+LBW_PUSH(heat_conditions, lua_pushinteger(L, self(L)->condition_count))
 
 static const char *const spoken[] = {
     "prescribed temperature", "heat flux", "power", "source", "convection", "radiation", "contact"};
@@ -267,10 +256,7 @@ static const bw_heat_solution *solution_self(lua_State *L) {
   return (const bw_heat_solution *)lbw_check(L, 1, &lbw_heat_solution_class);
 }
 
-static int solution_mesh(lua_State *L) {
-  lbw_push(L, &lbw_mesh_class, solution_self(L)->mesh);
-  return 1;
-}
+LBW_PUSH(solution_mesh, lbw_push(L, &lbw_mesh_class, solution_self(L)->mesh))
 
 static int solution_temperature(lua_State *L) {
   const bw_heat_solution *s = solution_self(L);
@@ -307,20 +293,10 @@ static int solution_error(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-#define NUMBER(name)                                                                               \
-  static int solution_##name(lua_State *L) {                                                       \
-    lua_pushnumber(L, solution_self(L)->name);                                                     \
-    return 1;                                                                                      \
-  }
-NUMBER(time)
-NUMBER(stored)
-NUMBER(imbalance)
-#undef NUMBER
-
-static int solution_iterations(lua_State *L) {
-  lua_pushinteger(L, solution_self(L)->iterations);
-  return 1;
-}
+LBW_PUSH(solution_time, lua_pushnumber(L, solution_self(L)->time))
+LBW_PUSH(solution_stored, lua_pushnumber(L, solution_self(L)->stored))
+LBW_PUSH(solution_imbalance, lua_pushnumber(L, solution_self(L)->imbalance))
+LBW_PUSH(solution_iterations, lua_pushinteger(L, solution_self(L)->iterations))
 
 static int solution_report(lua_State *L) {
   if (!lbw_has_report(&solution_self(L)->report))
@@ -380,30 +356,11 @@ static int transient_step(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-static int transient_now(lua_State *L) {
-  lbw_push(L, &lbw_heat_solution_class, transient_self(L)->now);
-  return 1;
-}
-
-static int transient_heat(lua_State *L) {
-  lbw_push(L, &lbw_heat_class, transient_self(L)->heat);
-  return 1;
-}
-
-static int transient_steps(lua_State *L) {
-  lua_pushinteger(L, (lua_Integer)transient_self(L)->steps);
-  return 1;
-}
-
-static int transient_time(lua_State *L) {
-  lua_pushnumber(L, transient_self(L)->now->time);
-  return 1;
-}
-
-static int transient_error(lua_State *L) {
-  lua_pushnumber(L, transient_self(L)->error);
-  return 1;
-}
+LBW_PUSH(transient_now, lbw_push(L, &lbw_heat_solution_class, transient_self(L)->now))
+LBW_PUSH(transient_heat, lbw_push(L, &lbw_heat_class, transient_self(L)->heat))
+LBW_PUSH(transient_steps, lua_pushinteger(L, (lua_Integer)transient_self(L)->steps))
+LBW_PUSH(transient_time, lua_pushnumber(L, transient_self(L)->now->time))
+LBW_PUSH(transient_error, lua_pushnumber(L, transient_self(L)->error))
 
 static int transient_tostring(lua_State *L) {
   const bw_heat_transient *t = transient_self(L);

@@ -303,15 +303,8 @@ static int incremental_memory(lua_State *L) {
   return 4;
 }
 
-static int incremental_unknown_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->system->dof_map->unknown_count);
-  return 1;
-}
-
-static int incremental_subdomain_count(lua_State *L) {
-  lua_pushinteger(L, subdomain_count(L));
-  return 1;
-}
+LBW_PUSH(incremental_unknown_count, lua_pushinteger(L, self(L)->system->dof_map->unknown_count))
+LBW_PUSH(incremental_subdomain_count, lua_pushinteger(L, subdomain_count(L)))
 
 static int incremental_tostring(lua_State *L) {
   const bw_incremental_system *incremental =

@@ -232,20 +232,9 @@ static int job_cancel(lua_State *L) {
   return 0;
 }
 
-static int job_name(lua_State *L) {
-  lua_pushstring(L, bw_job_name(self(L)));
-  return 1;
-}
-
-static int job_state(lua_State *L) {
-  lua_pushstring(L, word_of(usage_of(L).state));
-  return 1;
-}
-
-static int job_seconds(lua_State *L) {
-  lua_pushnumber(L, usage_of(L).seconds);
-  return 1;
-}
+LBW_PUSH(job_name, lua_pushstring(L, bw_job_name(self(L))))
+LBW_PUSH(job_state, lua_pushstring(L, word_of(usage_of(L).state)))
+LBW_PUSH(job_seconds, lua_pushnumber(L, usage_of(L).seconds))
 
 /* Of a job that has ended; nil before. */
 static int push_when_ended(lua_State *L, double value) {
@@ -264,15 +253,8 @@ static int job_peak_bytes(lua_State *L) {
   return push_when_ended(L, usage_of(L).peak_bytes);
 }
 
-static int job_stage(lua_State *L) {
-  lua_pushstring(L, usage_of(L).stage);
-  return 1;
-}
-
-static int job_fraction(lua_State *L) {
-  lua_pushnumber(L, usage_of(L).fraction);
-  return 1;
-}
+LBW_PUSH(job_stage, lua_pushstring(L, usage_of(L).stage))
+LBW_PUSH(job_fraction, lua_pushnumber(L, usage_of(L).fraction))
 
 static int job_tostring(lua_State *L) {
   bw_job_usage usage = usage_of(L);

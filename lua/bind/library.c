@@ -139,15 +139,8 @@ static int library_tostring(lua_State *L) {
   return 1;
 }
 
-static int library_levels(lua_State *L) {
-  lua_pushinteger(L, self(L)->levels);
-  return 1;
-}
-
-static int library_seconds(lua_State *L) {
-  lua_pushnumber(L, self(L)->seconds);
-  return 1;
-}
+LBW_PUSH(library_levels, lua_pushinteger(L, self(L)->levels))
+LBW_PUSH(library_seconds, lua_pushnumber(L, self(L)->seconds))
 
 /* grown: how many blocks of each level were fitted for grids */
 static int library_grown(lua_State *L) {
@@ -159,10 +152,7 @@ static int library_grown(lua_State *L) {
   return 1;
 }
 
-static int library_palette(lua_State *L) {
-  lbw_push(L, &lbw_material_table_class, self(L)->material_table);
-  return 1;
-}
+LBW_PUSH(library_palette, lbw_push(L, &lbw_material_table_class, self(L)->material_table))
 
 /* errors: for each level a list of rows {median, worst, naive_median, naive_worst, force,
  * naive_force, samples}, one for each fit */
@@ -257,30 +247,12 @@ static int coarse_coarsening(lua_State *L) {
   return 1;
 }
 
-static int coarse_grid(lua_State *L) {
-  lbw_push(L, &lbw_grid_class, self_coarse(L)->grid);
-  return 1;
-}
-
-static int coarse_fine(lua_State *L) {
-  lbw_push(L, &lbw_grid_class, self_coarse(L)->fine);
-  return 1;
-}
-
-static int coarse_material_table(lua_State *L) {
-  lbw_push(L, &lbw_material_table_class, self_coarse(L)->material_table);
-  return 1;
-}
-
-static int coarse_levels(lua_State *L) {
-  lua_pushinteger(L, self_coarse(L)->levels);
-  return 1;
-}
-
-static int coarse_looked_up(lua_State *L) {
-  lua_pushinteger(L, self_coarse(L)->looked_up);
-  return 1;
-}
+LBW_PUSH(coarse_grid, lbw_push(L, &lbw_grid_class, self_coarse(L)->grid))
+LBW_PUSH(coarse_fine, lbw_push(L, &lbw_grid_class, self_coarse(L)->fine))
+LBW_PUSH(coarse_material_table,
+         lbw_push(L, &lbw_material_table_class, self_coarse(L)->material_table))
+LBW_PUSH(coarse_levels, lua_pushinteger(L, self_coarse(L)->levels))
+LBW_PUSH(coarse_looked_up, lua_pushinteger(L, self_coarse(L)->looked_up))
 
 static int coarse_seconds(lua_State *L) {
   const bw_coarse *coarse = self_coarse(L);

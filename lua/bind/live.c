@@ -153,15 +153,8 @@ static int server_receive(lua_State *L) {
 
 /* ---- properties ------------------------------------------------------------------------------ */
 
-static int server_port(lua_State *L) {
-  lua_pushinteger(L, lbw_live_port(self(L)));
-  return 1;
-}
-
-static int server_token(lua_State *L) {
-  lua_pushstring(L, lbw_live_token(self(L)));
-  return 1;
-}
+LBW_PUSH(server_port, lua_pushinteger(L, lbw_live_port(self(L))))
+LBW_PUSH(server_token, lua_pushstring(L, lbw_live_token(self(L))))
 
 static int server_address(lua_State *L) {
   const lbw_live_server *server = self(L);
@@ -169,10 +162,7 @@ static int server_address(lua_State *L) {
   return 1;
 }
 
-static int server_client_count(lua_State *L) {
-  lua_pushinteger(L, lbw_live_client_count(self(L)));
-  return 1;
-}
+LBW_PUSH(server_client_count, lua_pushinteger(L, lbw_live_client_count(self(L))))
 
 static int server_tostring(lua_State *L) {
   const lbw_live_server *server = (const lbw_live_server *)lbw_check(L, 1, &lbw_live_server_class);

@@ -49,15 +49,8 @@ static int solver_tostring(lua_State *L) {
   return 1;
 }
 
-static int solver_name(lua_State *L) {
-  lua_pushstring(L, self(L)->name);
-  return 1;
-}
-
-static int solver_max_iterations(lua_State *L) {
-  lua_pushinteger(L, self(L)->max_iterations);
-  return 1;
-}
+LBW_PUSH(solver_name, lua_pushstring(L, self(L)->name))
+LBW_PUSH(solver_max_iterations, lua_pushinteger(L, self(L)->max_iterations))
 
 static const luaL_Reg no_methods[] = {{NULL, NULL}};
 static const luaL_Reg properties[] = {

@@ -200,15 +200,8 @@ static int material_utilisation(lua_State *L) {
 
 /* ---- properties ------------------------------------------------------------------------------ */
 
-static int material_name(lua_State *L) {
-  lua_pushstring(L, self(L)->name);
-  return 1;
-}
-
-static int material_is_isotropic(lua_State *L) {
-  lua_pushboolean(L, self(L)->isotropic);
-  return 1;
-}
+LBW_PUSH(material_name, lua_pushstring(L, self(L)->name))
+LBW_PUSH(material_is_isotropic, lua_pushboolean(L, self(L)->isotropic))
 
 static void push_known(lua_State *L, double value) {
   if (value > 0)

@@ -570,28 +570,15 @@ static int mesh_components(lua_State *L) {
   return lbw_push_indices(L, mesh->node_count, 1, mesh->component);
 }
 
-#define INTEGER(name, field)                                                                       \
-  static int name(lua_State *L) {                                                                  \
-    lua_pushinteger(L, self(L)->field);                                                            \
-    return 1;                                                                                      \
-  }
-INTEGER(mesh_order, order)
-INTEGER(mesh_node_count, node_count)
-INTEGER(mesh_element_count, element_count)
-INTEGER(mesh_facet_count, facet_count)
-INTEGER(mesh_component_count, component_count)
-#undef INTEGER
-
-static int mesh_volume(lua_State *L) {
-  lua_pushnumber(L, bw_mesh_volume(self(L)));
-  return 1;
-}
+LBW_PUSH(mesh_order, lua_pushinteger(L, self(L)->order))
+LBW_PUSH(mesh_node_count, lua_pushinteger(L, self(L)->node_count))
+LBW_PUSH(mesh_element_count, lua_pushinteger(L, self(L)->element_count))
+LBW_PUSH(mesh_facet_count, lua_pushinteger(L, self(L)->facet_count))
+LBW_PUSH(mesh_component_count, lua_pushinteger(L, self(L)->component_count))
+LBW_PUSH(mesh_volume, lua_pushnumber(L, bw_mesh_volume(self(L))))
 
 /* How far filling moved the surface. */
-static int mesh_surface_moved(lua_State *L) {
-  lua_pushnumber(L, self(L)->surface_moved);
-  return 1;
-}
+LBW_PUSH(mesh_surface_moved, lua_pushnumber(L, self(L)->surface_moved))
 
 static int mesh_box(lua_State *L) {
   double min[3], max[3];

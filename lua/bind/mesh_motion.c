@@ -136,15 +136,8 @@ static int motion_check(lua_State *L) {
   return 1;
 }
 
-static int motion_mesh(lua_State *L) {
-  lbw_push(L, &lbw_plane_mesh_class, self(L)->mesh);
-  return 1;
-}
-
-static int motion_outline(lua_State *L) {
-  lbw_push(L, &lbw_outline_class, self(L)->mesh->outline);
-  return 1;
-}
+LBW_PUSH(motion_mesh, lbw_push(L, &lbw_plane_mesh_class, self(L)->mesh))
+LBW_PUSH(motion_outline, lbw_push(L, &lbw_outline_class, self(L)->mesh->outline))
 
 static const luaL_Reg methods[] = {{"follow", motion_follow},
                                    {"pull_back", motion_pull_back},

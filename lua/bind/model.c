@@ -679,15 +679,8 @@ static int model_system(lua_State *L) {
 
 /* ---- properties ------------------------------------------------------------------------------ */
 
-static int model_mesh(lua_State *L) {
-  lbw_push(L, &lbw_mesh_class, self(L)->mesh);
-  return 1;
-}
-
-static int model_material(lua_State *L) {
-  lbw_push(L, &lbw_material_class, self(L)->material);
-  return 1;
-}
+LBW_PUSH(model_mesh, lbw_push(L, &lbw_mesh_class, self(L)->mesh))
+LBW_PUSH(model_material, lbw_push(L, &lbw_material_class, self(L)->material))
 
 static int model_loads(lua_State *L) {
   static const char *const kind[] = {"pressure", "traction", "force",      "torque",
@@ -866,16 +859,10 @@ static int model_tostring(lua_State *L) {
   return 1;
 }
 
-static int model_formulation(lua_State *L) {
-  lua_pushstring(L, formulations[self(L)->material->formulation]);
-  return 1;
-}
+LBW_PUSH(model_formulation, lua_pushstring(L, formulations[self(L)->material->formulation]))
 
 /* What warns of volumetric locking, or nil. */
-static int model_locking(lua_State *L) {
-  lua_pushstring(L, bw_locking(self(L)->mesh, self(L)->material));
-  return 1;
-}
+LBW_PUSH(model_locking, lua_pushstring(L, bw_locking(self(L)->mesh, self(L)->material)))
 
 static const luaL_Reg methods[] = {{"fix", model_fix},
                                    {"slide", model_slide},

@@ -340,15 +340,8 @@ static int operator_apply(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-static int operator_size(lua_State *L) {
-  lua_pushinteger(L, (lua_Integer)self(L)->size);
-  return 1;
-}
-
-static int operator_name(lua_State *L) {
-  lua_pushstring(L, self(L)->name.text);
-  return 1;
-}
+LBW_PUSH(operator_size, lua_pushinteger(L, (lua_Integer)self(L)->size))
+LBW_PUSH(operator_name, lua_pushstring(L, self(L)->name.text))
 
 static int operator_tostring(lua_State *L) {
   const bw_operator *a = self(L);
@@ -370,10 +363,7 @@ static const bw_eigenpairs *pairs_self(lua_State *L) {
   return (const bw_eigenpairs *)lbw_check(L, 1, &lbw_eigenpairs_class);
 }
 
-static int pairs_count(lua_State *L) {
-  lua_pushinteger(L, pairs_self(L)->count);
-  return 1;
-}
+LBW_PUSH(pairs_count, lua_pushinteger(L, pairs_self(L)->count))
 
 static int pairs_values(lua_State *L) {
   const bw_eigenpairs *pairs = pairs_self(L);
@@ -390,25 +380,10 @@ static int pairs_residuals(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, pairs->count, 1, pairs->residual, pairs);
 }
 
-static int pairs_counted(lua_State *L) {
-  lua_pushboolean(L, pairs_self(L)->counted);
-  return 1;
-}
-
-static int pairs_tested(lua_State *L) {
-  lua_pushboolean(L, pairs_self(L)->tested);
-  return 1;
-}
-
-static int pairs_recovered(lua_State *L) {
-  lua_pushinteger(L, pairs_self(L)->recovered);
-  return 1;
-}
-
-static int pairs_report(lua_State *L) {
-  lbw_push_report(L, &pairs_self(L)->report);
-  return 1;
-}
+LBW_PUSH(pairs_counted, lua_pushboolean(L, pairs_self(L)->counted))
+LBW_PUSH(pairs_tested, lua_pushboolean(L, pairs_self(L)->tested))
+LBW_PUSH(pairs_recovered, lua_pushinteger(L, pairs_self(L)->recovered))
+LBW_PUSH(pairs_report, lbw_push_report(L, &pairs_self(L)->report))
 
 /* pairs:vector(k) */
 static int pairs_vector(lua_State *L) {

@@ -656,15 +656,8 @@ static int outline_edge_distance(lua_State *L) {
   return 1;
 }
 
-static int outline_edge_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->segment_count);
-  return 1;
-}
-
-static int outline_region_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->region_count);
-  return 1;
-}
+LBW_PUSH(outline_edge_count, lua_pushinteger(L, self(L)->segment_count))
+LBW_PUSH(outline_region_count, lua_pushinteger(L, self(L)->region_count))
 
 /* outline:same_topology(other) */
 static int outline_same_topology(lua_State *L) {

@@ -262,10 +262,7 @@ void lbw_push_plane_quality(lua_State *L, const bw_plane_mesh *mesh) {
   lua_setfield(L, -2, "inverted");
 }
 
-static int plane_quality(lua_State *L) {
-  lbw_push_plane_quality(L, self(L));
-  return 1;
-}
+LBW_PUSH(plane_quality, lbw_push_plane_quality(L, self(L)))
 
 static int plane_element_quality(lua_State *L) {
   const bw_plane_mesh *mesh = self(L);
@@ -321,30 +318,11 @@ static int plane_node_parameters(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, nodes->node_count, 1, nodes->parameter, nodes);
 }
 
-static int plane_order(lua_State *L) {
-  lua_pushinteger(L, self(L)->topology->nodes->order);
-  return 1;
-}
-
-static int plane_node_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->topology->nodes->node_count);
-  return 1;
-}
-
-static int plane_corner_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->topology->nodes->corner_count);
-  return 1;
-}
-
-static int plane_element_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->topology->element_count);
-  return 1;
-}
-
-static int plane_outline(lua_State *L) {
-  lbw_push(L, &lbw_outline_class, self(L)->outline);
-  return 1;
-}
+LBW_PUSH(plane_order, lua_pushinteger(L, self(L)->topology->nodes->order))
+LBW_PUSH(plane_node_count, lua_pushinteger(L, self(L)->topology->nodes->node_count))
+LBW_PUSH(plane_corner_count, lua_pushinteger(L, self(L)->topology->nodes->corner_count))
+LBW_PUSH(plane_element_count, lua_pushinteger(L, self(L)->topology->element_count))
+LBW_PUSH(plane_outline, lbw_push(L, &lbw_outline_class, self(L)->outline))
 
 /* mesh:shares(other): "topology", "nodes" or nil */
 static int plane_shares(lua_State *L) {

@@ -241,15 +241,8 @@ static int plate_counts(lua_State *L) {
   return 2;
 }
 
-static int plate_outline(lua_State *L) {
-  lbw_push(L, &lbw_outline_class, self(L)->mesh->outline);
-  return 1;
-}
-
-static int plate_thickness(lua_State *L) {
-  lua_pushnumber(L, self(L)->thickness);
-  return 1;
-}
+LBW_PUSH(plate_outline, lbw_push(L, &lbw_outline_class, self(L)->mesh->outline))
+LBW_PUSH(plate_thickness, lua_pushnumber(L, self(L)->thickness))
 
 /* wav_write(path, rate, samples) */
 static int wav_write(lua_State *L) {

@@ -321,20 +321,9 @@ static int selection_facets(lua_State *L) {
   return lbw_push_indices(L, selection->facet_count, 1, selection->facet);
 }
 
-static int selection_node_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->node_count);
-  return 1;
-}
-
-static int selection_facet_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->facet_count);
-  return 1;
-}
-
-static int selection_area(lua_State *L) {
-  lua_pushnumber(L, bw_selection_area(self(L)));
-  return 1;
-}
+LBW_PUSH(selection_node_count, lua_pushinteger(L, self(L)->node_count))
+LBW_PUSH(selection_facet_count, lua_pushinteger(L, self(L)->facet_count))
+LBW_PUSH(selection_area, lua_pushnumber(L, bw_selection_area(self(L))))
 
 static int selection_centre(lua_State *L) {
   double centre[3];
@@ -350,10 +339,7 @@ static int selection_normal(lua_State *L) {
   return 1;
 }
 
-static int selection_mesh(lua_State *L) {
-  lbw_push(L, &lbw_mesh_class, self(L)->mesh);
-  return 1;
-}
+LBW_PUSH(selection_mesh, lbw_push(L, &lbw_mesh_class, self(L)->mesh))
 
 static int selection_tostring(lua_State *L) {
   const bw_selection *selection = (const bw_selection *)lbw_check(L, 1, &lbw_selection_class);

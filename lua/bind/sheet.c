@@ -262,25 +262,10 @@ static int sheet_counts(lua_State *L) {
   return 2;
 }
 
-static int sheet_order(lua_State *L) {
-  lua_pushinteger(L, self(L)->mesh->topology->nodes->order);
-  return 1;
-}
-
-static int sheet_time(lua_State *L) {
-  lua_pushnumber(L, self(L)->time);
-  return 1;
-}
-
-static int sheet_outline(lua_State *L) {
-  lbw_push(L, &lbw_outline_class, self(L)->mesh->outline);
-  return 1;
-}
-
-static int sheet_mesh(lua_State *L) {
-  lbw_push(L, &lbw_plane_mesh_class, self(L)->mesh);
-  return 1;
-}
+LBW_PUSH(sheet_order, lua_pushinteger(L, self(L)->mesh->topology->nodes->order))
+LBW_PUSH(sheet_time, lua_pushnumber(L, self(L)->time))
+LBW_PUSH(sheet_outline, lbw_push(L, &lbw_outline_class, self(L)->mesh->outline))
+LBW_PUSH(sheet_mesh, lbw_push(L, &lbw_plane_mesh_class, self(L)->mesh))
 
 /* sheet:stress_norm(p): the norm, and its gradient by the outline's points */
 static int sheet_stress_norm(lua_State *L) {

@@ -283,15 +283,8 @@ static int skeleton_root(lua_State *L) {
   return 1;
 }
 
-static int skeleton_joint_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->joint_count);
-  return 1;
-}
-
-static int skeleton_bone_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->bone_count);
-  return 1;
-}
+LBW_PUSH(skeleton_joint_count, lua_pushinteger(L, self(L)->joint_count))
+LBW_PUSH(skeleton_bone_count, lua_pushinteger(L, self(L)->bone_count))
 
 static const luaL_Reg methods[] = {{"write", skeleton_write},
                                    {"insert_joint", skeleton_insert_joint},

@@ -142,15 +142,8 @@ static int solid_stress(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-static int solid_grid(lua_State *L) {
-  lbw_push(L, &lbw_grid_class, self(L)->grid);
-  return 1;
-}
-
-static int solid_material_table(lua_State *L) {
-  lbw_push(L, &lbw_material_table_class, self(L)->material_table);
-  return 1;
-}
+LBW_PUSH(solid_grid, lbw_push(L, &lbw_grid_class, self(L)->grid))
+LBW_PUSH(solid_material_table, lbw_push(L, &lbw_material_table_class, self(L)->material_table))
 
 static int solid_mass(lua_State *L) {
   const bw_solid *solid = self(L);
@@ -158,10 +151,7 @@ static int solid_mass(lua_State *L) {
 }
 
 /* What warns of volumetric locking, or nil. */
-static int solid_locking(lua_State *L) {
-  lua_pushstring(L, bw_solid_locking(self(L)));
-  return 1;
-}
+LBW_PUSH(solid_locking, lua_pushstring(L, bw_solid_locking(self(L))))
 
 /* "b_bar" where a material of the material table is. */
 static int solid_formulation(lua_State *L) {
@@ -452,25 +442,10 @@ static int static_reaction(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, s->solid->grid->node_count, 3, s->reaction, s);
 }
 
-static int static_energy(lua_State *L) {
-  lua_pushnumber(L, self_static(L)->energy);
-  return 1;
-}
-
-static int static_complete(lua_State *L) {
-  lua_pushboolean(L, self_static(L)->complete);
-  return 1;
-}
-
-static int static_newton(lua_State *L) {
-  lbw_push_newton_report(L, &self_static(L)->newton);
-  return 1;
-}
-
-static int static_report(lua_State *L) {
-  lbw_push_report(L, &self_static(L)->report);
-  return 1;
-}
+LBW_PUSH(static_energy, lua_pushnumber(L, self_static(L)->energy))
+LBW_PUSH(static_complete, lua_pushboolean(L, self_static(L)->complete))
+LBW_PUSH(static_newton, lbw_push_newton_report(L, &self_static(L)->newton))
+LBW_PUSH(static_report, lbw_push_report(L, &self_static(L)->report))
 
 static const luaL_Reg static_properties[] = {{"displacement", static_displacement},
                                              {"reaction", static_reaction},

@@ -93,10 +93,7 @@ static int material_table_create(lua_State *L) {
 
 /* ---- properties ------------------------------------------------------------------------------ */
 
-static int material_name(lua_State *L) {
-  lua_pushstring(L, self(L)->name);
-  return 1;
-}
+LBW_PUSH(material_name, lua_pushstring(L, self(L)->name))
 
 static int material_law(lua_State *L) {
   const bw_solid_material *m = self(L);
@@ -109,20 +106,9 @@ static int material_law(lua_State *L) {
   return 1;
 }
 
-static int material_points(lua_State *L) {
-  lua_pushinteger(L, self(L)->rule->count);
-  return 1;
-}
-
-static int material_density(lua_State *L) {
-  lua_pushnumber(L, self(L)->density);
-  return 1;
-}
-
-static int material_uniform(lua_State *L) {
-  lua_pushboolean(L, self(L)->uniform);
-  return 1;
-}
+LBW_PUSH(material_points, lua_pushinteger(L, self(L)->rule->count))
+LBW_PUSH(material_density, lua_pushnumber(L, self(L)->density))
+LBW_PUSH(material_uniform, lua_pushboolean(L, self(L)->uniform))
 
 static int material_mu(lua_State *L) {
   const bw_solid_material *m = self(L);
@@ -159,10 +145,7 @@ static int material_poisson(lua_State *L) {
   return 1;
 }
 
-static int material_formulation(lua_State *L) {
-  lua_pushstring(L, self(L)->b_bar ? "b_bar" : "standard");
-  return 1;
-}
+LBW_PUSH(material_formulation, lua_pushstring(L, self(L)->b_bar ? "b_bar" : "standard"))
 
 /* energy(F), and the stress (first Piola-Kirchhoff, a table of nine): of the first point's law */
 static int material_energy(lua_State *L) {
@@ -220,10 +203,7 @@ static const bw_material_table *self_material_table(lua_State *L) {
   return (const bw_material_table *)lbw_check(L, 1, &lbw_material_table_class);
 }
 
-static int material_table_count(lua_State *L) {
-  lua_pushinteger(L, self_material_table(L)->count - 1);
-  return 1;
-}
+LBW_PUSH(material_table_count, lua_pushinteger(L, self_material_table(L)->count - 1))
 
 /* materials:material(number) */
 static int material_table_material(lua_State *L) {
@@ -233,10 +213,8 @@ static int material_table_material(lua_State *L) {
   return 1;
 }
 
-static int material_table_tostring(lua_State *L) {
-  lua_pushfstring(L, "table of %d materials", (int)self_material_table(L)->count - 1);
-  return 1;
-}
+LBW_PUSH(material_table_tostring,
+         lua_pushfstring(L, "table of %d materials", (int)self_material_table(L)->count - 1))
 
 static const luaL_Reg material_table_methods[] = {{"material", material_table_material},
                                                   {NULL, NULL}};

@@ -184,15 +184,8 @@ static int static_interface_traction(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-static int static_energy(lua_State *L) {
-  lua_pushnumber(L, self(L)->energy);
-  return 1;
-}
-
-static int static_residual(lua_State *L) {
-  lua_pushnumber(L, self(L)->residual);
-  return 1;
-}
+LBW_PUSH(static_energy, lua_pushnumber(L, self(L)->energy))
+LBW_PUSH(static_residual, lua_pushnumber(L, self(L)->residual))
 
 static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of,
                              const bw_bond *bond) {
@@ -251,15 +244,8 @@ static int static_couplings(lua_State *L) {
   return 1;
 }
 
-static int static_mesh(lua_State *L) {
-  lbw_push(L, &lbw_mesh_class, self(L)->model->mesh);
-  return 1;
-}
-
-static int static_material(lua_State *L) {
-  lbw_push(L, &lbw_material_class, self(L)->model->material);
-  return 1;
-}
+LBW_PUSH(static_mesh, lbw_push(L, &lbw_mesh_class, self(L)->model->mesh))
+LBW_PUSH(static_material, lbw_push(L, &lbw_material_class, self(L)->model->material))
 
 static void push_times(lua_State *L, const bw_solve_times *times) {
   const struct {
@@ -323,10 +309,7 @@ static int static_report(lua_State *L) {
   return 1;
 }
 
-static int unknown_error(lua_State *L) {
-  lua_pushliteral(L, LBW_ERROR_UNKNOWN);
-  return 1;
-}
+LBW_PUSH(unknown_error, lua_pushliteral(L, LBW_ERROR_UNKNOWN))
 
 /* note_error(static, text): what print says of its error, where meshes were compared */
 static int core_note_error(lua_State *L) {
@@ -447,27 +430,14 @@ static int modes_residuals(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, modes->count, 1, modes->residual, modes);
 }
 
-#define INTEGER(name, field)                                                                       \
-  static int name(lua_State *L) {                                                                  \
-    lua_pushinteger(L, modes_self(L)->field);                                                      \
-    return 1;                                                                                      \
-  }
-INTEGER(modes_count, count)
-INTEGER(modes_components, components)
-INTEGER(modes_rigid_count, rigid_count)
-INTEGER(modes_solves, solves)
-INTEGER(modes_recovered, recovered)
-#undef INTEGER
-
-static int modes_counted(lua_State *L) {
-  lua_pushboolean(L, modes_self(L)->counted);
-  return 1;
-}
-
-static int modes_tested(lua_State *L) {
-  lua_pushboolean(L, modes_self(L)->tested);
-  return 1;
-}
+LBW_PUSH(modes_count, lua_pushinteger(L, modes_self(L)->count))
+LBW_PUSH(modes_components, lua_pushinteger(L, modes_self(L)->components))
+LBW_PUSH(modes_rigid_count, lua_pushinteger(L, modes_self(L)->rigid_count))
+LBW_PUSH(modes_solves, lua_pushinteger(L, modes_self(L)->solves))
+LBW_PUSH(modes_recovered, lua_pushinteger(L, modes_self(L)->recovered))
+LBW_PUSH(modes_counted, lua_pushboolean(L, modes_self(L)->counted))
+LBW_PUSH(modes_tested, lua_pushboolean(L, modes_self(L)->tested))
+LBW_PUSH(modes_mesh, lbw_push(L, &lbw_mesh_class, modes_self(L)->mesh))
 
 /* The nodal diameters of a sector's modes, or nil. */
 static int modes_nodal_diameters(lua_State *L) {
@@ -490,11 +460,6 @@ static int modes_whole(lua_State *L) {
   bw_status status = bw_modes_whole(lbw_enter(L), modes, &whole);
   lbw_box_fill(L, box, whole);
   return lbw_leave(L, status, 1);
-}
-
-static int modes_mesh(lua_State *L) {
-  lbw_push(L, &lbw_mesh_class, modes_self(L)->mesh);
-  return 1;
 }
 
 static int modes_report(lua_State *L) {

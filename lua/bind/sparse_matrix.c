@@ -66,25 +66,10 @@ static int matrix_entries(lua_State *L) {
   return 3;
 }
 
-static int matrix_row_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->rows);
-  return 1;
-}
-
-static int matrix_column_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->columns);
-  return 1;
-}
-
-static int matrix_entry_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->start[self(L)->rows]);
-  return 1;
-}
-
-static int matrix_symmetric(lua_State *L) {
-  lua_pushboolean(L, bw_sparse_matrix_is_symmetric(self(L)));
-  return 1;
-}
+LBW_PUSH(matrix_row_count, lua_pushinteger(L, self(L)->rows))
+LBW_PUSH(matrix_column_count, lua_pushinteger(L, self(L)->columns))
+LBW_PUSH(matrix_entry_count, lua_pushinteger(L, self(L)->start[self(L)->rows]))
+LBW_PUSH(matrix_symmetric, lua_pushboolean(L, bw_sparse_matrix_is_symmetric(self(L))))
 
 static int matrix_tostring(lua_State *L) {
   const bw_sparse_matrix *matrix = self(L);

@@ -280,15 +280,8 @@ static int core_warn(lua_State *L) {
   return lbw_leave(L, BW_OK, 0);
 }
 
-static int core_interrupted(lua_State *L) {
-  lua_pushboolean(L, lbw_state_of(L)->stopping);
-  return 1;
-}
-
-static int core_seconds(lua_State *L) {
-  lua_pushnumber(L, bw_seconds());
-  return 1;
-}
+LBW_PUSH(core_interrupted, lua_pushboolean(L, lbw_state_of(L)->stopping))
+LBW_PUSH(core_seconds, lua_pushnumber(L, bw_seconds()))
 
 static int core_sha256(lua_State *L) {
   const char *path = lbw_check_text(L, 1, NULL);

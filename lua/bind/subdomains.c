@@ -52,30 +52,6 @@ static int core_subdomains(lua_State *L) {
   return lbw_leave_object(L, box, out, status);
 }
 
-/* subdomains_from_labels(mesh, skeleton, bones, labels): bones of the subdomains (0: blended), the
- * subdomain of every element */
-static int core_subdomains_from_labels(lua_State *L) {
-  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
-  const bw_skeleton *skeleton = check_skeleton(L, 2);
-  int64_t subdomains, labels;
-  lua_settop(L, 4);
-  double *given = lbw_to_doubles(L, 3, "bones", 1, &subdomains);
-  lbw_argument_check(L, subdomains >= 1, 3, "bones: an entry for each subdomain expected");
-  int32_t *bone_of = (int32_t *)lua_newuserdatauv(L, (size_t)subdomains * sizeof *bone_of, 0);
-  for (int64_t i = 0; i < subdomains; i++) {
-    lbw_argument_check(L, given[i] >= 0 && given[i] <= skeleton->bone_count, 3,
-                       "bones: numbers of bones, 0 for a blended subdomain, expected");
-    bone_of[i] = (int32_t)given[i] - 1;
-  }
-  int32_t *label = lbw_to_indices(L, 4, "labels", 1, &labels);
-  lbw_check_rows(L, 4, "labels", labels, mesh->element_count, "element");
-  lbw_box *box = lbw_box_new(L, &lbw_subdomains_class);
-  bw_subdomains *out = NULL;
-  bw_status status = bw_subdomains_from_labels(lbw_enter(L), mesh, skeleton, (int32_t)subdomains,
-                                               bone_of, label, &out);
-  return lbw_leave_object(L, box, out, status);
-}
-
 /* subdomains:assign(elements, bone): without a bone they are taken out of type R */
 static int subdomains_assign(lua_State *L) {
   const bw_subdomains *subdomains = self(L);
@@ -200,20 +176,9 @@ static int subdomains_index(lua_State *L) {
   return 1;
 }
 
-static int subdomains_length(lua_State *L) {
-  lua_pushinteger(L, self(L)->count);
-  return 1;
-}
-
-static int subdomains_rigid_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->rigid_count);
-  return 1;
-}
-
-static int subdomains_stiffness_subdomain_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->stiffness.count);
-  return 1;
-}
+LBW_PUSH(subdomains_length, lua_pushinteger(L, self(L)->count))
+LBW_PUSH(subdomains_rigid_count, lua_pushinteger(L, self(L)->rigid_count))
+LBW_PUSH(subdomains_stiffness_subdomain_count, lua_pushinteger(L, self(L)->stiffness.count))
 
 /* The numbers of the bones that each stiffness subdomain follows, as a list of lists. */
 static int subdomains_stiffness_subdomain_bones(lua_State *L) {
@@ -232,15 +197,8 @@ static int subdomains_stiffness_subdomain_bones(lua_State *L) {
   return 1;
 }
 
-static int subdomains_mesh(lua_State *L) {
-  lbw_push(L, &lbw_mesh_class, self(L)->mesh);
-  return 1;
-}
-
-static int subdomains_skeleton(lua_State *L) {
-  lbw_push(L, &lbw_skeleton_class, self(L)->skeleton);
-  return 1;
-}
+LBW_PUSH(subdomains_mesh, lbw_push(L, &lbw_mesh_class, self(L)->mesh))
+LBW_PUSH(subdomains_skeleton, lbw_push(L, &lbw_skeleton_class, self(L)->skeleton))
 
 static int subdomains_element_subdomain(lua_State *L) {
   const bw_subdomains *subdomains = self(L);
@@ -310,10 +268,8 @@ static const luaL_Reg meta[] = {{"__index", subdomains_index},
 const lbw_class lbw_subdomains_class = {"subdomains", methods, properties, meta, NULL};
 
 void lbw_open_subdomains(lua_State *L) {
-  static const luaL_Reg functions[] = {{"skinning_weights", core_skinning_weights},
-                                       {"subdomains", core_subdomains},
-                                       {"subdomains_from_labels", core_subdomains_from_labels},
-                                       {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"skinning_weights", core_skinning_weights}, {"subdomains", core_subdomains}, {NULL, NULL}};
   lbw_class_register(L, &lbw_subdomains_class);
   luaL_setfuncs(L, functions, 0);
 }

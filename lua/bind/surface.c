@@ -444,25 +444,10 @@ static int surface_groups(lua_State *L) {
   return lbw_push_indices(L, surface->triangle_count, 1, surface->group);
 }
 
-static int surface_point_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->point_count);
-  return 1;
-}
-
-static int surface_triangle_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->triangle_count);
-  return 1;
-}
-
-static int surface_area(lua_State *L) {
-  lua_pushnumber(L, bw_surface_area(self(L)));
-  return 1;
-}
-
-static int surface_volume(lua_State *L) {
-  lua_pushnumber(L, bw_surface_volume(self(L)));
-  return 1;
-}
+LBW_PUSH(surface_point_count, lua_pushinteger(L, self(L)->point_count))
+LBW_PUSH(surface_triangle_count, lua_pushinteger(L, self(L)->triangle_count))
+LBW_PUSH(surface_area, lua_pushnumber(L, bw_surface_area(self(L))))
+LBW_PUSH(surface_volume, lua_pushnumber(L, bw_surface_volume(self(L))))
 
 static int surface_box(lua_State *L) {
   double min[3], max[3];

@@ -80,27 +80,13 @@ static int motion_acceleration(lua_State *L) {
   return push_field(L, self(L), self(L)->acceleration);
 }
 
-#define NUMBER(name)                                                                               \
-  static int motion_##name(lua_State *L) {                                                         \
-    lua_pushnumber(L, self(L)->name);                                                              \
-    return 1;                                                                                      \
-  }
-NUMBER(time)
-NUMBER(kinetic)
-NUMBER(strain)
-NUMBER(potential)
-NUMBER(dissipated)
-#undef NUMBER
-
-static int motion_steps(lua_State *L) {
-  lua_pushinteger(L, self(L)->steps);
-  return 1;
-}
-
-static int motion_newton(lua_State *L) {
-  lbw_push_newton_report(L, &self(L)->newton);
-  return 1;
-}
+LBW_PUSH(motion_time, lua_pushnumber(L, self(L)->time))
+LBW_PUSH(motion_kinetic, lua_pushnumber(L, self(L)->kinetic))
+LBW_PUSH(motion_strain, lua_pushnumber(L, self(L)->strain))
+LBW_PUSH(motion_potential, lua_pushnumber(L, self(L)->potential))
+LBW_PUSH(motion_dissipated, lua_pushnumber(L, self(L)->dissipated))
+LBW_PUSH(motion_steps, lua_pushinteger(L, self(L)->steps))
+LBW_PUSH(motion_newton, lbw_push_newton_report(L, &self(L)->newton))
 
 /* Of the last step; nil before the first. */
 static int motion_report(lua_State *L) {

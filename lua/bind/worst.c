@@ -141,15 +141,8 @@ static int regions_weights(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, region->count, columns, region->weight, regions);
 }
 
-static int regions_count(lua_State *L) {
-  lua_pushinteger(L, regions_self(L)->count);
-  return 1;
-}
-
-static int regions_mesh(lua_State *L) {
-  lbw_push(L, &lbw_mesh_class, regions_self(L)->mesh);
-  return 1;
-}
+LBW_PUSH(regions_count, lua_pushinteger(L, regions_self(L)->count))
+LBW_PUSH(regions_mesh, lbw_push(L, &lbw_mesh_class, regions_self(L)->mesh))
 
 static int regions_tostring(lua_State *L) {
   const bw_weak_regions *regions =
@@ -347,15 +340,8 @@ static int basis_areas(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, basis->count, 1, basis->area, basis);
 }
 
-static int basis_directions(lua_State *L) {
-  lua_pushinteger(L, basis_self(L)->directions);
-  return 1;
-}
-
-static int basis_count(lua_State *L) {
-  lua_pushinteger(L, basis_self(L)->count);
-  return 1;
-}
+LBW_PUSH(basis_directions, lua_pushinteger(L, basis_self(L)->directions))
+LBW_PUSH(basis_count, lua_pushinteger(L, basis_self(L)->count))
 
 static const luaL_Reg basis_methods[] = {{"force", basis_force},   {"gradient", basis_gradient},
                                          {"nodal", basis_nodal},   {"maximise", basis_maximise},
