@@ -105,14 +105,6 @@ void bwi_subdomain_halves(const bwi_vector t[3], int numbers, double *out);
 /* Of a subdomain moved by x -> linear x whose material is given by C as in `elasticity`. */
 void bwi_subdomain_map(const double elasticity[81], const double linear[9],
                        double map[BWI_SUBDOMAIN_MAP]);
-/* Its derivative where linear changes by `direction`. */
-void bwi_subdomain_map_derivative(const double elasticity[81], const double linear[9],
-                                  const double direction[9], double map[BWI_SUBDOMAIN_MAP]);
-/* The entries of one block, whose halves, 6 or 9 numbers, are at tensor[4 m]. */
-void bwi_subdomain_entries(const double *map, const double *tensor, int numbers, double block[9]);
-/* C of a rotated material: C'_ijkl = R_ia R_jb R_kc R_ld C_abcd. */
-void bwi_rotate_elasticity(const double elasticity[81], const double rotation[9],
-                           double rotated[81]);
 /* C of a subdomain, whose material may have rotated with its frame. */
 void bwi_subdomain_elasticity(const bw_subdomain_stiffness *stiffness, int32_t subdomain,
                               const double frame[9], double elasticity[81]);

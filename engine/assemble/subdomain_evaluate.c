@@ -49,32 +49,9 @@ void bwi_subdomain_map(const double elasticity[81], const double linear[9],
   }
 }
 
-/* dT' = tr(G) T' - G^T T' - T' G with G = dA A^-1; so M is differentiated through C alone:
- * sum_jl C_ijkl dT'_jl = sum_jl D_ijkl T'_jl. */
-void bwi_subdomain_map_derivative(const double elasticity[81], const double linear[9],
-                                  const double direction[9], double map[BWI_SUBDOMAIN_MAP]) {
-  double inverse[9], g[9], changed[81];
-  bw_inverse3(linear, inverse);
-  for (int r = 0; r < 3; r++)
-    for (int s = 0; s < 3; s++)
-      g[3 * r + s] = direction[3 * r] * inverse[s] + direction[3 * r + 1] * inverse[3 + s] +
-                     direction[3 * r + 2] * inverse[6 + s];
-  double trace = g[0] + g[4] + g[8];
-  for (int ik = 0; ik < 9; ik++) {
-    const double *c = elasticity + 9 * ik;
-    for (int j = 0; j < 3; j++)
-      for (int l = 0; l < 3; l++) {
-        double sum = trace * c[3 * j + l];
-        for (int m = 0; m < 3; m++) /* - C_mk.. G_jm: from (G^T T)_ml; - C_jm G_lm: from (T G) */
-          sum -= c[3 * m + l] * g[3 * j + m] + c[3 * j + m] * g[3 * l + m];
-        changed[9 * ik + 3 * j + l] = sum;
-      }
-  }
-  bwi_subdomain_map(changed, linear, map);
-}
-
-void bwi_rotate_elasticity(const double elasticity[81], const double rotation[9],
-                           double rotated[81]) {
+/* C of a rotated material: C'_ijkl = R_ia R_jb R_kc R_ld C_abcd. */
+static void rotate_elasticity(const double elasticity[81], const double rotation[9],
+                              double rotated[81]) {
   /* each pass rotates the last index and moves it to the front; four passes rotate all and restore
    * the order, which is i k j l here */
   double now[81], next[81];
@@ -102,23 +79,7 @@ void bwi_subdomain_elasticity(const bw_subdomain_stiffness *stiffness, int32_t s
   for (int r = 0; r < 3; r++)
     for (int s = 0; s < 3; s++)
       rotation[3 * r + s] = frame[3 * s + r];
-  bwi_rotate_elasticity(rest, rotation, elasticity);
-}
-
-void bwi_subdomain_entries(const double *map, const double *tensor, int numbers, double block[9]) {
-  double half[9] = {0};
-  for (int m = 0; m < 6; m++)
-    for (int r = 0; r < 6; r++)
-      half[r] += map[6 * m + r] * tensor[4 * m];
-  for (int m = 0; m < numbers - 6; m++)
-    for (int r = 0; r < 3; r++)
-      half[6 + r] += map[36 + 3 * m + r] * tensor[4 * (6 + m)];
-  for (int r = 0; r < 6; r++)
-    block[3 * upper[r][0] + upper[r][1]] = block[3 * upper[r][1] + upper[r][0]] = half[r];
-  for (int r = 6; r < 9; r++) {
-    block[3 * upper[r][0] + upper[r][1]] += half[r];
-    block[3 * upper[r][1] + upper[r][0]] -= half[r];
-  }
+  rotate_elasticity(rest, rotation, elasticity);
 }
 
 /* y += a * x, rounded once where the processor can. Through pointers: without AVX, vectors that are

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The stiffness of subdomains: made at rest, released, measured, differentiated (subdomain.h).
- * Updates are in subdomain_update.c. */
+/* The stiffness of subdomains: made at rest, released, measured (subdomain.h). Updates are in
+ * subdomain_update.c. */
 #include "assemble/subdomain.h"
 
 #include <math.h>
@@ -181,71 +181,4 @@ done:
   bwi_subdomain_work_clear(&work);
   bw_release(s);
   return status;
-}
-
-/* The row of a block, sought from row `from` on. */
-static int32_t row_of(const bw_block_pattern *pattern, int32_t from, int64_t index) {
-  int32_t step = 1, high = pattern->node_count; /* start[from] <= block < start[high] */
-  for (; high - from > step && pattern->start[from + step] <= index; step *= 2)
-    from += step;
-  if (high - from > step)
-    high = from + step;
-  while (high - from > 1) {
-    int32_t middle = from + (high - from) / 2;
-    if (pattern->start[middle] <= index)
-      from = middle;
-    else
-      high = middle;
-  }
-  return from;
-}
-
-/* y += A x with A the map of a block's coefficients. */
-static void add_product(const bw_block_pattern *pattern, const double *map, const double *tensor,
-                        const uint32_t *code, const bwi_subdomain_segment *segment, const double *x,
-                        double *y) {
-  int32_t row = 0;
-  for (int64_t k = 0; k < segment->size; k++) {
-    int64_t index = code[k] >> 1;
-    const double *t = tensor + segment->numbers * (k & ~(int64_t)3) + (k & 3);
-    row = row_of(pattern, row, index);
-    int32_t column = pattern->column[index];
-    const double *xi = x + 3 * (int64_t)row, *xj = x + 3 * (int64_t)column;
-    double *yi = y + 3 * (int64_t)row, *yj = y + 3 * (int64_t)column, block[9];
-    bwi_subdomain_entries(map, t, segment->numbers, block);
-    for (int r = 0; r < 3; r++)
-      yi[r] += block[3 * r] * xj[0] + block[3 * r + 1] * xj[1] + block[3 * r + 2] * xj[2];
-    if (row != column)
-      for (int r = 0; r < 3; r++)
-        yj[r] += block[r] * xi[0] + block[3 + r] * xi[1] + block[6 + r] * xi[2];
-  }
-}
-
-bw_status bw_subdomain_stiffness_derivative(bw_context *context,
-                                            const bw_subdomain_stiffness *stiffness,
-                                            int32_t subdomain, const double direction[9],
-                                            const double *x, double *y) {
-  const bwi_subdomain_coefficients *c = stiffness->coefficients;
-  const bw_block_pattern *pattern = stiffness->pattern;
-  if (subdomain < 0 || subdomain >= stiffness->subdomain_count)
-    return bw_fail(context, BW_INVALID, "subdomain %d: the subdomains are 1 to %d", subdomain + 1,
-                   stiffness->subdomain_count);
-  if (c->written[subdomain].reshaped)
-    return bw_fail(
-        context, BW_INVALID,
-        "subdomain %d is reshaped and has no map to differentiate by; differentiate by its "
-        "node positions",
-        subdomain + 1);
-  double elasticity[81], map[BWI_SUBDOMAIN_MAP];
-  bwi_subdomain_elasticity(stiffness, subdomain, c->written[subdomain].frame, elasticity);
-  bwi_subdomain_map_derivative(elasticity, c->written[subdomain].linear, direction, map);
-  for (int64_t p = 0; p < c->segment_count; p++) {
-    const bwi_subdomain_segment *segment = &c->segment[p];
-    int64_t first = c->section_start[segment->section];
-    for (int64_t b = first; b < c->section_start[segment->section + 1]; b++)
-      if (c->section_subdomain[b] == subdomain)
-        add_product(pattern, map, bwi_subdomain_rest(c, segment, b - first),
-                    c->block_code + segment->first, segment, x, y);
-  }
-  return BW_OK;
 }

@@ -27,7 +27,3 @@ size_t bw_bytes(const void *object) {
   const bw_object *head = (const bw_object *)object;
   return head && head->kind->bytes ? head->kind->bytes(head) : 0;
 }
-
-const char *bw_kind_name(const void *object) {
-  return object ? ((const bw_object *)object)->kind->name : "nothing";
-}

@@ -41,18 +41,3 @@ double bw_triangle_gradient(int order, const double (*x)[2], const double baryce
   }
   return determinant;
 }
-
-bool bw_triangle_is_straight(const double (*x)[2]) {
-  for (int a = 0; a < 3; a++) {
-    const double *p = x[a], *q = x[(a + 1) % 3];
-    double off = 0, length = 0;
-    for (int k = 0; k < 2; k++) {
-      double d = x[3 + a][k] - 0.5 * (p[k] + q[k]), e = q[k] - p[k];
-      off += d * d;
-      length += e * e;
-    }
-    if (!(off <= 1e-18 * length))
-      return false;
-  }
-  return true;
-}

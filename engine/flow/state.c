@@ -101,10 +101,6 @@ const bw_flow_state *bw_flow_keep(const bw_flow *flow) {
   return bw_retain(flow->inner->now);
 }
 
-const bw_plane_mesh *bw_flow_state_mesh(const bw_flow_state *state) {
-  return state->mesh;
-}
-
 /* Conditions stay the flow's own but for their tags: what was kept may outlive its flow, and what
  * their functions stand on. */
 static bool fits(const bw_flow *flow, const bw_flow_state *s) {

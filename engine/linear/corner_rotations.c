@@ -404,7 +404,3 @@ done:
 double bwi_corner_rotations_read(const bwi_corner_rotations *c) {
   return 2 * (double)bwi_factor_bytes(c->factor);
 }
-
-double bwi_corner_rotations_flops(const bwi_corner_rotations *c) {
-  return bwi_factor_flops(c->factor);
-}

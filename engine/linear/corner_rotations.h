@@ -28,8 +28,7 @@ bw_status bwi_corner_rotations_create(bw_context *context, const bwi_two_level *
 /* z of the preconditioner += P A^-1 P^T of its residual, for `used` of `width` fields. */
 bw_status bwi_corner_rotations_correct(bw_context *context, const bwi_corner_rotations *rotations,
                                        const bwi_two_level *two_level, int width, int used);
-/* Bytes that a solution reads; operations of the factor. */
+/* Bytes that a solution reads. */
 double bwi_corner_rotations_read(const bwi_corner_rotations *rotations);
-double bwi_corner_rotations_flops(const bwi_corner_rotations *rotations);
 
 #endif

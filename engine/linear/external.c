@@ -22,10 +22,6 @@ void bw_external_register(const bw_external *external) {
   registered = external;
 }
 
-const bw_external *bw_external_registered(void) {
-  return registered;
-}
-
 static void external_destroy(void *object) {
   bwi_external *external = object;
   if (open_system == external)

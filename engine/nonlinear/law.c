@@ -180,10 +180,6 @@ static void in_all(const double f[9], bwi_lanes h[9]) {
     h[i] = BWI_ALL(i % 4 == 0 ? f[i] - 1 : f[i]);
 }
 
-bool bw_law_energy(bw_law law, double mu, double lambda, const double f[9], double *energy) {
-  return bw_law_evaluate(law, mu, lambda, f, false, energy, NULL, NULL);
-}
-
 bool bw_law_evaluate(bw_law law, double mu, double lambda, const double f[9], bool project,
                      double *energy, double *stress, double *tangent) {
   bwi_response response;

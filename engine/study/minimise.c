@@ -15,30 +15,26 @@
 typedef struct method {
   const char *word;
   nlopt_algorithm algorithm;
-  bool gradients, constraints, global;
+  bool constraints, global;
   bool models; /* built from values: these must be finite */
 } method;
 
 static const method methods[] = {
-    {"cobyla", NLOPT_LN_COBYLA, false, true, false, true},
-    {"bobyqa", NLOPT_LN_BOBYQA, false, false, false, true},
-    {"neldermead", NLOPT_LN_NELDERMEAD, false, false, false, false},
-    {"sbplx", NLOPT_LN_SBPLX, false, false, false, false},
-    {"direct_l", NLOPT_GN_DIRECT_L, false, false, true, false},
-    {"crs2", NLOPT_GN_CRS2_LM, false, false, true, false},
-    {"isres", NLOPT_GN_ISRES, false, true, true, false},
-    {"mma", NLOPT_LD_MMA, true, true, false, true},
-    {"slsqp", NLOPT_LD_SLSQP, true, true, false, true},
-    {"lbfgs", NLOPT_LD_LBFGS, true, false, false, true},
+    {"cobyla", NLOPT_LN_COBYLA, true, false, true},
+    {"bobyqa", NLOPT_LN_BOBYQA, false, false, true},
+    {"neldermead", NLOPT_LN_NELDERMEAD, false, false, false},
+    {"sbplx", NLOPT_LN_SBPLX, false, false, false},
+    {"direct_l", NLOPT_GN_DIRECT_L, false, true, false},
+    {"crs2", NLOPT_GN_CRS2_LM, false, true, false},
+    {"isres", NLOPT_GN_ISRES, true, true, false},
+    {"mma", NLOPT_LD_MMA, true, false, true},
+    {"slsqp", NLOPT_LD_SLSQP, true, false, true},
+    {"lbfgs", NLOPT_LD_LBFGS, false, false, true},
 };
 enum { METHODS = sizeof methods / sizeof *methods };
 
 const char *bw_minimiser_word(bw_minimiser minimiser) {
   return (int)minimiser >= 0 && (int)minimiser < METHODS ? methods[minimiser].word : NULL;
-}
-
-bool bw_minimiser_takes_gradients(bw_minimiser minimiser) {
-  return methods[minimiser].gradients;
 }
 
 bool bw_minimiser_takes_constraints(bw_minimiser minimiser) {

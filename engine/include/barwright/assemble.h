@@ -162,13 +162,6 @@ BW_API bw_status bw_subdomain_stiffness_update(bw_context *context,
  * become any where the body was made with one that is not, whose axes stay global. */
 BW_API bool bw_subdomain_stiffness_follows(const bw_subdomain_stiffness *stiffness,
                                            const bw_material *material);
-/* y += (d K / d p) x where a `subdomain`'s map changes by d linear / d p = direction, the
- * material's directions staying: the polynomials' derivative. x and y (any, node_count x 3) in
- * global directions. BW_INVALID for a subdomain that is reshaped now: it has no map. */
-BW_API bw_status bw_subdomain_stiffness_derivative(bw_context *context,
-                                                   const bw_subdomain_stiffness *stiffness,
-                                                   int32_t subdomain, const double direction[9],
-                                                   const double *x, double *y);
 /* Bytes of coefficients, contribution lists and entries, for the benchmarks. */
 BW_API size_t bw_subdomain_stiffness_bytes(const bw_subdomain_stiffness *stiffness);
 

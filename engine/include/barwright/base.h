@@ -203,8 +203,6 @@ BW_API void *bw_retain(const void *object);
 BW_API void bw_release(const void *object);
 /* Bytes that the object alone holds, without what it retains; 0 for NULL or where not known. */
 BW_API size_t bw_bytes(const void *object);
-/* The name of its kind, static; "nothing" for NULL. */
-BW_API const char *bw_kind_name(const void *object);
 
 /* ---- arrays --------------------------------------------------------------------------- */
 

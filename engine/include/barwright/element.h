@@ -47,9 +47,6 @@ BW_API void bw_triangle_shape_gradient(int order, const double barycentric[3],
  * straight sides, negative for clockwise triangles. */
 BW_API double bw_triangle_gradient(int order, const double (*x)[2], const double barycentric[3],
                                    double (*gradient)[2]);
-/* True when all mid-edge nodes of a quadratic triangle x (m, 6 x 2) lie on the middles of their
- * edges (relative 1e-9). */
-BW_API bool bw_triangle_is_straight(const double (*x)[2]);
 
 #ifdef __cplusplus
 }

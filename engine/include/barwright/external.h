@@ -92,8 +92,6 @@ typedef struct bw_external {
 } bw_external;
 /* Registers a solver for the process, borrowed until the next registration; NULL: none. */
 BW_API void bw_external_register(const bw_external *external);
-/* The registered solver, borrowed, or NULL. */
-BW_API const bw_external *bw_external_registered(void);
 
 #ifdef __cplusplus
 }

@@ -70,8 +70,6 @@ BW_API bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_
 typedef struct bw_flow_state bw_flow_state;
 /* The state of a flow, one reference to be released. */
 BW_API const bw_flow_state *bw_flow_keep(const bw_flow *flow);
-/* The mesh that it was kept on, borrowed from the state. */
-BW_API const bw_plane_mesh *bw_flow_state_mesh(const bw_flow_state *state);
 /* Returns a flow to a state of its own. */
 BW_API bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *state);
 /* Checks its parts against each other. */

@@ -31,12 +31,9 @@ typedef enum bw_law {
 } bw_law;
 BW_API const char *bw_law_word(bw_law law); /* "neo_hookean", ... */
 
-/* The *energy (J/m3) of a law with mu and lambda (Pa) at F, f (-). False where the law is not
- * defined (neo-Hookean at J <= 0); the outputs are then not to be used. */
-BW_API bool bw_law_energy(bw_law law, double mu, double lambda, const double f[9], double *energy);
-/* As bw_law_energy for a law with mu and lambda (Pa) at F, f (-): *energy (J/m3), stress (Pa, 9)
- * and tangent (Pa, 9 x 9), which may be NULL. `project`: the tangent with negative eigenvalues set
- * to zero. */
+/* A law with mu and lambda (Pa) at F, f (-): *energy (J/m3), stress (Pa, 9) and tangent (Pa, 9 x
+ * 9), which may be NULL. `project`: the tangent with negative eigenvalues set to zero. False where
+ * the law is not defined (neo-Hookean at J <= 0); the outputs are then not to be used. */
 BW_API bool bw_law_evaluate(bw_law law, double mu, double lambda, const double f[9], bool project,
                             double *energy, double *stress, double *tangent);
 /* The anisotropic term C (|F v| - 1)^2 of data-driven, formula (2), with C the stiffness (Pa) and a

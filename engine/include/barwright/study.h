@@ -158,8 +158,6 @@ typedef enum bw_minimiser {
 } bw_minimiser;
 
 BW_API const char *bw_minimiser_word(bw_minimiser minimiser); /* "cobyla"; NULL past the last */
-/* Whether it asks the function for gradients. */
-BW_API bool bw_minimiser_takes_gradients(bw_minimiser minimiser);
 /* Whether it takes constraints. */
 BW_API bool bw_minimiser_takes_constraints(bw_minimiser minimiser);
 BW_API bool bw_minimiser_is_global(bw_minimiser minimiser); /* needs finite bounds */
