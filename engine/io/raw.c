@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* From what a mesh file holds to a mesh with its fields and sets, or to a surface. */
 #include "io/raw.h"
+#include "base/sort.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -82,25 +83,40 @@ bw_status bwi_raw_name_region(bwi_raw *raw, int32_t tag, bwi_word name) {
   return BW_OK;
 }
 
+/* By name, those of one name in the order of the file. */
+static int by_name(const void *a, const void *b) {
+  const bw_mesh_region *x = *(bw_mesh_region *const *)a, *y = *(bw_mesh_region *const *)b;
+  int order = strcmp(x->name.text, y->name.text);
+  return order ? order : (x > y) - (x < y);
+}
+
+static void append_tag(bwi_raw *raw, bw_mesh_region *region) {
+  char *text = region->name.text, tag[16];
+  size_t most = sizeof region->name.text - 1, length = strlen(text);
+  size_t more = (size_t)snprintf(tag, sizeof tag, " (%d)", (int)region->tag);
+  bw_warn(raw->context, "%s: two regions are called '%s'; that of the tag %d is '%.*s%s' here",
+          raw->name, text, (int)region->tag, (int)(most - more), text, tag);
+  length = length < most - more ? length : most - more;
+  while (length > 0 && (text[length] & 0xC0) == 0x80)
+    length--;
+  memcpy(text + length, tag, more + 1);
+}
+
 /* A name that an earlier tag has is followed by its own tag. */
-static void separate_names(bwi_raw *raw) {
-  for (size_t i = 1; i < raw->named_count; i++)
-    for (size_t k = 0; k < i; k++)
-      if (strcmp(raw->named[i].name.text, raw->named[k].name.text) == 0 &&
-          raw->named[i].tag != raw->named[k].tag) {
-        char *text = raw->named[i].name.text, tag[16];
-        size_t most = sizeof raw->named[i].name.text - 1;
-        size_t length = strlen(text),
-               more = (size_t)snprintf(tag, sizeof tag, " (%d)", (int)raw->named[i].tag);
-        bw_warn(raw->context,
-                "%s: two regions are called '%s'; that of the tag %d is '%.*s%s' here", raw->name,
-                text, (int)raw->named[i].tag, (int)(most - more), text, tag);
-        length = length < most - more ? length : most - more;
-        while (length > 0 && (text[length] & 0xC0) == 0x80)
-          length--;
-        memcpy(text + length, tag, more + 1);
-        break;
-      }
+static bw_status separate_names(bwi_raw *raw) {
+  bw_mesh_region **sorted = BW_NEW(raw->context, bw_mesh_region *, raw->named_count);
+  if (!sorted)
+    return BW_MEMORY;
+  for (size_t i = 0; i < raw->named_count; i++)
+    sorted[i] = &raw->named[i];
+  qsort(sorted, raw->named_count, sizeof *sorted, by_name);
+  for (size_t i = 1, first = 0; i < raw->named_count; i++)
+    if (strcmp(sorted[first]->name.text, sorted[i]->name.text) != 0)
+      first = i;
+    else if (sorted[i]->tag != sorted[first]->tag)
+      append_tag(raw, sorted[i]);
+  bw_free(sorted);
+  return BW_OK;
 }
 
 bw_status bwi_raw_facet(bwi_raw *raw, size_t corners, const int32_t *corner, int32_t group) {
@@ -202,11 +218,6 @@ static bw_status keep_rows(bw_context *context, bw_array **array, const int32_t 
   return BW_OK;
 }
 
-static int compare_members(const void *a, const void *b) {
-  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-  return (x > y) - (x < y);
-}
-
 /* New numbers, ascending, each once. */
 static void tidy_set(bwi_raw_set *set, const int32_t *to) {
   size_t kept = 0, once = 0;
@@ -216,7 +227,7 @@ static void tidy_set(bwi_raw_set *set, const int32_t *to) {
       set->member[kept++] = member;
   }
   if (kept)
-    qsort(set->member, kept, sizeof *set->member, compare_members);
+    bwi_sort_columns(set->member, (int64_t)kept);
   for (size_t i = 0; i < kept; i++)
     if (i == 0 || set->member[i] != set->member[i - 1])
       set->member[once++] = set->member[i];
@@ -318,7 +329,7 @@ bw_status bwi_raw_mesh(bwi_raw *raw, const char *format, bw_mesh_file *file) {
   for (size_t i = 0; i < raw->set_count; i++)
     tidy_set(&raw->set[i], to);
   adopt_region(raw);
-  separate_names(raw);
+  BW_TRY(separate_names(raw));
   if (raw->regions)
     BW_TRY(bw_mesh_regions_by_tag(context, (int64_t)raw->tet_count, raw->region,
                                   (int32_t)raw->named_count, raw->named, &regions));
