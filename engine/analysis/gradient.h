@@ -8,9 +8,6 @@
 
 #include "analysis/strain.h"
 
-/* BW_UNSUPPORTED, with a sentence, for supports whose directions turn with the surface. */
-bw_status bwi_gradient_supports(bw_context *context, const bw_model *model);
-
 /* gradient += d (adjoint . f) for one load on facets (pressure, traction, force, torque), with the
  * adjoint's nodal values fixed: node_count x 3 both. */
 bw_status bwi_gradient_surface_load(bw_context *context, const bw_model *model, const bw_load *load,

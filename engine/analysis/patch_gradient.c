@@ -18,11 +18,6 @@ enum { ELEMENTS_PER_CHUNK = 128, NODES_PER_CHUNK = 1024 };
 
 /* ---- small pieces ---------------------------------------------------------------------------- */
 
-static void full_tensor(const double s[6], double t[9]) {
-  const double full[9] = {s[0], s[5], s[4], s[5], s[1], s[3], s[4], s[3], s[2]};
-  memcpy(t, full, sizeof full);
-}
-
 static void add(double *to, double factor, const double v[3]) {
   for (int c = 0; c < 3; c++)
     to[c] += factor * v[c];
@@ -43,20 +38,12 @@ static void stress_at(const bw_material *material, int64_t element, const double
                             grad[5] + grad[7], grad[6] + grad[2], grad[1] + grad[3]};
   double stress[6];
   bwi_multiply6(bw_material_elasticity(material, element), strain, stress);
-  full_tensor(stress, t);
+  bwi_full_tensor(stress, t);
 }
 
 static void multiply(const double a[9], const double x[3], double y[3]) {
   for (int i = 0; i < 3; i++)
     y[i] = bw_dot(a + 3 * i, x);
-}
-
-/* a += factor * b^T c */
-static void add_transposed_product(double a[9], double factor, const double b[9],
-                                   const double c[9]) {
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      a[3 * i + j] += factor * (b[i] * c[j] + b[3 + i] * c[3 + j] + b[6 + i] * c[6 + j]);
 }
 
 /* ---- the patch ------------------------------------------------------------------------------- */
@@ -153,15 +140,15 @@ static double corner_value(const constants *h, int32_t corner, double factor, do
   bwi_multiply6(at.elasticity, strain, stress);
   for (int k = 0; k < 6; k++)
     stress[k] += bw_dot(at.by_traction + 3 * k, t);
-  full_tensor(conjugate, s);
-  full_tensor(stress, sigma);
+  bwi_full_tensor(conjugate, s);
+  bwi_full_tensor(stress, sigma);
   const double *c = bw_material_elasticity(h->material, h->mesh->facet_element[corner / 3]);
   const double *given[2] = {h->slope, strain}, *other[2] = {sigma, s};
   double along[3] = {0};
   for (int k = 0; k < 2; k++) {
     double whole[6], tensor[9], traction[3], q[3];
     bwi_multiply6(c, given[k], whole);
-    full_tensor(whole, tensor);
+    bwi_full_tensor(whole, tensor);
     multiply(tensor, at.normal, traction);
     if (k == 1)
       add(traction, -1, t);
@@ -169,7 +156,7 @@ static double corner_value(const constants *h, int32_t corner, double factor, do
     multiply(other[k], q, traction);
     add(along, 1, traction);
   }
-  add_transposed_product(a, -factor, full, s);
+  bwi_add_transposed_product(a, -factor, full, s);
   for (int i = 0; i < at.nodes; i++) {
     double *to = gradient + 3 * (size_t)at.node[i];
     for (int k = 0; k < 3; k++)
@@ -291,8 +278,8 @@ static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker
       stress_at(d->material, e, grad, sigma);
       for (int i = 0; i < 9; i++)
         work += tau[i] * grad[i];
-      add_transposed_product(a, volume, grad, tau);
-      add_transposed_product(a, volume, grad_u, sigma);
+      bwi_add_transposed_product(a, volume, grad, tau);
+      bwi_add_transposed_product(a, volume, grad_u, sigma);
       for (int i = 0; i < 3; i++)
         a[4 * i] -= volume * work;
       for (int i = 0; i < nodes; i++)

@@ -6,6 +6,8 @@
 #ifndef BARWRIGHT_STRAIN_H
 #define BARWRIGHT_STRAIN_H
 
+#include <string.h>
+
 #include "assemble/internal.h"
 
 typedef struct bwi_element_state {
@@ -83,5 +85,19 @@ void bwi_governing_stress(const bw_stress_points *points, int32_t node_count,
 bw_status bwi_check_stress_input(bw_context *context, const bw_mesh *mesh,
                                  const bw_material *material, const double *displacement,
                                  const char *what);
+
+/* The nine components of a stress, row by row. */
+static inline void bwi_full_tensor(const double s[6], double t[9]) {
+  const double full[9] = {s[0], s[5], s[4], s[5], s[1], s[3], s[4], s[3], s[2]};
+  memcpy(t, full, sizeof full);
+}
+
+/* a += factor * b^T c */
+static inline void bwi_add_transposed_product(double a[9], double factor, const double b[9],
+                                              const double c[9]) {
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      a[3 * i + j] += factor * (b[i] * c[j] + b[3 + i] * c[3 + j] + b[6 + i] * c[6 + j]);
+}
 
 #endif

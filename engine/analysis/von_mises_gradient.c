@@ -73,24 +73,11 @@ static void stress_of(const bw_material *material, int64_t element, const double
   bwi_multiply6(bw_material_elasticity(material, element), elastic, stress);
 }
 
-static void full_tensor(const double s[6], double t[9]) {
-  const double full[9] = {s[0], s[5], s[4], s[5], s[1], s[3], s[4], s[3], s[2]};
-  memcpy(t, full, sizeof full);
-}
-
 static double contract(const double a[9], const double b[9]) {
   double sum = 0;
   for (int i = 0; i < 9; i++)
     sum += a[i] * b[i];
   return sum;
-}
-
-/* a += factor * b^T c */
-static void add_transposed_product(double a[9], double factor, const double b[9],
-                                   const double c[9]) {
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      a[3 * i + j] += factor * (b[i] * c[j] + b[3 + i] * c[3 + j] + b[6 + i] * c[6 + j]);
 }
 
 static void add_identity(double a[9], double factor) {
@@ -164,7 +151,7 @@ static void nodal_derivative(const gradient_data *d, int32_t node, const nodal_s
     bwi_element_state_load(d->mesh, d->material, d->u, e, &state);
     double fraction = state.volume / j->volume, conjugate[6], s[9];
     bwi_multiply6(bw_material_elasticity(d->material, e), j->slope, conjugate);
-    full_tensor(conjugate, s);
+    bwi_full_tensor(conjugate, s);
     if (right) {
       double push[4][3] = {{0}}; /* share S g_k */
       for (int l = 0; l < 4; l++) {
@@ -182,7 +169,7 @@ static void nodal_derivative(const gradient_data *d, int32_t node, const nodal_s
       gradient_at(&state, (const double(*)[3])state.u, by_l, grad);
       bwi_strain_of(grad, strain);
       stress_of(d->material, e, strain, d->expansion ? d->expansion[node] : 0, stress);
-      add_transposed_product(a, -fraction, grad, s);
+      bwi_add_transposed_product(a, -fraction, grad, s);
       add_identity(a, fraction * (bwi_dot6(j->slope, stress) - j->mean));
       for (int l = 0; l < 4; l++)
         add_product(a, state.g[l], gradient + 3 * (int64_t)nodes[l]);
@@ -239,7 +226,7 @@ static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker
       for (int a = 0; d->expansion && a < state.nodes; a++)
         expansion += d->rule.value[q][a] * d->expansion[node[a]];
       stress_of(d->material, e, strain, expansion, stress);
-      full_tensor(stress, tau[q]);
+      bwi_full_tensor(stress, tau[q]);
     }
     for (int r = 0; r < d->count; r++) {
       double lambda[10][3], a[9] = {0}, corner[4][3] = {{0}};
@@ -250,9 +237,9 @@ static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker
         gradient_at(&state, (const double(*)[3])lambda, d->rule.by_l[q], grad);
         bwi_strain_of(grad, strain);
         stress_of(d->material, e, strain, 0, stress);
-        full_tensor(stress, sigma);
-        add_transposed_product(a, volume, grad, tau[q]);
-        add_transposed_product(a, volume, grad_u[q], sigma);
+        bwi_full_tensor(stress, sigma);
+        bwi_add_transposed_product(a, volume, grad, tau[q]);
+        bwi_add_transposed_product(a, volume, grad_u[q], sigma);
         add_identity(a, -volume * contract(tau[q], grad));
       }
       double mass = bw_material_of(d->material, e)->density * state.volume;
@@ -358,7 +345,8 @@ done:
   return status;
 }
 
-bw_status bwi_gradient_supports(bw_context *context, const bw_model *model) {
+/* BW_UNSUPPORTED, with a sentence, for supports whose directions turn with the surface. */
+static bw_status gradient_supports(bw_context *context, const bw_model *model) {
   for (int s = 0; s < model->support_count; s++) {
     const bw_support *support = &model->support[s];
     if (!support->slide || bw_norm(support->normal) > 0)
@@ -395,7 +383,7 @@ static bw_status check_input(bw_context *context, const bw_model *model, const b
   if (model->material->formulation == BW_B_BAR)
     BW_TRY(bw_fail(context, BW_UNSUPPORTED,
                    "a stress gradient is of the standard formulation; the model's is B-bar"));
-  BW_TRY(bwi_gradient_supports(context, model));
+  BW_TRY(gradient_supports(context, model));
   BW_TRY(bwi_find_curved(context, mesh, &curved, &curved_count));
   for (int32_t e = 0; curved_count > 0 && e < mesh->element_count; e++)
     if (curved[e] >= 0) {

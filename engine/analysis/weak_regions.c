@@ -9,6 +9,7 @@
  * Invariants of a region: elements ascending, count >= 1, some weight not zero. The order of
  * elements is total (measure, then number), so nothing depends on the sorting method. */
 #include "analysis/weak_internal.h"
+#include "base/sort.h"
 
 #include <float.h>
 #include <math.h>
@@ -144,11 +145,6 @@ static int32_t select_top(candidate *list, int32_t count, double wanted) {
 
 /* ---- the regions of one mode --------------------------------------------------------------- */
 
-static int by_number(const void *a, const void *b) {
-  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-  return (x > y) - (x < y);
-}
-
 static int by_energy(const void *a, const void *b) {
   const bw_weak_region *x = (const bw_weak_region *)a, *y = (const bw_weak_region *)b;
   if (x->energy != y->energy)
@@ -209,7 +205,7 @@ static bw_status cut_regions(bw_context *context, const bw_mesh *mesh, const mod
           stack[size++] = other;
         }
       }
-    qsort(stack, (size_t)size, sizeof *stack, by_number);
+    bwi_sort_columns(stack, size);
     for (int32_t i = 0; i < size; i++) {
       energy += fields->energy[stack[i]];
       volume += mesh->volume[stack[i]];

@@ -62,12 +62,6 @@ typedef struct search {
 
 /* ---- bounds in one direction ----------------------------------------------------------------- */
 
-static double largest_principal(const double stress[6]) {
-  double value[3];
-  bw_eigen3(stress, value, NULL);
-  return fmax(fabs(value[0]), fabs(value[2]));
-}
-
 /* s n . sigma n of every pressure at full share of it. */
 static void objective_of(const search *s, const double *response, const double n[3], double sign,
                          double *objective) {
@@ -181,8 +175,8 @@ static bool closed(const search *s, worker *w, const double *response, const nod
         for (size_t j = 0; j < count; j++)
           stress[r] += response[r * count + j] * w->pressure[j];
       }
-      if (largest_principal(stress) > out->largest) {
-        out->largest = largest_principal(stress);
+      if (bwi_largest_principal(stress) > out->largest) {
+        out->largest = bwi_largest_principal(stress);
         memcpy(out->stress, stress, sizeof stress);
       }
     }

@@ -3,6 +3,8 @@
 #ifndef BARWRIGHT_ANALYSIS_WORST_INTERNAL_H
 #define BARWRIGHT_ANALYSIS_WORST_INTERNAL_H
 
+#include <math.h>
+
 #include "analysis/load_program.h"
 
 /* Pressures that are constant on patches: column k is the sum of the basis's columns in patch k,
@@ -55,5 +57,12 @@ bw_status bwi_keep_leaf(bw_context *context, bw_bound_leaves *leaves, int64_t ce
                         int32_t motions, const double *y);
 bw_status bwi_append_leaves(bw_context *context, bw_bound_leaves *leaves, int32_t element,
                             const bw_bound_leaves *more);
+
+/* The largest size of a principal stress. */
+static inline double bwi_largest_principal(const double stress[6]) {
+  double value[3];
+  bw_eigen3(stress, value, NULL);
+  return fmax(fabs(value[0]), fabs(value[2]));
+}
 
 #endif

@@ -252,12 +252,6 @@ static bw_status objective_body(void *data, int64_t begin, int64_t end, int work
   return BW_OK;
 }
 
-static double largest_principal(const double stress[6]) {
-  double value[3];
-  bw_eigen3(stress, value, NULL);
-  return fmax(fabs(value[0]), fabs(value[2]));
-}
-
 static bw_status stress_body(void *data, int64_t begin, int64_t end, int worker) {
   screen *s = (screen *)data;
   size_t k = (size_t)s->patches;
@@ -272,7 +266,7 @@ static bw_status stress_body(void *data, int64_t begin, int64_t end, int worker)
         sum += response[r * k + j] * (p[j] * s->coarse->area[j] / s->options->force);
       found[r] = sum;
     }
-    if (largest_principal(found) > largest_principal(s->stress + 6 * i))
+    if (bwi_largest_principal(found) > bwi_largest_principal(s->stress + 6 * i))
       memcpy(s->stress + 6 * i, found, sizeof found);
   }
   return BW_OK;
@@ -310,7 +304,7 @@ static bw_status hand_over(const screen *s, bw_screening *out) {
   out->stress = BW_NEW(context, double, 6 * (size_t)s->wanted);
   BW_TRY_MEMORY(order && out->target && out->stress);
   for (int32_t i = 0; i < s->wanted; i++)
-    order[i] = (ranked){largest_principal(s->stress + 6 * (size_t)i), i};
+    order[i] = (ranked){bwi_largest_principal(s->stress + 6 * (size_t)i), i};
   qsort(order, (size_t)s->wanted, sizeof *order, by_bound);
   for (int32_t i = 0; i < s->wanted && order[i].bound > 0; i++) {
     int32_t from = order[i].target, target = s->list[from];

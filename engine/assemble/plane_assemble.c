@@ -66,8 +66,10 @@ static bw_status gather_body(void *data, int64_t begin, int64_t end, int worker)
   return BW_OK;
 }
 
-bw_status bwi_plane_gather(bw_context *context, const bw_plane_pattern *pattern, int components,
-                           const double *block, double *values) {
+/* values[block] = sum of the contributions in `block`: element matrices one after the other, n x
+ * components unknowns each, row by row. */
+static bw_status plane_gather(bw_context *context, const bw_plane_pattern *pattern, int components,
+                              const double *block, double *values) {
   gathering g = {.pattern = pattern,
                  .block = block,
                  .values = values,
@@ -99,8 +101,7 @@ bw_status bwi_plane_assemble(bw_context *context, const bw_plane_pattern *patter
                  .components = components};
   bw_status status =
       bw_parallel(context, pattern->topology->element_count, BWI_GRAIN_ELEMENTS, element_body, &g);
-  return status != BW_OK ? status
-                         : bwi_plane_gather(context, pattern, components, workspace, values);
+  return status != BW_OK ? status : plane_gather(context, pattern, components, workspace, values);
 }
 
 bw_status bw_plane_assemble(bw_context *context, const bw_plane_pattern *pattern, int components,

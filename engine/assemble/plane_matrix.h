@@ -19,11 +19,6 @@ static inline int bwi_nodes_per_element(const bw_plane_topology *topology) {
 /* The block (row, column), which share an element. */
 int64_t bwi_plane_block_index(const bw_plane_pattern *pattern, int32_t row, int32_t column);
 
-/* values[block] = sum of the contributions in `block`: element matrices one after the other, n x
- * components unknowns each, row by row. */
-bw_status bwi_plane_gather(bw_context *context, const bw_plane_pattern *pattern, int components,
-                           const double *block, double *values);
-
 /* bw_plane_assemble with a workspace for all element matrices, which the caller owns. */
 bw_status bwi_plane_assemble(bw_context *context, const bw_plane_pattern *pattern, int components,
                              bw_element_matrix *element_matrix, void *data, double *workspace,

@@ -10,6 +10,7 @@
  * nodes takes the place of F A. Where a subdomain is made of another material all its entries
  * change. */
 #include "assemble/subdomain.h"
+#include "base/dense.h"
 
 #include <math.h>
 
@@ -20,20 +21,13 @@ static const double same = 2e-14;
 
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
-/* out = a b */
-static void product(const double a[9], const double b[9], double out[9]) {
-  for (int r = 0; r < 3; r++)
-    for (int s = 0; s < 3; s++)
-      out[3 * r + s] = a[3 * r] * b[s] + a[3 * r + 1] * b[3 + s] + a[3 * r + 2] * b[6 + s];
-}
-
 /* Whether `now` is `before` but for rounding, as maps: now before^-1 = 1. */
 static bool same_map(const double now[9], const double before[9]) {
   double inverse[9], ratio[9];
   if (memcmp(now, before, 9 * sizeof *now) == 0)
     return true;
   bw_inverse3(before, inverse);
-  product(now, inverse, ratio);
+  bwi_multiply(3, 3, 3, now, inverse, ratio);
   for (int k = 0; k < 9; k++)
     if (!(fabs(ratio[k] - (k % 4 == 0)) <= same))
       return false;
@@ -137,16 +131,16 @@ static bool has_changed(const bw_subdomain_stiffness *stiffness, const bw_mesh *
     for (int r = 0; r < 3; r++)
       for (int s = 0; s < 3; s++)
         back[3 * r + s] = own->frame[3 * s + r];
-    product(back, was->frame, rotated);
+    bwi_multiply(3, 3, 3, back, was->frame, rotated);
   }
   for (int32_t k = c->frame_start[d]; k < c->frame_start[d + 1]; k++) {
     const double *f_now = frame_of(motion, c->frame_subdomain[k]);
     const double *f_before = c->reported_frame + 9 * (int64_t)k;
-    product(f_now, own->reshaped ? rotated : own->linear, now);
+    bwi_multiply(3, 3, 3, f_now, own->reshaped ? rotated : own->linear, now);
     if (own->reshaped)
       memcpy(before, f_before, sizeof before);
     else
-      product(f_before, was->linear, before);
+      bwi_multiply(3, 3, 3, f_before, was->linear, before);
     if (!same_map(now, before))
       return true;
   }

@@ -19,3 +19,10 @@ const char *bwi_system_words(int code, char text[BWI_WORDS]) {
     snprintf(text, BWI_WORDS, "the file may not grow further: its file system has no larger ones");
   return text;
 }
+
+bw_status bwi_fail_system(bw_context *context, const char *path, const char *doing) {
+  char text[BWI_WORDS];
+  bw_fail(context, BW_IO, "%s: %s: %s", path, doing, bwi_system_words(errno, text));
+  bw_detail_text(context, "file", path);
+  return BW_IO;
+}

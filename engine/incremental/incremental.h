@@ -67,7 +67,6 @@ typedef enum bwi_incremental_way {
   BWI_FULL,     /* every supernode again: for checks and baselines */
   BWI_PCG       /* two-level PCG: needs no factor */
 } bwi_incremental_way;
-bwi_incremental_way bwi_incremental_way_of(const bw_solver *solver);
 /* Writes what solved the equations. */
 void bwi_incremental_note(bwi_incremental_way way, bw_reuse *reuse);
 
@@ -86,9 +85,6 @@ bool bwi_incremental_other_material(const bwi_incremental *inner, int64_t elemen
 
 /* ---- incremental_factor.c -------------------------------------------------------------------- */
 
-/* Whether the factor there is (or NULL) is of another backend, order or precision than asked
- * for. */
-bool bwi_incremental_other_factor(const bw_incremental_system *incremental);
 /* Update the factor, all of it where `full`. On failure it is not usable. Where single
  * precision breaks down, it is made in double precision. */
 bw_status bwi_incremental_factor(bw_context *context, bw_incremental_system *incremental, bool full,

@@ -35,7 +35,9 @@ static bool wants_cholmod(const bwi_incremental *inner) {
           inner->factor->cholmod);
 }
 
-bool bwi_incremental_other_factor(const bw_incremental_system *incremental) {
+/* Whether the factor there is (or NULL) is of another backend, order or precision than asked
+ * for. */
+static bool incremental_other_factor(const bw_incremental_system *incremental) {
   const bwi_incremental *inner = incremental->inner;
   const bwi_factor *factor = inner->factor;
   if (!factor)
@@ -122,7 +124,7 @@ static bw_status update_or_make(bw_context *context, bw_incremental_system *incr
   int bits = inner->factor ? inner->factor->kernels->bits : 0, wanted = bits;
   int32_t bad = 0;
   double flops = 0;
-  bool other = bwi_incremental_other_factor(incremental);
+  bool other = incremental_other_factor(incremental);
   if (inner->factor && !inner->factor->cholmod)
     BW_TRY(bwi_incremental_choose_bits(context, incremental, inner->reach, &wanted));
   if (inner->factor && bits == wanted && !other) {
@@ -160,7 +162,7 @@ bw_status bwi_incremental_factor(bw_context *context, bw_incremental_system *inc
   bwi_incremental *inner = incremental->inner;
   double start = bw_seconds(), kept = 0;
   bool whole = full || !bwi_incremental_usable(incremental);
-  bool other = bwi_incremental_other_factor(incremental);
+  bool other = incremental_other_factor(incremental);
   if (bwi_incremental_current(incremental) && !full && !other) {
     if (reuse && !reuse->solver) { /* else it says what an earlier solve did */
       bwi_incremental_note(BWI_REFACTOR, reuse);

@@ -44,7 +44,7 @@ static bw_status check_solver(bw_context *context, const bw_solver *solver) {
   return BW_OK;
 }
 
-bwi_incremental_way bwi_incremental_way_of(const bw_solver *solver) {
+static bwi_incremental_way incremental_way_of(const bw_solver *solver) {
   if (!solver)
     return BWI_AUTO;
   if (solver->options.kind == BW_SOLVER_CHOLESKY)
@@ -206,7 +206,7 @@ static int within(double budget, double predicted, double one) {
 static limits break_even_iterations(const bw_incremental_system *incremental,
                                     const bw_incremental_options *options,
                                     const bwi_incremental_cost *cost) {
-  bwi_incremental_way method = bwi_incremental_way_of(options->solver);
+  bwi_incremental_way method = incremental_way_of(options->solver);
   if (method == BWI_ITERATE)
     return (limits){.iterate = max_iterations(options)};
   if (method != BWI_AUTO)
@@ -253,7 +253,7 @@ static bw_status solve_by_iterations(bw_context *context, bw_incremental_system 
                                      bool *solved) {
   bw_status status = BW_OK;
   bwi_incremental *inner = incremental->inner;
-  bwi_incremental_way way = bwi_incremental_way_of(options->solver);
+  bwi_incremental_way way = incremental_way_of(options->solver);
   bwi_incremental_cost cost = {.pcg = INFINITY};
   limits max = {0};
   int iterations = 0;
@@ -342,7 +342,7 @@ bw_status bw_incremental_system_solve(bw_context *context, bw_incremental_system
                              &solved));
   if (!solved) {
     BW_TRY(bwi_incremental_factor(context, incremental,
-                                  bwi_incremental_way_of(options.solver) == BWI_FULL, reuse));
+                                  incremental_way_of(options.solver) == BWI_FULL, reuse));
     double start = bw_seconds(), factor = reuse ? reuse->seconds_factor : 0;
     BW_TRY(solve_directly(context, incremental, &options, &left, count, displacement, reuse));
     if (reuse)

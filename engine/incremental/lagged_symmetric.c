@@ -69,8 +69,8 @@ static bw_status factor(bw_context *context, bwi_lagged *shared, const bw_plane_
     status = bwi_factor_update(context, s->factor, &matrix, NULL, NULL, &bad_node);
   } else {
     BW_TRY(bwi_elimination_reach_create_whole(context, s->symbolic, &reach));
-    status =
-        bwi_factor_create_with_updates(context, s->symbolic, &matrix, reach, &fresh, &bad_node);
+    status = bwi_factor_create_in(context, s->symbolic, &matrix, reach, &bwi_kernels_double, &fresh,
+                                  &bad_node);
     bw_release(s->factor);
     s->factor = fresh;
   }

@@ -18,9 +18,9 @@ typedef enum bwi_format {
   BWI_INP
 } bwi_format;
 
-bwi_format bwi_detect(bwi_cursor *cursor);
 /* Says what the content looks like and which formats were considered; BW_FORMAT. */
 bw_status bwi_fail_unknown(bwi_cursor *cursor, const char *considered);
 const char *bwi_ending(const char *path); /* behind the last dot of the file's name; "" */
+bool bwi_has_ending(const char *path, const char *ending); /* in any case of letters */
 
 #endif

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/sort.h"
 #include "io/raw.h"
 
 /* Meshes of fewer elements fit the cache in any order. Spans that are shorter than this many times
@@ -37,18 +38,13 @@ static void invert(int64_t count, const int32_t *from, int32_t *to) {
     to[from[i]] = (int32_t)i;
 }
 
-static int by_number(const void *a, const void *b) {
-  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-  return (x > y) - (x < y);
-}
-
 static void renumber_sets(bw_mesh_file *file, const int32_t *new_node, const int32_t *new_element) {
   for (int i = 0; i < file->set_count; i++) {
     bw_named_set *set = &file->set[i];
     const int32_t *to = set->of_elements ? new_element : new_node;
     for (int64_t k = 0; k < set->count; k++)
       set->member[k] = to[set->member[k]];
-    qsort(set->member, (size_t)set->count, sizeof *set->member, by_number);
+    bwi_sort_columns(set->member, set->count);
   }
 }
 

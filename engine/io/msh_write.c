@@ -3,6 +3,7 @@
  * whose tags are all positive become named physical groups; others, which Gmsh has no place for, an
  * element field "region". Fields have 1, 3 or 9 components there: symmetric tensors are written
  * with all nine, other widths filled up with zeros, more than nine left out with a warning. */
+#include "base/sort.h"
 #include "io/raw.h"
 
 #include <stdlib.h>
@@ -23,11 +24,6 @@ typedef struct cells {
   const bw_field *fields;
 } cells;
 
-static int compare_tags(const void *a, const void *b) {
-  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-  return (x > y) - (x < y);
-}
-
 static bw_status find_groups(bw_context *context, cells *c) {
   if (!c->tag)
     return BW_OK;
@@ -35,7 +31,7 @@ static bw_status find_groups(bw_context *context, cells *c) {
   if (!c->group)
     return BW_MEMORY;
   memcpy(c->group, c->tag, (size_t)c->count * sizeof *c->group);
-  qsort(c->group, (size_t)c->count, sizeof *c->group, compare_tags);
+  bwi_sort_columns(c->group, c->count);
   for (int64_t i = 0; i < c->count; i++)
     if (i == 0 || c->group[i] != c->group[c->group_count - 1])
       c->group[c->group_count++] = c->group[i];
@@ -48,8 +44,7 @@ static bw_status find_groups(bw_context *context, cells *c) {
 static int32_t entity_of(const cells *c, int64_t i) {
   if (!c->physical)
     return 1;
-  const int32_t *at = bsearch(&c->tag[i], c->group, c->group_count, sizeof *c->group, compare_tags);
-  return (int32_t)(at - c->group) + 1;
+  return (int32_t)bwi_sorted_index(c->group, 0, (int64_t)c->group_count, c->tag[i]) + 1;
 }
 
 /* The mid-edge nodes of the edges 13 and 23 change places. */

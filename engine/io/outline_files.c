@@ -7,11 +7,6 @@
 #include "io/contours.h"
 #include "io/formats.h"
 
-static bool ends_in(const char *path, const char *ending) {
-  const char *own = bwi_ending(path);
-  return bwi_word_is_nocase((bwi_word){(const unsigned char *)own, strlen(own)}, ending);
-}
-
 static bool looks_like_dxf(bwi_cursor cursor) {
   if (bwi_left(&cursor) > 11 && memcmp(cursor.at, "AutoCAD Bin", 11) == 0)
     return true;
@@ -42,7 +37,7 @@ bw_status bw_outline_parse(bw_context *context, const char *name, const unsigned
   bool is_svg = any && *text.at == '<', is_dxf = looks_like_dxf(cursor);
   if (is_svg)
     BW_TRY(bwi_svg_parse(&cursor, opts->unit, &contours, info));
-  else if (is_dxf || (any && ends_in(name, "dxf")))
+  else if (is_dxf || (any && bwi_has_ending(name, "dxf")))
     BW_TRY(bwi_dxf_parse(&cursor, opts->unit, &contours, info));
   else
     BW_TRY(bwi_fail_unknown(&cursor, "SVG (beginning with '<'), DXF (beginning with the lines 0, "
@@ -69,8 +64,8 @@ bw_status bw_outline_read(bw_context *context, const char *path,
 bw_status bw_outline_write(bw_context *context, const bw_outline *outline, const char *path) {
   bw_status status = BW_OK;
   bw_writer *writer = NULL;
-  bool svg = ends_in(path, "svg");
-  if (!svg && !ends_in(path, "dxf"))
+  bool svg = bwi_has_ending(path, "svg");
+  if (!svg && !bwi_has_ending(path, "dxf"))
     return bw_fail(context, BW_INVALID, "%s: outlines are written as .svg or .dxf", path);
   BW_TRY(bw_writer_open(context, path, &writer));
   BW_TRY(svg ? bwi_svg_write(writer, outline) : bwi_dxf_write(writer, outline));

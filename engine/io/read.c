@@ -15,7 +15,7 @@ const char *bwi_ending(const char *path) {
   return dot ? dot + 1 : "";
 }
 
-static bool has_ending(const char *path, const char *ending) {
+bool bwi_has_ending(const char *path, const char *ending) {
   const char *own = bwi_ending(path);
   return bwi_word_is_nocase((bwi_word){(const unsigned char *)own, strlen(own)}, ending);
 }
@@ -85,7 +85,7 @@ static bool looks_like_inp(bwi_cursor cursor) {
   return false;
 }
 
-bwi_format bwi_detect(bwi_cursor *cursor) {
+static bwi_format detect(bwi_cursor *cursor) {
   size_t count = (size_t)(cursor->end - cursor->begin);
   if (count >= 84 && bwi_stl_is_binary(cursor->begin, count))
     return BWI_STL;
@@ -112,7 +112,7 @@ bwi_format bwi_detect(bwi_cursor *cursor) {
   } by_name[] = {{"stl", BWI_STL},    {"obj", BWI_OBJ},     {"off", BWI_OFF},    {"ply", BWI_PLY},
                  {"mesh", BWI_MEDIT}, {"node", BWI_TETGEN}, {"ele", BWI_TETGEN}, {"inp", BWI_INP}};
   for (size_t i = 0; i < sizeof by_name / sizeof *by_name; i++)
-    if (has_ending(cursor->name, by_name[i].ending))
+    if (bwi_has_ending(cursor->name, by_name[i].ending))
       return by_name[i].format;
   if (looks_like_inp(*cursor))
     return BWI_INP;
@@ -147,7 +147,7 @@ static char *with_ending(bw_context *context, const char *path, const char *endi
 /* From two files in memory, named for messages after `name`. */
 static bw_status tetgen_pair(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
   bw_status status = BW_OK;
-  bool is_node = has_ending(cursor->name, "node");
+  bool is_node = bwi_has_ending(cursor->name, "node");
   unsigned char *bytes = NULL;
   size_t count;
   char *other = with_ending(cursor->context, cursor->name, is_node ? "ele" : "node");
@@ -207,7 +207,7 @@ bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned
   bwi_cursor_init(&cursor, context, name, bytes, count);
   if (info)
     memset(info, 0, sizeof *info);
-  bwi_format kind = count ? bwi_detect(&cursor) : BWI_UNKNOWN;
+  bwi_format kind = count ? detect(&cursor) : BWI_UNKNOWN;
   switch (kind) {
   case BWI_STL:
     return bwi_stl_parse(&cursor, surface, info);
@@ -231,7 +231,7 @@ bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned ch
   memset(file, 0, sizeof *file);
   bwi_cursor_init(&cursor, context, name, bytes, count);
   bwi_raw_init(&raw, context, name);
-  bwi_format kind = count ? bwi_detect(&cursor) : BWI_UNKNOWN;
+  bwi_format kind = count ? detect(&cursor) : BWI_UNKNOWN;
   bw_status status = read_raw(&cursor, kind, &raw, &format, &known);
   if (kind == BWI_STL || kind == BWI_OBJ || kind == BWI_OFF || kind == BWI_PLY)
     status = bwi_fail_byte(&cursor,
@@ -256,8 +256,8 @@ bw_status bw_mesh_read(bw_context *context, const char *path, bw_mesh_file *file
   bw_status status = bw_read_file(context, path, &bytes, &count);
   if (status != BW_OK)
     return status;
-  status = has_ending(path, "pvtu") ? bwi_pvtu_read(context, path, bytes, count, file)
-                                    : bw_mesh_parse(context, path, bytes, count, file);
+  status = bwi_has_ending(path, "pvtu") ? bwi_pvtu_read(context, path, bytes, count, file)
+                                        : bw_mesh_parse(context, path, bytes, count, file);
   bw_free(bytes);
   return status;
 }
@@ -277,15 +277,15 @@ static bw_status write_plain(bw_context *context, const char *path,
 
 bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *path, int field_count,
                         const bw_field *fields) {
-  if (has_ending(path, "vtu"))
+  if (bwi_has_ending(path, "vtu"))
     return bwi_vtu_write(context, mesh, path, field_count, fields);
-  if (has_ending(path, "pvtu"))
+  if (bwi_has_ending(path, "pvtu"))
     return bwi_pvtu_write(context, mesh, path, field_count, fields);
-  if (has_ending(path, "msh"))
+  if (bwi_has_ending(path, "msh"))
     return bwi_msh41_write(context, mesh, path, field_count, fields);
-  if (has_ending(path, "mesh"))
+  if (bwi_has_ending(path, "mesh"))
     return write_plain(context, path, bwi_medit_write, mesh);
-  if (has_ending(path, "node") || has_ending(path, "ele")) {
+  if (bwi_has_ending(path, "node") || bwi_has_ending(path, "ele")) {
     char *node = with_ending(context, path, "node"), *ele = with_ending(context, path, "ele");
     bw_status status =
         node && ele ? bwi_tetgen_write(context, mesh, node, ele) : (bw_status)BW_MEMORY;
@@ -293,7 +293,7 @@ bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *pa
     bw_free(ele);
     return status;
   }
-  if (has_ending(path, "inp"))
+  if (bwi_has_ending(path, "inp"))
     return write_plain(context, path, bwi_inp_write_mesh, mesh);
   return bw_fail(context, BW_INVALID,
                  "%s: the ending '%s' names no format that meshes are written in: use .vtu .pvtu "
@@ -308,7 +308,7 @@ bw_status bw_surface_read(bw_context *context, const char *path, bw_surface **su
   bw_status status = bw_read_file(context, path, &bytes, &count);
   if (status != BW_OK)
     return status;
-  if (has_ending(path, "pvtu")) {
+  if (bwi_has_ending(path, "pvtu")) {
     bw_mesh_file file;
     status = bwi_pvtu_read(context, path, bytes, count, &file);
     if (status == BW_OK)
@@ -322,11 +322,11 @@ bw_status bw_surface_read(bw_context *context, const char *path, bw_surface **su
 bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const char *path,
                            bool ascii) {
   bw_writer *writer = NULL;
-  bool stl = has_ending(path, "stl"), obj = has_ending(path, "obj");
-  bool off = has_ending(path, "off"), ply = has_ending(path, "ply");
-  if (has_ending(path, "vtu"))
+  bool stl = bwi_has_ending(path, "stl"), obj = bwi_has_ending(path, "obj");
+  bool off = bwi_has_ending(path, "off"), ply = bwi_has_ending(path, "ply");
+  if (bwi_has_ending(path, "vtu"))
     return bw_surface_write_vtu(context, surface, path, 0, NULL);
-  if (has_ending(path, "msh"))
+  if (bwi_has_ending(path, "msh"))
     return bwi_msh_write_surface(context, surface, path, ascii);
   if (!stl && !obj && !off && !ply)
     return bw_fail(context, BW_INVALID,

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Points and facets as a reader meets them, on their way to a surface. Groups are numbered in the
  * order of their first facet; a surface of one group gets no group array. */
+#include "base/sort.h"
 #include "io/internal.h"
 
 #include <stdio.h>
@@ -86,11 +87,6 @@ void bwi_soup_regroup(bwi_soup *soup, size_t first, int32_t group) {
   soup->numbered = soup->numbered || first < soup->triangle_count;
 }
 
-static int compare_groups(const void *a, const void *b) {
-  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-  return (x > y) - (x < y);
-}
-
 /* How many different numbers there are, when the file gave them. */
 static bw_status count_groups(bwi_soup *soup) {
   if (!soup->numbered)
@@ -99,7 +95,7 @@ static bw_status count_groups(bwi_soup *soup) {
   if (!sorted)
     return BW_MEMORY;
   memcpy(sorted, soup->group, soup->triangle_count * sizeof *sorted);
-  qsort(sorted, soup->triangle_count, sizeof *sorted, compare_groups);
+  bwi_sort_columns(sorted, (int64_t)soup->triangle_count);
   soup->group_count = 1;
   for (size_t i = 1; i < soup->triangle_count; i++)
     soup->group_count += sorted[i] != sorted[i - 1];

@@ -32,13 +32,6 @@ struct bw_writer {
   unsigned char buffer[BUFFER_BYTES];
 };
 
-static bw_status fail_system(bw_context *context, const char *path, const char *doing) {
-  char text[BWI_WORDS];
-  bw_fail(context, BW_IO, "%s: %s: %s", path, doing, bwi_system_words(errno, text));
-  bw_detail_text(context, "file", path);
-  return BW_IO;
-}
-
 static void writer_free(bw_writer *writer) {
   bw_release(writer->partial);
   bw_free(writer->path);
@@ -66,7 +59,7 @@ static bw_status open_beside(bw_writer *writer, const struct stat *old) {
     return status;
   writer->file = bw_temporary_file(writer->partial);
   if (old && fchmod(writer->file, old->st_mode & 07777) != 0)
-    return fail_system(writer->context, writer->path, "cannot keep its permissions");
+    return bwi_fail_system(writer->context, writer->path, "cannot keep its permissions");
   return BW_OK;
 }
 
@@ -89,14 +82,14 @@ bw_status bw_writer_open(bw_context *context, const char *path, bw_writer **writ
   bool exists = stat(made->path, &old) == 0;
   if (exists && S_ISDIR(old.st_mode)) {
     errno = EISDIR;
-    BW_TRY(fail_system(context, path, "cannot write"));
+    BW_TRY(bwi_fail_system(context, path, "cannot write"));
   }
   if (exists && access(made->path, W_OK) != 0)
-    BW_TRY(fail_system(context, path, "cannot write"));
+    BW_TRY(bwi_fail_system(context, path, "cannot write"));
   if (exists && !S_ISREG(old.st_mode)) {
     made->file = bw_open(made->path, O_WRONLY, 0);
     if (made->file < 0)
-      BW_TRY(fail_system(context, path, "cannot write"));
+      BW_TRY(bwi_fail_system(context, path, "cannot write"));
   } else {
     BW_TRY(open_beside(made, exists ? &old : NULL));
   }
@@ -119,7 +112,7 @@ static bw_status put(bw_writer *writer, const unsigned char *bytes, size_t count
     if (written <= 0) {
       if (written == 0)
         errno = EIO;
-      return writer->status = fail_system(writer->context, writer->path, "cannot write");
+      return writer->status = bwi_fail_system(writer->context, writer->path, "cannot write");
     }
     bytes += written;
     count -= (size_t)written;
@@ -210,16 +203,16 @@ bw_status bw_writer_commit(bw_writer *writer) {
   if (writer->status == BW_OK)
     flush(writer);
   if (writer->status == BW_OK && writer->partial && fsync(writer->file) != 0 && errno != EINVAL)
-    writer->status = fail_system(writer->context, writer->path, "cannot write");
+    writer->status = bwi_fail_system(writer->context, writer->path, "cannot write");
   /* Some file systems say at the closing alone that there was no room: of a second descriptor, as
    * the first one holds the lock. */
   int other = writer->partial ? dup(writer->file) : writer->file;
   writer->file = writer->partial ? writer->file : -1;
   if (other >= 0 && close(other) != 0 && writer->status == BW_OK)
-    writer->status = fail_system(writer->context, writer->path, "cannot write");
+    writer->status = bwi_fail_system(writer->context, writer->path, "cannot write");
   if (writer->status == BW_OK && writer->partial) {
     if (bw_temporary_put_in_place(writer->partial, writer->path) != 0)
-      writer->status = fail_system(writer->context, writer->path, "cannot put it in place");
+      writer->status = bwi_fail_system(writer->context, writer->path, "cannot put it in place");
     else
       sync_directory(writer->path);
   }

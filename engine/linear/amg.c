@@ -442,28 +442,17 @@ static bw_status unpack(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-/* Packed fields of floats at the unknowns alone. */
-static void keep_unknowns(const bwi_amg *g, int width, float *field) {
-  for (int32_t h = 0; h < g->constrained_count; h++) {
-    float *x = field + 3 * (int64_t)width * g->constrained[h];
-    for (int f = 0; f < width; f++) {
-      double value[3] = {x[f], x[width + f], x[2 * width + f]};
-      bwi_project_unknowns(g->dof_map, g->smoother->node[g->constrained[h]], value, value);
-      for (int d = 0; d < 3; d++)
-        x[d * width + f] = (float)value[d];
-    }
-  }
-}
-
 static bw_status apply_some(bw_context *context, bwi_amg *g, int width, int used, const double *r,
                             double *z) {
   bw_status status = BW_OK;
   packing p = {.g = g, .width = width, .used = used, .r = r, .z = z};
   BW_TRY(bw_parallel(context, used, 1, find_units, &p));
   BW_TRY(bw_parallel(context, g->smoother->count, ROWS, pack, &p));
-  keep_unknowns(g, width, g->level[0].b);
+  bwi_smoother_keep(g->smoother, g->dof_map, g->constrained_count, g->constrained, width,
+                    g->level[0].b);
   BW_TRY(bwi_amg_cycle(context, g, width));
-  keep_unknowns(g, width, g->level[0].x);
+  bwi_smoother_keep(g->smoother, g->dof_map, g->constrained_count, g->constrained, width,
+                    g->level[0].x);
   BW_TRY(bw_parallel(context, g->smoother->count, ROWS, unpack, &p));
 done:
   return status;

@@ -273,7 +273,8 @@ done:
 
 /* ---- solution -------------------------------------------------------------------------------- */
 
-bw_status bwi_cholmod_solve(bw_context *context, const bwi_factor *factor, int width, void *data) {
+/* As bwi_factor_solve. One call at a time for each factor. */
+static bw_status solve(bw_context *context, const bwi_factor *factor, int width, void *data) {
   bw_status status = BW_OK;
   bwi_cholmod *cholmod = factor->cholmod;
   size_t size = (size_t)factor->symbolic->unknowns, count = (size_t)width;
@@ -314,5 +315,5 @@ done:
 const bwi_kernels bwi_kernels_cholmod = {.backend = "cholmod",
                                          .bits = 64,
                                          .size = sizeof(double),
-                                         .solve = bwi_cholmod_solve,
+                                         .solve = solve,
                                          .solve_fields = bwi_solve_fields_of};

@@ -22,8 +22,6 @@ bw_status bwi_cholmod_create(bw_context *context, const bwi_symbolic *symbolic,
 bw_status bwi_cholmod_factorise(bw_context *context, bwi_cholmod *cholmod,
                                 const bwi_symbolic *symbolic, const bwi_matrix *matrix, bool keep,
                                 int32_t *bad);
-/* As bwi_factor_solve. One call at a time for each factor. */
-bw_status bwi_cholmod_solve(bw_context *context, const bwi_factor *factor, int width, void *x);
 /* Bytes of L; operations of its factorisation. */
 size_t bwi_cholmod_bytes(const bwi_cholmod *cholmod);
 /* Of the factor. */

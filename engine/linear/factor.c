@@ -455,9 +455,9 @@ static double unit_of(const bwi_kernels *kernels, const bwi_matrix *matrix, int 
   return ldexp(1, -(exponent < 0 ? exponent - 16 : exponent + 16) / 32 * 32);
 }
 
-static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
-                        bwi_elimination_reach *reach, const bwi_kernels *kernels, bwi_factor **out,
-                        int32_t *bad_node) {
+bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
+                               const bwi_matrix *matrix, bwi_elimination_reach *reach,
+                               const bwi_kernels *kernels, bwi_factor **out, int32_t *bad_node) {
   bw_status status = BW_OK;
   store fronts = {0};
   assert(symbolic->order->node_count == matrix->pattern->node_count);
@@ -505,19 +505,8 @@ done:
 
 bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
                             bwi_factor **factor, int32_t *bad_node) {
-  return create(context, symbolic, matrix, NULL, &bwi_kernels_double, factor, bad_node);
-}
-
-bw_status bwi_factor_create_with_updates(bw_context *context, bwi_symbolic *symbolic,
-                                         const bwi_matrix *matrix, bwi_elimination_reach *reach,
-                                         bwi_factor **factor, int32_t *bad_node) {
-  return create(context, symbolic, matrix, reach, &bwi_kernels_double, factor, bad_node);
-}
-
-bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
-                               const bwi_matrix *matrix, bwi_elimination_reach *reach,
-                               const bwi_kernels *kernels, bwi_factor **factor, int32_t *bad_node) {
-  return create(context, symbolic, matrix, reach, kernels, factor, bad_node);
+  return bwi_factor_create_in(context, symbolic, matrix, NULL, &bwi_kernels_double, factor,
+                              bad_node);
 }
 
 bwi_elimination_reach *bwi_factor_reach(const bwi_factor *factor) {

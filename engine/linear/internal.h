@@ -186,12 +186,8 @@ typedef struct bwi_factor {
 /* A = L L^T. *bad_node (may be NULL) is the mesh node of the failing pivot when BW_SINGULAR. */
 bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
                             bwi_factor **factor, int32_t *bad_node);
-/* The same, keeping the update matrices that `reach` (retained) names and the memory that updates
- * work in. */
-bw_status bwi_factor_create_with_updates(bw_context *context, bwi_symbolic *symbolic,
-                                         const bwi_matrix *matrix, bwi_elimination_reach *reach,
-                                         bwi_factor **factor, int32_t *bad_node);
-/* The same with numbers of the precision asked for. */
+/* The same by these kernels, keeping the update matrices that `reach` (retained; NULL: none) names
+ * and the memory that updates work in. */
 bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
                                const bwi_matrix *matrix, bwi_elimination_reach *reach,
                                const struct bwi_kernels *kernels, bwi_factor **factor,
@@ -383,9 +379,6 @@ bool bwi_external_serves(const bw_system *system, const bw_model *model, const b
 bw_status bwi_need_equations(bw_context *context, const bw_system *system);
 /* The same elements on the same nodes. */
 bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b);
-/* Nodes that take part in the order: all those of bodies with rigid-body modes (so that the order
- * also serves the matrix without isostatic constraints), and elsewhere those with an unknown. */
-void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take);
 /* The expanded order for a DOF map's unknowns, with what of `old` (may be NULL) fits. With
  * element_subdomain (may be NULL) a new order is made for edits by subdomains, unless `ordering`
  * asks for another. */

@@ -127,6 +127,9 @@ bw_status bwi_smoother_backward(bw_context *context, const bwi_smoother *smoothe
 /* y = K x, and the energies x . K x of the fields (NULL: not wanted) */
 bw_status bwi_smoother_product(bw_context *context, const bwi_smoother *smoother, int width,
                                const double *x, double *y, double *energy);
+/* Projects a field on the unknowns at `count` rows that have prescribed components. */
+void bwi_smoother_keep(const bwi_smoother *smoother, const bw_dof_map *dof_map, int32_t count,
+                       const int32_t *row, int width, float *field);
 /* Bytes that a product of stored blocks reads for a block below the diagonal, about: seven numbers
  * and a column. One by elements reads less. */
 #define BWI_SMOOTHER_PRODUCT_BYTES 60

@@ -404,3 +404,16 @@ done:
     bw_release(s);
   return status;
 }
+
+void bwi_smoother_keep(const bwi_smoother *s, const bw_dof_map *dof_map, int32_t count,
+                       const int32_t *row, int width, float *field) {
+  for (int32_t h = 0; h < count; h++) {
+    float *x = field + 3 * (int64_t)width * row[h];
+    for (int f = 0; f < width; f++) {
+      double value[3] = {x[f], x[width + f], x[2 * width + f]};
+      bwi_project_unknowns(dof_map, s->node[row[h]], value, value);
+      for (int d = 0; d < 3; d++)
+        x[d * width + f] = (float)value[d];
+    }
+  }
+}

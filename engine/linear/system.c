@@ -53,7 +53,9 @@ bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b) {
                   (size_t)a->element_count * (size_t)a->nodes_per_element * sizeof(int32_t)) == 0));
 }
 
-void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take) {
+/* Nodes that take part in the order: all those of bodies with rigid-body modes (so that the order
+ * also serves the matrix without isostatic constraints), and elsewhere those with an unknown. */
+static void nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take) {
   const bw_mesh *mesh = dof_map->mesh;
   for (int64_t i = 0; i < mesh->node_count; i++) {
     int32_t body = mesh->component[i];
@@ -83,7 +85,7 @@ bw_status bwi_symbolic_for(bw_context *context, const bw_block_pattern *pattern,
   uint8_t *take = BW_NEW(context, uint8_t, nodes);
   if (!take)
     return BW_MEMORY;
-  bwi_nodes_taking_part(dof_map, take);
+  nodes_taking_part(dof_map, take);
   if (old && order_fits(old->order, ordering, take, nodes)) {
     if (bwi_symbolic_fits(old, 3, dof_map->unknown)) {
       *symbolic = bw_retain(old);

@@ -122,26 +122,14 @@ static bw_status prolong(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-/* Fields of floats at the unknowns alone. */
-static void keep_unknowns(const bwi_two_level *l, int width, float *field) {
-  for (int32_t h = 0; h < l->constrained_count; h++) {
-    float *x = field + 3 * (int64_t)width * l->constrained[h];
-    for (int f = 0; f < width; f++) {
-      double value[3] = {x[f], x[width + f], x[2 * width + f]};
-      bwi_project_unknowns(l->dof_map, l->smoother->node[l->constrained[h]], value, value);
-      for (int d = 0; d < 3; d++)
-        x[d * width + f] = (float)value[d];
-    }
-  }
-}
-
 bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *l, int width, int used) {
   bw_status status = BW_OK;
   passage m = {l, width, used, bwi_coarse_corners(l->coarse), 1 / l->smoother->unit};
   BW_TRY(l->stars
              ? bwi_stars_forward(context, l->stars, width, l->floats, l->z, l->residual)
              : bwi_smoother_forward(context, l->smoother, width, l->floats, l->z, l->residual));
-  keep_unknowns(l, width, l->residual);
+  bwi_smoother_keep(l->smoother, l->dof_map, l->constrained_count, l->constrained, width,
+                    l->residual);
   if (l->rotations)
     BW_TRY(bwi_corner_rotations_correct(context, l->rotations, l, width, used));
   else {
@@ -149,7 +137,7 @@ bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *l, int 
     BW_TRY(bwi_coarse_solve(context, l->coarse, used, l->corner));
     BW_TRY(bw_parallel(context, l->smoother->count, ROWS, prolong, &m));
   }
-  keep_unknowns(l, width, l->z);
+  bwi_smoother_keep(l->smoother, l->dof_map, l->constrained_count, l->constrained, width, l->z);
   BW_TRY(l->stars
              ? bwi_stars_backward(context, l->stars, width, l->floats, l->z)
              : bwi_smoother_backward(context, l->smoother, width, l->floats, l->z, l->residual));

@@ -2,6 +2,7 @@
 /* Materials that differ from element to element: several materials in one body, axes that turn with
  * the place, or both. Invariants: parts have no parts themselves, all have one formulation, and
  * part i is unrotated[i] turned by rotation i. */
+#include "base/dense.h"
 #include "material/internal.h"
 
 #include <math.h>
@@ -203,14 +204,6 @@ static int32_t number_pairs(const bw_material *material, int32_t element_count, 
   return count;
 }
 
-/* both = after before, of rotations */
-static void product(const double after[9], const double before[9], double both[9]) {
-  for (int r = 0; r < 3; r++)
-    for (int c = 0; c < 3; c++)
-      both[3 * r + c] = after[3 * r] * before[c] + after[3 * r + 1] * before[3 + c] +
-                        after[3 * r + 2] * before[6 + c];
-}
-
 static bool all_isotropic(const bw_material *material) {
   for (int32_t i = 0; i < bw_material_part_count(material); i++)
     if (!bw_material_part(material, i)->isotropic)
@@ -249,7 +242,7 @@ bw_status bw_material_rotated_by_element(bw_context *context, const bw_material 
     double turn[9];
     memcpy(turn, rotation + 9 * group, sizeof turn);
     BW_TRY(bwi_material_check_rotation(context, "the turn of a group of elements", turn));
-    product(turn, before, both);
+    bwi_multiply(3, 3, 3, turn, before, both);
     BW_TRY(set_part(context, p, pair[k], unrotated, unrotated->isotropic ? NULL : both));
   }
   for (int32_t e = 0; e < element_count; e++)
@@ -341,7 +334,7 @@ static bw_status each_part(bw_context *context, const bw_material_parts *from,
     while (same < i && from->unrotated[same] != from->unrotated[i])
       same++;
     if (rotation)
-      product(rotation, before, both);
+      bwi_multiply(3, 3, 3, rotation, before, both);
     else
       memcpy(both, before, sizeof both);
     if (same < i || !formulation)

@@ -5,6 +5,7 @@
  *   - region[e] is an index into `regions`, so a table by region is read without a search;
  *   - `regions` ascend by tag, each has an element and a name, and no two have one name or one tag;
  *   - a mesh without regions has region_count 0, and both pointers are NULL. */
+#include "base/sort.h"
 #include "mesh/mesh_internal.h"
 
 #include <assert.h>
@@ -140,11 +141,6 @@ done:
 
 /* ---- regions by tag ------------------------------------------------------------------------- */
 
-static int compare_tags(const void *a, const void *b) {
-  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-  return (x > y) - (x < y);
-}
-
 void bw_mesh_regions_clear(bw_mesh_regions *regions) {
   bw_free((void *)(uintptr_t)regions->region);
   bw_free((void *)(uintptr_t)regions->of_element);
@@ -161,7 +157,7 @@ bw_status bw_mesh_regions_by_tag(bw_context *context, int64_t elements, const in
   bw_mesh_region *region = NULL;
   BW_TRY_MEMORY(sorted && of_element);
   memcpy(sorted, tag, (size_t)elements * sizeof *tag);
-  qsort(sorted, (size_t)elements, sizeof *sorted, compare_tags);
+  bwi_sort_columns(sorted, elements);
   for (int64_t i = 0; i < elements; i++)
     if (i == 0 || sorted[i] != sorted[count - 1])
       sorted[count++] = sorted[i];
@@ -170,14 +166,12 @@ bw_status bw_mesh_regions_by_tag(bw_context *context, int64_t elements, const in
   for (int32_t i = 0; i < count; i++)
     region[i].tag = sorted[i];
   for (int32_t i = 0; i < named_count; i++) {
-    const int32_t *at = bsearch(&named[i].tag, sorted, (size_t)count, sizeof *sorted, compare_tags);
-    if (at)
-      region[at - sorted].name = named[i].name;
+    int64_t at = bwi_sorted_index(sorted, 0, count, named[i].tag);
+    if (sorted[at] == named[i].tag)
+      region[at].name = named[i].name;
   }
   for (int64_t e = 0; e < elements; e++)
-    of_element[e] = (int32_t)((const int32_t *)bsearch(&tag[e], sorted, (size_t)count,
-                                                       sizeof *sorted, compare_tags) -
-                              sorted);
+    of_element[e] = (int32_t)bwi_sorted_index(sorted, 0, count, tag[e]);
   *regions = (bw_mesh_regions){count, region, of_element};
 done:
   bw_free(sorted);

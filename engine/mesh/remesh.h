@@ -91,7 +91,6 @@ static inline bw_status check_limits(const bwi_remesher *r, size_t step) {
 /* remesh_guard.c: how far the surface may be left near a point; whether a point, a side and a facet
  * stay near enough; the size wanted at a point; the clearance of each facet. */
 double bwi_remesh_slack(const bwi_remesher *r, double size);
-bool bwi_remesh_near_surface(const bwi_remesher *r, const double x[3], double limit);
 bool bwi_remesh_near_crease(const bwi_remesher *r, const double a[3], const double b[3],
                             double limit);
 bool bwi_remesh_facet_near_surface(const bwi_remesher *r, const double a[3], const double b[3],

@@ -32,7 +32,7 @@ double bwi_remesh_slack(const bwi_remesher *r, double size) {
   return tenth < r->tolerance ? tenth : r->tolerance;
 }
 
-bool bwi_remesh_near_surface(const bwi_remesher *r, const double x[3], double limit) {
+static bool remesh_near_surface(const bwi_remesher *r, const double x[3], double limit) {
   double place[3];
   int32_t facet;
   double far = bwi_tree_nearest(r->tree, x, -1, limit * limit, place, &facet);
@@ -67,8 +67,8 @@ bool bwi_remesh_facet_near_surface(const bwi_remesher *r, const double a[3], con
     ab[k] = 0.5 * (a[k] + b[k]);
     ca[k] = 0.5 * (a[k] + c[k]);
   }
-  return bwi_remesh_near_surface(r, middle, limit) && bwi_remesh_near_surface(r, ab, limit) &&
-         bwi_remesh_near_surface(r, ca, limit);
+  return remesh_near_surface(r, middle, limit) && remesh_near_surface(r, ab, limit) &&
+         remesh_near_surface(r, ca, limit);
 }
 
 double bwi_remesh_size_near(const bwi_remesher *r, const double x[3]) {

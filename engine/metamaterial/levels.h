@@ -55,8 +55,6 @@ void bwi_levels_block(const bwi_levels *levels, int32_t fit, int32_t cell[8]);
 
 /* The image of a pair of stage s under a reflection. */
 int32_t bwi_pair_flipped(const bwi_levels *levels, int stage, int32_t code, int flip);
-/* The smallest of its images, and the reflection that leads there and back. */
-int32_t bwi_pair_first(const bwi_levels *levels, int stage, int32_t code, int *flip);
 /* Everything of a stage's representatives that follows from what was chosen. BW_FORMAT, with the
  * reason, where that is impossible (files). */
 bw_status bwi_levels_expand_cells(bw_context *context, bwi_levels *levels, const bwi_keys *keys);

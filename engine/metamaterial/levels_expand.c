@@ -74,7 +74,8 @@ int32_t bwi_pair_flipped(const bwi_levels *it, int stage, int32_t code, int flip
   return flip >> stage & 1 ? b + n * a : a + n * b;
 }
 
-int32_t bwi_pair_first(const bwi_levels *it, int stage, int32_t code, int *flip) {
+/* The smallest of its images, and the reflection that leads there and back. */
+static int32_t pair_first(const bwi_levels *it, int stage, int32_t code, int *flip) {
   int32_t first = code;
   *flip = 0;
   for (int f = 1; f < BWI_FLIPS; f++) {
@@ -126,13 +127,13 @@ bw_status bwi_levels_items(bw_context *context, const bwi_levels *it, int stage,
   int32_t pairs = it->count[stage] * it->count[stage], found = 0;
   int flip;
   for (int32_t code = 1; code < pairs; code++)
-    found += bwi_pair_first(it, stage, code, &flip) == code;
+    found += pair_first(it, stage, code, &flip) == code;
   *item = BW_NEW(context, int32_t, found);
   if (!*item)
     return BW_MEMORY;
   *count = 0;
   for (int32_t code = 1; code < pairs; code++)
-    if (bwi_pair_first(it, stage, code, &flip) == code)
+    if (pair_first(it, stage, code, &flip) == code)
       (*item)[(*count)++] = code;
   return BW_OK;
 }
@@ -147,7 +148,7 @@ bw_status bwi_levels_fill_table(bw_context *context, bwi_levels *it, int stage, 
     it->table[stage][item[i]] = representative[i];
   for (int32_t code = 1; code < pairs; code++) {
     int flip;
-    int32_t first = bwi_pair_first(it, stage, code, &flip);
+    int32_t first = pair_first(it, stage, code, &flip);
     it->table[stage][code] = it->flipped[stage + 1][it->table[stage][first] * BWI_FLIPS + flip];
   }
   return BW_OK;

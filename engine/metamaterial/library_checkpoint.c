@@ -36,13 +36,6 @@ struct bwi_checkpoint {
   bool failed; /* a record could not be written whole: nothing may follow it */
 };
 
-static bw_status fail_system(bw_context *context, const char *path, const char *doing) {
-  char text[BWI_WORDS];
-  bw_fail(context, BW_IO, "%s: %s: %s", path, doing, bwi_system_words(errno, text));
-  bw_detail_text(context, "file", path);
-  return BW_IO;
-}
-
 static uint32_t sum_of(const unsigned char *bytes, size_t count) {
   return (uint32_t)crc32(crc32(0, NULL, 0), bytes, (uInt)count);
 }
@@ -51,7 +44,7 @@ static bw_status read_all(bw_context *context, int file, const char *path, unsig
                           size_t *count) {
   struct stat about;
   if (fstat(file, &about) != 0)
-    return fail_system(context, path, "cannot read");
+    return bwi_fail_system(context, path, "cannot read");
   if (!S_ISREG(about.st_mode))
     return bw_fail(context, BW_IO, "%s is no regular file: a checkpoint needs one", path);
   *bytes = BW_NEW(context, unsigned char, about.st_size);
@@ -62,7 +55,7 @@ static bw_status read_all(bw_context *context, int file, const char *path, unsig
     if (got < 0 && errno == EINTR)
       continue;
     if (got < 0)
-      return fail_system(context, path, "cannot read");
+      return bwi_fail_system(context, path, "cannot read");
     if (got == 0)
       break;
     *count += (size_t)got;
@@ -77,7 +70,7 @@ static bw_status write_all(bw_context *context, int file, const char *path,
     if (written < 0 && errno == EINTR)
       continue;
     if (written <= 0)
-      return fail_system(context, path, "cannot add to the checkpoint");
+      return bwi_fail_system(context, path, "cannot add to the checkpoint");
     bytes += written;
     count -= (size_t)written;
   }
@@ -196,11 +189,11 @@ bw_status bwi_checkpoint_open(bw_context *context, const char *path,
   BW_TRY(bw_may_use(context, path, BW_TO_WRITE));
   it->file = bw_open(path, O_RDWR | O_CREAT | O_APPEND, 0666);
   if (it->file < 0)
-    BW_TRY(fail_system(context, path, "cannot open the checkpoint"));
+    BW_TRY(bwi_fail_system(context, path, "cannot open the checkpoint"));
   if (flock(it->file, LOCK_EX | LOCK_NB) != 0)
     BW_TRY(errno == EWOULDBLOCK
                ? bw_fail(context, BW_IO, "%s: another process uses this checkpoint", path)
-               : fail_system(context, path, "cannot lock the checkpoint"));
+               : bwi_fail_system(context, path, "cannot lock the checkpoint"));
   bwi_pack_head(&head, material_table, options);
   BW_TRY(head.status);
   BW_TRY(read_all(context, it->file, path, &bytes, &count));
@@ -209,7 +202,7 @@ bw_status bwi_checkpoint_open(bw_context *context, const char *path,
   if (used > 0)
     BW_TRY(take_records(context, path, bytes, count, fit, data, seconds, &used));
   if (used < count && ftruncate(it->file, (off_t)used) != 0)
-    BW_TRY(fail_system(context, path, "cannot cut off what a kill left"));
+    BW_TRY(bwi_fail_system(context, path, "cannot cut off what a kill left"));
   if (used == 0)
     BW_TRY(write_head(context, it, &head));
   it->synced = bw_seconds();

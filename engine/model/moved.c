@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/sort.h"
 #include "model/internal.h"
 
 typedef struct transfer {
@@ -47,11 +48,6 @@ static bw_status invert(transfer *t) {
   return BW_OK;
 }
 
-static int compare_numbers(const void *a, const void *b) {
-  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-  return (x > y) - (x < y);
-}
-
 /* The selection's facets and nodes on the new mesh; NULL stays NULL. Retained by the transfer. */
 static bw_status transfer_selection(transfer *t, const bw_selection *on, const bw_selection **out) {
   bw_status status = BW_OK;
@@ -81,7 +77,7 @@ static bw_status transfer_selection(transfer *t, const bw_selection *on, const b
                        "the support or load on the new mesh",
                        on->node[i] + 1));
     }
-    qsort(node, (size_t)on->node_count, sizeof *node, compare_numbers);
+    bwi_sort_columns(node, on->node_count);
   }
   BW_TRY(bwi_selection_copy(t->context, t->to->mesh, on->facet_count, on->facet, on->node_count,
                             node ? node : on->node, &made));

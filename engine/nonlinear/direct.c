@@ -136,8 +136,8 @@ bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct,
     status = bwi_factor_update(context, direct->factor, &matrix, NULL, NULL, &bad_node);
   else {
     BW_TRY(bwi_elimination_reach_create_whole(context, direct->symbolic, &reach));
-    status = bwi_factor_create_with_updates(context, direct->symbolic, &matrix, reach,
-                                            &direct->factor, &bad_node);
+    status = bwi_factor_create_in(context, direct->symbolic, &matrix, reach, &bwi_kernels_double,
+                                  &direct->factor, &bad_node);
   }
   if (status == BW_SINGULAR) {
     bw_clear_failure(context);

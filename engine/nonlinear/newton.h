@@ -174,8 +174,6 @@ void bwi_energy_forces_clear(bwi_energy_forces *at);
 bw_status bwi_newton_state_balance(bwi_newton_state *state, bwi_energy_forces *at);
 /* The trial becomes the state now, and the other way round. */
 void bwi_newton_state_accept(bwi_newton_state *state);
-/* Loads but for those of contact planes, at displacements u. */
-bw_status bwi_newton_state_loads(bwi_newton_state *state, const double *u, double *load);
 /* Residual (0 where constrained), its size relative to the forces at work, and what those are. */
 void bwi_newton_state_measure(bwi_newton_state *state);
 static inline double bwi_newton_state_target(const bwi_newton_state *state, int64_t i) {

@@ -101,7 +101,8 @@ double bwi_newton_state_dot(const bwi_newton_state *state, const double *a, cons
   return sum;
 }
 
-bw_status bwi_newton_state_loads(bwi_newton_state *state, const double *u, double *load) {
+/* Loads but for those of contact planes, at displacements u. */
+static bw_status newton_state_loads(bwi_newton_state *state, const double *u, double *load) {
   double factor = state->initial_residual ? 1 : state->load;
   for (int64_t i = 0; i < state->size; i++)
     load[i] = factor * state->dead[i] +
@@ -119,7 +120,7 @@ bw_status bwi_newton_state_balance(bwi_newton_state *state, bwi_energy_forces *a
   state->report->seconds_quadrature += bw_seconds() - before;
   if (!at->shape.defined)
     goto done;
-  BW_TRY(bwi_newton_state_loads(state, at->u, at->load));
+  BW_TRY(newton_state_loads(state, at->u, at->load));
   if (state->quadratic)
     BW_TRY(bwi_quadratic_evaluate(state, at));
   at->contact_energy = 0;

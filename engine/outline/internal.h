@@ -41,21 +41,12 @@ bw_status bwi_outline_check_crossings(bw_context *context, const double *point, 
 bw_status bwi_outline_nesting(bw_context *context, const double *point, int32_t loops,
                               const bw_loop *loop, const bw_segment *segment, double *area,
                               int32_t *parent);
-/* How often a loop runs around a place that does not lie on it (counter-clockwise is positive). */
-int bwi_loop_winding(const double *point, const bw_loop *loop, const bw_segment *segment,
-                     const double at[2]);
 
 /* ---- measures (measure.c) -------------------------------------------------------------------- */
 
-/* Integrals over the inside of a closed loop relative to `origin`: 1, x, y, y^2, x^2, xy; negative
- * for clockwise loops. */
-void bwi_loop_moments(const double *point, const bw_loop *loop, const bw_segment *segment,
-                      const double origin[2], double moment[6]);
 /* The first of them alone, about any origin. */
 double bwi_loop_area(const double *point, const bw_loop *loop, const bw_segment *segment);
 double bwi_curve_length(const bwi_outline_curve *curve);
-/* 1, 0 or -1: how the signed area of a loop enters that of a region, or of the material (-1). */
-int bwi_loop_weight(const bw_outline *outline, int32_t loop, int32_t region);
 
 /* Whether a loop is `around`, or lies in it. */
 static inline bool bwi_lies_in(const bw_outline *outline, int32_t loop, int32_t around) {

@@ -22,8 +22,10 @@ static const double gauss_weight[RULE] = {0.085662246189585173, 0.18038078652406
                                           0.23395696728634552,  0.23395696728634552,
                                           0.18038078652406930,  0.085662246189585173};
 
-void bwi_loop_moments(const double *point, const bw_loop *loop, const bw_segment *segment,
-                      const double origin[2], double moment[6]) {
+/* Integrals over the inside of a closed loop relative to `origin`: 1, x, y, y^2, x^2, xy; negative
+ * for clockwise loops. */
+static void loop_moments(const double *point, const bw_loop *loop, const bw_segment *segment,
+                         const double origin[2], double moment[6]) {
   memset(moment, 0, 6 * sizeof *moment);
   for (int32_t s = loop->first; s < loop->first + loop->count; s++) {
     bwi_outline_curve curve = bwi_curve_of(point, &segment[s]);
@@ -68,7 +70,8 @@ double bwi_loop_area(const double *point, const bw_loop *loop, const bw_segment 
   return area;
 }
 
-int bwi_loop_weight(const bw_outline *outline, int32_t loop, int32_t region) {
+/* 1, 0 or -1: how the signed area of a loop enters that of a region, or of the material (-1). */
+static int loop_weight(const bw_outline *outline, int32_t loop, int32_t region) {
   const bw_loop *l = &outline->loop[loop];
   int32_t around = l->parent < 0 ? -1 : outline->loop[l->parent].region;
   if (region < 0)
@@ -136,7 +139,7 @@ bw_status bw_outline_measure(bw_context *context, const bw_outline *outline, int
   double origin[2], sum[6] = {0};
   for (int32_t l = 0; l < outline->loop_count; l++) {
     const bw_loop *loop = &outline->loop[l];
-    if (bwi_loop_weight(outline, l, region) == 0)
+    if (loop_weight(outline, l, region) == 0)
       continue;
     for (int32_t s = loop->first; s < loop->first + loop->count; s++) {
       bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
@@ -152,11 +155,11 @@ bw_status bw_outline_measure(bw_context *context, const bw_outline *outline, int
   for (int k = 0; k < 2; k++)
     origin[k] = m.min[k] + (m.max[k] - m.min[k]) / 2;
   for (int32_t l = 0; l < outline->loop_count; l++) {
-    int weight = bwi_loop_weight(outline, l, region);
+    int weight = loop_weight(outline, l, region);
     double moment[6];
     if (weight == 0)
       continue;
-    bwi_loop_moments(outline->point, &outline->loop[l], outline->segment, origin, moment);
+    loop_moments(outline->point, &outline->loop[l], outline->segment, origin, moment);
     for (int i = 0; i < 6; i++)
       sum[i] += weight * moment[i];
   }
@@ -176,7 +179,7 @@ bw_status bw_outline_area_gradient(bw_context *context, const bw_outline *outlin
   (void)context;
   memset(gradient, 0, 2 * (size_t)outline->point_count * sizeof *gradient);
   for (int32_t l = 0; l < outline->loop_count; l++) {
-    int weight = bwi_loop_weight(outline, l, -1);
+    int weight = loop_weight(outline, l, -1);
     const bw_loop *loop = &outline->loop[l];
     for (int32_t s = loop->first; weight && s < loop->first + loop->count; s++)
       for (int g = 0; g < RULE; g++) {

@@ -36,8 +36,9 @@ static int passes(const bwi_outline_curve *curve, const double at[2]) {
   return passes(&left, at) + passes(&right, at);
 }
 
-int bwi_loop_winding(const double *point, const bw_loop *loop, const bw_segment *segment,
-                     const double at[2]) {
+/* How often a loop runs around a place that does not lie on it (counter-clockwise is positive). */
+static int loop_winding(const double *point, const bw_loop *loop, const bw_segment *segment,
+                        const double at[2]) {
   int winding = 0;
   for (int32_t s = loop->first; s < loop->first + loop->count; s++) {
     bwi_outline_curve curve = bwi_curve_of(point, &segment[s]);
@@ -75,7 +76,7 @@ bw_status bwi_outline_nesting(bw_context *context, const double *point, int32_t 
       const double *low = box + 4 * (int64_t)m, *high = low + 2;
       if (m != l && at[0] > low[0] && at[0] < high[0] && at[1] > low[1] && at[1] < high[1] &&
           (parent[l] < 0 || fabs(area[m]) < fabs(area[parent[l]])) &&
-          bwi_loop_winding(point, &loop[m], segment, at) != 0)
+          loop_winding(point, &loop[m], segment, at) != 0)
         parent[l] = m;
     }
     if (l % 1024 == 1023)

@@ -23,7 +23,7 @@ void bw_plane_options_default(bw_plane_options *options) {
                                 .memory_limit = 6e9};
 }
 
-void bwi_filling_clear(bwi_filling *filling) {
+static void filling_clear(bwi_filling *filling) {
   bw_free(filling->point);
   bw_free(filling->element);
   bw_free(filling->loop);
@@ -122,7 +122,7 @@ static bw_status fill_once(bw_context *context, const bw_outline *outline,
   int64_t max = (int64_t)fmin(options->limit, options->memory_limit / BYTES_OF_ELEMENT);
   for (int denser = 0;;) {
     bwi_fill_boundary_clear(boundary);
-    bwi_filling_clear(filling);
+    filling_clear(filling);
     BW_TRY(bwi_fill_boundary_create(context, outline, field, *turn, max, boundary));
     int64_t limit = max;
     if (!field->function && *angle > BWI_WHOLE_EDGES && options->minimum_angle > 0) {
@@ -249,7 +249,7 @@ bw_status bwi_plane_fill(bw_context *context, const bw_outline *outline,
 done:
   bw_release(made);
   bwi_fill_boundary_clear(&boundary);
-  bwi_filling_clear(&filling);
+  filling_clear(&filling);
   return status;
 }
 

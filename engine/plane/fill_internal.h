@@ -58,7 +58,6 @@ bw_status bwi_fill_cgal(bw_context *context, const bw_outline *outline,
                         const bwi_fill_boundary *boundary, bwi_plane_size_field *field,
                         double minimum_angle, int64_t limit, const bwi_time_limit *time,
                         bwi_filling *filling);
-void bwi_filling_clear(bwi_filling *filling);
 
 /* The mesh (fill_mesh.c). *fits false: elements are inverted or folded, and nodes along the curves
  * must be denser. */

@@ -13,6 +13,7 @@
  * continuous, still one on the interfaces, and a node follows only the few bones that matter there.
  * Subdomains of type F share no nodes but those of type R, so each is solved for by itself. */
 #include "base/dense.h"
+#include "base/sort.h"
 #include "shape/subdomains_internal.h"
 
 #include <math.h>
@@ -205,11 +206,6 @@ static bw_status add_influence(blend *b, int32_t node, int32_t bone, double weig
   return BW_OK;
 }
 
-static int compare_numbers(const void *a, const void *b) {
-  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-  return (x > y) - (x < y);
-}
-
 /* Appends the bones of the type R subdomains that a type F subdomain touches to b->bone, in
  * ascending order. */
 static bw_status touched_bones(blend *b, int32_t *count) {
@@ -228,7 +224,7 @@ static bw_status touched_bones(blend *b, int32_t *count) {
   }
   *count = (int32_t)(b->bone_count - first);
   if (*count > 1)
-    qsort(b->bone + first, (size_t)*count, sizeof *b->bone, compare_numbers);
+    bwi_sort_columns(b->bone + first, *count);
   return BW_OK;
 }
 

@@ -9,6 +9,7 @@
  * with R = A = identity and b = 0 for the parent of a root bone. Scales stretch a bone and carry
  * what hangs on it, but are not taken over. */
 #include "barwright/shape.h"
+#include "base/dense.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,12 +20,6 @@ void bw_bone_pose_rest(bw_bone_pose *pose) {
   memset(pose, 0, sizeof *pose);
   memcpy(pose->rotation, identity, sizeof identity);
   pose->scale[0] = pose->scale[1] = pose->scale[2] = 1;
-}
-
-static void multiply(const double a[9], const double b[9], double c[9]) {
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      c[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
 }
 
 static void transform(const double a[9], const double x[3], double y[3]) {
@@ -78,7 +73,7 @@ static void scaled_rotation(const double rotation[9], const double frame[9], con
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 3; j++)
         stretch[3 * i + j] += (scale[a] - 1) * frame[3 * a + i] * frame[3 * a + j];
-  multiply(rotation, stretch, out);
+  bwi_multiply(3, 3, 3, rotation, stretch, out);
 }
 
 bw_status bw_pose_maps(bw_context *context, const bw_skeleton *skeleton, const bw_bone_pose *pose,
@@ -104,7 +99,7 @@ bw_status bw_pose_maps(bw_context *context, const bw_skeleton *skeleton, const b
     const double *head = skeleton->joint + 3 * (size_t)skeleton->bone[2 * b];
     double linear[9], parent_linear[9], moved[3], turned_head[3], shift[3];
     double *own = to + 12 * (size_t)b;
-    multiply(parent_turn, pose[b].rotation, turn + 9 * (size_t)b);
+    bwi_multiply(3, 3, 3, parent_turn, pose[b].rotation, turn + 9 * (size_t)b);
     scaled_rotation(turn + 9 * (size_t)b, frame + 9 * (size_t)b, pose[b].scale, linear);
     linear_part(parent_map, parent_linear);
     apply(parent_map, head, moved);

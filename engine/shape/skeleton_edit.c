@@ -95,21 +95,14 @@ static bw_name fresh_name(const bw_name *list, int32_t count, const char *kind) 
   return made;
 }
 
-static bw_status check_bone(bw_context *context, const bw_skeleton *s, int32_t bone) {
-  if (bone >= 0 && bone < s->bone_count)
+/* `what`: "bone" or "joint". */
+static bw_status check_number(bw_context *context, const char *what, int32_t number,
+                              int32_t count) {
+  if (number >= 0 && number < count)
     return BW_OK;
-  bw_fail(context, BW_INVALID, "bone %d: the bones of the skeleton are 1 to %d", bone + 1,
-          s->bone_count);
-  bw_detail_number(context, "bone", bone + 1.0);
-  return BW_INVALID;
-}
-
-static bw_status check_joint(bw_context *context, const bw_skeleton *s, int32_t joint) {
-  if (joint >= 0 && joint < s->joint_count)
-    return BW_OK;
-  bw_fail(context, BW_INVALID, "joint %d: the joints of the skeleton are 1 to %d", joint + 1,
-          s->joint_count);
-  bw_detail_number(context, "joint", joint + 1.0);
+  bw_fail(context, BW_INVALID, "%s %d: the %ss of the skeleton are 1 to %d", what, number + 1, what,
+          count);
+  bw_detail_number(context, what, number + 1.0);
   return BW_INVALID;
 }
 
@@ -117,7 +110,7 @@ bw_status bw_skeleton_insert_joint(bw_context *context, const bw_skeleton *skele
                                    double fraction, const char *name, bw_skeleton **out) {
   bw_status status = BW_OK;
   draft d = {0};
-  BW_TRY(check_bone(context, skeleton, bone));
+  BW_TRY(check_number(context, "bone", bone, skeleton->bone_count));
   if (!(fraction > 1e-6 && fraction < 1 - 1e-6))
     BW_TRY(bw_fail(context, BW_INVALID,
                    "a joint at the fraction %g of bone '%s': it must lie between its ends, 0 < "
@@ -151,7 +144,7 @@ bw_status bw_skeleton_move_joint(bw_context *context, const bw_skeleton *skeleto
                                  const double at[3], bw_skeleton **out) {
   bw_status status = BW_OK;
   draft d = {0};
-  BW_TRY(check_joint(context, skeleton, joint));
+  BW_TRY(check_number(context, "joint", joint, skeleton->joint_count));
   BW_TRY(draft_create(context, skeleton, &d));
   memcpy(d.joint + 3 * (size_t)joint, at, 3 * sizeof *at);
   BW_TRY(draft_finish(context, &d, out));
@@ -178,8 +171,8 @@ bw_status bw_skeleton_merge_bones(bw_context *context, const bw_skeleton *skelet
   bw_status status = BW_OK;
   draft d = {0};
   int32_t meeting = 0;
-  BW_TRY(check_bone(context, skeleton, a));
-  BW_TRY(check_bone(context, skeleton, b));
+  BW_TRY(check_number(context, "bone", a, skeleton->bone_count));
+  BW_TRY(check_number(context, "bone", b, skeleton->bone_count));
   int32_t joint = a == b ? -1 : common_joint(skeleton, a, b);
   if (joint < 0) {
     status = bw_fail(context, BW_INVALID, "bones '%s' and '%s' do not meet at a joint",
@@ -218,7 +211,7 @@ bw_status bw_skeleton_remove_bone(bw_context *context, const bw_skeleton *skelet
   bw_status status = BW_OK;
   draft d = {0};
   int32_t left = 0;
-  BW_TRY(check_bone(context, skeleton, bone));
+  BW_TRY(check_number(context, "bone", bone, skeleton->bone_count));
   BW_TRY(draft_create(context, skeleton, &d));
   for (int32_t b = 0; b < d.bones; b++) {
     int32_t parent = skeleton->parent[b];
@@ -244,7 +237,7 @@ bw_status bw_skeleton_with_root(bw_context *context, const bw_skeleton *skeleton
                                 bw_skeleton **out) {
   bw_status status = BW_OK;
   draft d = {0};
-  BW_TRY(check_joint(context, skeleton, joint));
+  BW_TRY(check_number(context, "joint", joint, skeleton->joint_count));
   BW_TRY(draft_create(context, skeleton, &d));
   d.root = joint;
   BW_TRY(draft_finish(context, &d, out));
