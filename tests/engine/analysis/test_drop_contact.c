@@ -116,11 +116,4 @@ static void edge(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(flat_face),
-      check_test(ball_converges),
-      check_test(edge),
-  };
-  return cmocka_run_group_tests_name("analysis: drop contact", tests, NULL, NULL);
-}
+check_main(check_test(flat_face), check_test(ball_converges), check_test(edge))

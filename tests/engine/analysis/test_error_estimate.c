@@ -126,10 +126,4 @@ static void no_error_in_constant_stress(void **state) {
   bw_release(material);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(effectivity_on_a_smooth_solution),
-      check_test(no_error_in_constant_stress),
-  };
-  return cmocka_run_group_tests_name("analysis: error estimate", tests, NULL, NULL);
-}
+check_main(check_test(effectivity_on_a_smooth_solution), check_test(no_error_in_constant_stress))

@@ -325,17 +325,8 @@ static void out_of_memory(void **state) {
   bw_release(material);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(macneal_harder_stresses),
-      check_test(constant_stress),
-      check_test(linear_stress),
-      check_test(energies_sum_to_that_of_the_stiffness),
-      check_test(stress_does_not_depend_on_youngs_modulus),
-      check_test(principal_stresses),
-      check_test(von_mises_and_utilisation),
-      check_test(same_bits_for_any_thread_count),
-      check_test(out_of_memory),
-  };
-  return cmocka_run_group_tests_name("analysis: stress", tests, NULL, NULL);
-}
+check_main(check_test(macneal_harder_stresses), check_test(constant_stress),
+           check_test(linear_stress), check_test(energies_sum_to_that_of_the_stiffness),
+           check_test(stress_does_not_depend_on_youngs_modulus), check_test(principal_stresses),
+           check_test(von_mises_and_utilisation), check_test(same_bits_for_any_thread_count),
+           check_test(out_of_memory))

@@ -196,11 +196,6 @@ static void test_supports(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_closed_forms),   check_test(test_thin_wall),
-      check_test(test_singular_field), check_test(test_columns_and_threads),
-      check_test(test_supports),
-  };
-  return cmocka_run_group_tests_name("analysis: surface mean", tests, NULL, NULL);
-}
+check_main(check_test(test_closed_forms), check_test(test_thin_wall),
+           check_test(test_singular_field), check_test(test_columns_and_threads),
+           check_test(test_supports))

@@ -191,9 +191,5 @@ static void test_wrong_input(void **state) {
   bw_release(material);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_bar_in_tension), check_test(test_no_traction),
-                                     check_test(test_hydrostatic_pressure),
-                                     check_test(test_wrong_input)};
-  return cmocka_run_group_tests_name("analysis: surface stress", tests, NULL, NULL);
-}
+check_main(check_test(test_bar_in_tension), check_test(test_no_traction),
+           check_test(test_hydrostatic_pressure), check_test(test_wrong_input))

@@ -182,11 +182,5 @@ static void product_is_that_of_the_full_matrix(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(invariants),
-      check_test(same_pattern_for_any_thread_count),
-      check_test(product_is_that_of_the_full_matrix),
-  };
-  return cmocka_run_group_tests_name("assemble: pattern", tests, NULL, NULL);
-}
+check_main(check_test(invariants), check_test(same_pattern_for_any_thread_count),
+           check_test(product_is_that_of_the_full_matrix))

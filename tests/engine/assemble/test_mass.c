@@ -138,12 +138,7 @@ static void laplacian_integrates_gradients(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(mass_integrates_products),
-      check_test(lumped_mass_is_positive_and_sums_to_the_volume),
-      check_test(one_element_is_lumped_by_its_diagonal),
-      check_test(laplacian_integrates_gradients),
-  };
-  return cmocka_run_group_tests_name("assemble: mass", tests, NULL, NULL);
-}
+check_main(check_test(mass_integrates_products),
+           check_test(lumped_mass_is_positive_and_sums_to_the_volume),
+           check_test(one_element_is_lumped_by_its_diagonal),
+           check_test(laplacian_integrates_gradients))

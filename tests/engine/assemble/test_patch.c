@@ -93,10 +93,4 @@ static void macneal_harder(void **state) {
   bw_release(projected);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(linear_displacement_needs_no_inner_force),
-      check_test(macneal_harder),
-  };
-  return cmocka_run_group_tests_name("assemble: patch", tests, NULL, NULL);
-}
+check_main(check_test(linear_displacement_needs_no_inner_force), check_test(macneal_harder))

@@ -244,15 +244,7 @@ static void out_of_memory(void **state) {
   bw_release(material);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(assembly_is_the_sum_of_elements),
-      check_test(six_zero_energy_motions),
-      check_test(orthotropic_rotation),
-      check_test(same_bits_for_any_thread_count),
-      check_test(inverted_elements_are_named),
-      check_test(patterns_of_other_meshes_are_refused),
-      check_test(out_of_memory),
-  };
-  return cmocka_run_group_tests_name("assemble: stiffness", tests, NULL, NULL);
-}
+check_main(check_test(assembly_is_the_sum_of_elements), check_test(six_zero_energy_motions),
+           check_test(orthotropic_rotation), check_test(same_bits_for_any_thread_count),
+           check_test(inverted_elements_are_named),
+           check_test(patterns_of_other_meshes_are_refused), check_test(out_of_memory))

@@ -63,10 +63,4 @@ static void triangle_is_exact(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(tetrahedron_is_exact),
-      check_test(triangle_is_exact),
-  };
-  return cmocka_run_group_tests_name("element: quadrature", tests, NULL, NULL);
-}
+check_main(check_test(tetrahedron_is_exact), check_test(triangle_is_exact))

@@ -140,11 +140,6 @@ static void barycentric_gradients(void **state) {
   check_near(bw_tet_barycentric_gradient(corner[0], corner[1], corner[2], corner[2], g), 0, 1e-17);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(values_are_one_at_their_node), check_test(values_sum_to_one),
-      check_test(gradients_are_differences),    check_test(facets_are_traces),
-      check_test(fields_have_their_gradient),   check_test(barycentric_gradients),
-  };
-  return cmocka_run_group_tests_name("element: shape functions", tests, NULL, NULL);
-}
+check_main(check_test(values_are_one_at_their_node), check_test(values_sum_to_one),
+           check_test(gradients_are_differences), check_test(facets_are_traces),
+           check_test(fields_have_their_gradient), check_test(barycentric_gradients))

@@ -323,16 +323,6 @@ static void test_modes(void **state) {
   assert_true(bending_frequency(context, coarse, 2, BW_STANDARD) > 1.05 * euler);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_cantilever),
-      check_test(test_compressible_is_standard),
-      check_test(test_stress_is_conjugate),
-      check_test(test_cook),
-      check_test(test_warning),
-      check_test(test_refusals),
-      check_test(test_heated),
-      check_test(test_modes),
-  };
-  return cmocka_run_group_tests_name("solve: locking", tests, NULL, NULL);
-}
+check_main(check_test(test_cantilever), check_test(test_compressible_is_standard),
+           check_test(test_stress_is_conjugate), check_test(test_cook), check_test(test_warning),
+           check_test(test_refusals), check_test(test_heated), check_test(test_modes))

@@ -107,12 +107,5 @@ static void every_library_value_names_its_source(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(library_has_the_papers_values),
-      check_test(well_known_values),
-      check_test(critical_distances),
-      check_test(every_library_value_names_its_source),
-  };
-  return cmocka_run_group_tests_name("material: library", tests, NULL, NULL);
-}
+check_main(check_test(library_has_the_papers_values), check_test(well_known_values),
+           check_test(critical_distances), check_test(every_library_value_names_its_source))

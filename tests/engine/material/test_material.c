@@ -375,22 +375,11 @@ static void out_of_memory(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(isotropic_constants),
-      check_test(isotropic_refusals),
-      check_test(orthotropic_compliance),
-      check_test(orthotropic_with_equal_constants_is_isotropic),
-      check_test(reciprocal_relation),
-      check_test(indefinite_constants_are_refused),
-      check_test(axes_must_be_a_rotation),
-      check_test(rotation_carries_the_law_along),
-      check_test(strength_by_direction),
-      check_test(numbers_out_of_range_are_refused),
-      check_test(turned_by_element),
-      check_test(stiffened_groups),
-      check_test(several_materials),
-      check_test(out_of_memory),
-  };
-  return cmocka_run_group_tests_name("material", tests, NULL, NULL);
-}
+check_main(check_test(isotropic_constants), check_test(isotropic_refusals),
+           check_test(orthotropic_compliance),
+           check_test(orthotropic_with_equal_constants_is_isotropic),
+           check_test(reciprocal_relation), check_test(indefinite_constants_are_refused),
+           check_test(axes_must_be_a_rotation), check_test(rotation_carries_the_law_along),
+           check_test(strength_by_direction), check_test(numbers_out_of_range_are_refused),
+           check_test(turned_by_element), check_test(stiffened_groups),
+           check_test(several_materials), check_test(out_of_memory))

@@ -89,10 +89,4 @@ static void test_refusals(void **state) {
   body_release(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_goes_towards_equilibrium),
-      check_test(test_refusals),
-  };
-  return cmocka_run_group_tests_name("nonlinear: correction", tests, NULL, NULL);
-}
+check_main(check_test(test_goes_towards_equilibrium), check_test(test_refusals))

@@ -109,11 +109,5 @@ static void test_stress_is_that_of_the_reaction(void **state) {
   body_release(&b);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_cantilever),
-      check_test(test_compressible_is_standard),
-      check_test(test_stress_is_that_of_the_reaction),
-  };
-  return cmocka_run_group_tests_name("nonlinear: locking", tests, NULL, NULL);
-}
+check_main(check_test(test_cantilever), check_test(test_compressible_is_standard),
+           check_test(test_stress_is_that_of_the_reaction))

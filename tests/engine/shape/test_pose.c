@@ -316,15 +316,6 @@ static void test_refusals_and_memory(void **state) {
   bw_release(skeleton);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_rest),
-      check_test(test_arm),
-      check_test(test_random_poses),
-      check_test(test_nodes),
-      check_test(test_turned_as_a_whole),
-      check_test(test_derivative),
-      check_test(test_refusals_and_memory),
-  };
-  return cmocka_run_group_tests_name("pose", tests, NULL, NULL);
-}
+check_main(check_test(test_rest), check_test(test_arm), check_test(test_random_poses),
+           check_test(test_nodes), check_test(test_turned_as_a_whole), check_test(test_derivative),
+           check_test(test_refusals_and_memory))

@@ -474,13 +474,7 @@ static void test_refusals_and_memory(void **state) {
   bw_release(s);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_two_bones),    check_test(test_straight_arm_bends),
-      check_test(test_out_of_reach), check_test(test_chain_from),
-      check_test(test_two_targets),  check_test(test_swing_twist),
-      check_test(test_limits),       check_test(test_long_chain),
-      check_test(test_random_trees), check_test(test_refusals_and_memory),
-  };
-  return cmocka_run_group_tests_name("reach", tests, NULL, NULL);
-}
+check_main(check_test(test_two_bones), check_test(test_straight_arm_bends),
+           check_test(test_out_of_reach), check_test(test_chain_from), check_test(test_two_targets),
+           check_test(test_swing_twist), check_test(test_limits), check_test(test_long_chain),
+           check_test(test_random_trees), check_test(test_refusals_and_memory))

@@ -442,19 +442,7 @@ static void test_needless_bones(void **state) {
   bw_release(mesh);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_bar),
-      check_test(test_blend_is_linear),
-      check_test(test_random_weights),
-      check_test(test_what_no_bone_claims),
-      check_test(test_island),
-      check_test(test_thresholds),
-      check_test(test_fraction),
-      check_test(test_assign),
-      check_test(test_labels),
-      check_test(test_memory),
-      check_test(test_needless_bones),
-  };
-  return cmocka_run_group_tests_name("subdomains", tests, NULL, NULL);
-}
+check_main(check_test(test_bar), check_test(test_blend_is_linear), check_test(test_random_weights),
+           check_test(test_what_no_bone_claims), check_test(test_island),
+           check_test(test_thresholds), check_test(test_fraction), check_test(test_assign),
+           check_test(test_labels), check_test(test_memory), check_test(test_needless_bones))

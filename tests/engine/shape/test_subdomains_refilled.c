@@ -159,11 +159,4 @@ static void test_memory(void **state) {
   clear(&s);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_refilled),
-      check_test(test_refusals),
-      check_test(test_memory),
-  };
-  return cmocka_run_group_tests_name("subdomains refilled", tests, NULL, NULL);
-}
+check_main(check_test(test_refilled), check_test(test_refusals), check_test(test_memory))
