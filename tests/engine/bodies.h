@@ -28,6 +28,18 @@ static inline bw_solver *body_solver(bw_context *context, bw_solver_options opti
   return solver;
 }
 
+/* The preconditioner is that of PCG; others have none. */
+static inline bw_solver *body_solver_over(bw_context *context, bw_solver_options options,
+                                          bw_solver_options preconditioner) {
+  if (options.kind != BW_SOLVER_PCG)
+    return body_solver(context, options);
+  bw_solver *inner = body_solver(context, preconditioner);
+  options.preconditioner = inner;
+  bw_solver *solver = body_solver(context, options);
+  bw_release(inner); /* the solver retains it */
+  return solver;
+}
+
 static inline void random_field(uint64_t seed, int64_t size, double *field) {
   bw_random random;
   bw_random_seed(&random, seed);

@@ -33,6 +33,14 @@ static inline bw_mesh *make_box(bw_context *context, double x, double y, double 
   return mesh;
 }
 
+/* A cube with curved faces, for bw_mesh_mapped_box. */
+static inline void bulge(void *data, const double unit[3], double out[3]) {
+  (void)data;
+  out[0] = unit[0] + 0.1 * sin(3 * unit[1]);
+  out[1] = unit[1] * (1 + 0.3 * unit[0] * unit[0]);
+  out[2] = 0.5 * unit[2] + 0.2 * unit[0] * unit[1];
+}
+
 static inline double straight_profile(double x) {
   (void)x;
   return 0.1;

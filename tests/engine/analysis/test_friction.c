@@ -13,13 +13,6 @@ static double worst_of(bw_context *context, const pressed_body *s,
   return value;
 }
 
-static void bulge(void *data, const double unit[3], double out[3]) {
-  (void)data;
-  out[0] = unit[0] + 0.1 * sin(3 * unit[1]);
-  out[1] = unit[1] * (1 + 0.3 * unit[0] * unit[0]);
-  out[2] = 0.5 * unit[2] + 0.2 * unit[0] * unit[1];
-}
-
 /* The columns of a node: their mean is the pressure alone; on a plane each is inclined by the angle
  * of friction; and nowhere do they hold more than friction allows. */
 static void columns_lie_on_the_cone(void **state) {

@@ -63,13 +63,6 @@ static double imbalance(bw_context *context, const free_body *body, const bw_pre
   return worst;
 }
 
-static void bulge(void *data, const double unit[3], double out[3]) {
-  (void)data;
-  out[0] = unit[0] + 0.1 * sin(3 * unit[1]);
-  out[1] = unit[1] * (1 + 0.3 * unit[0] * unit[0]);
-  out[2] = 0.5 * unit[2] + 0.2 * unit[0] * unit[1];
-}
-
 static void uniform_pressure_is_balanced(void **state) {
   bw_context *context = check_context(state);
   for (int kind = 0; kind < 8; kind++) {

@@ -3,13 +3,6 @@
  * they stand for. */
 #include "bodies.h"
 
-static void bulge(void *data, const double unit[3], double out[3]) {
-  (void)data;
-  out[0] = unit[0] + 0.1 * sin(3 * unit[1]);
-  out[1] = unit[1] * (1 + 0.3 * unit[0] * unit[0]);
-  out[2] = 0.5 * unit[2] + 0.2 * unit[0] * unit[1];
-}
-
 static bw_material *orthotropic(bw_context *context) {
   bw_material *material = NULL, *turned = NULL;
   bw_orthotropic constants = {.young = {1.22e9, 0.68e9, 0.234e9}, .poisson = {0.3, 0.05, 0.3}};

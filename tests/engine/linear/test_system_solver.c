@@ -21,17 +21,6 @@ static const row rows[] = {
     {{.kind = BW_SOLVER_PCG}, {.kind = BW_SOLVER_CHOLESKY, .precision = 32}, "pcg", "cholesky"}};
 enum { ROWS = sizeof rows / sizeof *rows, SIDES = 11, MODES = 4 };
 
-static bw_solver *solver_of(bw_context *context, const row *r) {
-  bw_solver_options options = r->options;
-  if (options.kind != BW_SOLVER_PCG)
-    return body_solver(context, options);
-  bw_solver *inner = body_solver(context, r->preconditioner);
-  options.preconditioner = inner;
-  bw_solver *solver = body_solver(context, options);
-  bw_release(inner); /* the solver retains it */
-  return solver;
-}
-
 static bw_material *wood(bw_context *context) {
   bw_material *material = NULL;
   bw_orthotropic constants = {.name = "wood",
@@ -133,7 +122,7 @@ static void compare(bw_context *context, const bw_model *model, const row *r, bw
                     const double *force, const double *expected, const bw_modes *modes) {
   int64_t size = 3 * (int64_t)model->mesh->node_count;
   double *u[2] = {numbers(SIDES * size), numbers(SIDES * size)};
-  bw_solver *solver = solver_of(context, r);
+  bw_solver *solver = body_solver_over(context, r->options, r->preconditioner);
   for (int threads = 1; threads <= 2; threads++) {
     bw_system *system = NULL;
     check_ok(context, bw_set_threads(context, threads));
@@ -249,7 +238,8 @@ static void one_system(void **state) {
   check_ok(context, bw_system_of_model(context, model, NULL, NULL, &system));
   check_ok(context, bw_system_solve(context, system, 1, force, first));
   for (int k = 0; k < 2 * ROWS; k++) {
-    bw_solver *solver = solver_of(context, &rows[k % ROWS]);
+    bw_solver *solver =
+        body_solver_over(context, rows[k % ROWS].options, rows[k % ROWS].preconditioner);
     bw_system *same = NULL;
     check_ok(context, bw_system_of_model(context, model, solver, system, &same));
     assert_ptr_equal(same, system);
@@ -305,7 +295,7 @@ static void without_memory_for_a_factor(void **state) {
   random_field(1, size, force);
   check_ok(context, bw_model_gravity(context, model, gravity));
   for (int k = 0; k < ROWS; k++) {
-    bw_solver *solver = solver_of(context, &rows[k]);
+    bw_solver *solver = body_solver_over(context, rows[k].options, rows[k].preconditioner);
     bw_system *system = NULL;
     check_ok(context, bw_system_of_model(context, model, solver, NULL, &system));
     check_ok(context, bw_system_solve(context, system, 1, force, first));
@@ -449,7 +439,7 @@ static void cancelling_and_memory(void **state) {
   double *u = numbers(9 * 3 * (int64_t)model->mesh->node_count);
   check_ok(context, bw_set_threads(context, 1));
   for (int k = 0; k < ROWS; k++) {
-    bw_solver *solver = solver_of(context, &rows[k]);
+    bw_solver *solver = body_solver_over(context, rows[k].options, rows[k].preconditioner);
     bw_set_progress(context, stop, context);
     check_fails(context, BW_CANCELLED, "cancel", solve_once(context, model, solver, u));
     bw_clear_cancel(context);

@@ -65,17 +65,6 @@ static const row rows[] = {
      "cholesky"}};
 enum { ROWS = sizeof rows / sizeof *rows };
 
-static bw_solver *solver_of(bw_context *context, const row *r) {
-  bw_solver_options options = r->options;
-  if (options.kind != BW_SOLVER_PCG)
-    return body_solver(context, options);
-  bw_solver *inner = body_solver(context, r->preconditioner);
-  options.preconditioner = inner;
-  bw_solver *solver = body_solver(context, options);
-  bw_release(inner); /* the solver retains it */
-  return solver;
-}
-
 /* Displacements, reactions, energy and modes of one body by every solver. */
 static void compare_solvers(bw_context *context, const bw_model *model, bool is_free) {
   int64_t size = 3 * (int64_t)model->mesh->node_count;
@@ -86,7 +75,7 @@ static void compare_solvers(bw_context *context, const bw_model *model, bool is_
   check_ok(context, bw_modes_elastic(context, expected->system, NULL, &modes));
   for (int k = 0; k < ROWS; k++) {
     bw_static *result = NULL;
-    bw_solver *solver = solver_of(context, &rows[k]);
+    bw_solver *solver = body_solver_over(context, rows[k].options, rows[k].preconditioner);
     options.solver = solver;
     check_ok(context, bw_statics(context, model, NULL, &options, &result));
     check_near(difference(result->displacement, expected->displacement, size), 0, 1e-8);
@@ -166,7 +155,7 @@ static void descriptions(void **state) {
   bw_solver_describe(NULL, text);
   assert_string_equal(text, "auto");
   for (int k = 0; k < ROWS; k++) {
-    bw_solver *solver = solver_of(context, &rows[k]);
+    bw_solver *solver = body_solver_over(context, rows[k].options, rows[k].preconditioner);
     bw_solver_describe(solver, text);
     assert_string_equal(text, rows[k].text);
     bw_release(solver);
@@ -299,7 +288,7 @@ static void mechanism(void **state) {
   check_ok(context, bw_model_gravity(context, model, gravity));
   for (int k = 0; k < ROWS; k++) {
     bw_static *result = NULL;
-    bw_solver *solver = solver_of(context, &rows[k]);
+    bw_solver *solver = body_solver_over(context, rows[k].options, rows[k].preconditioner);
     const bw_statics_options options = {.solver = solver};
     bool iterates =
         rows[k].preconditioner.precision == 32 || rows[k].preconditioner.kind == BW_SOLVER_AMG;
@@ -383,7 +372,7 @@ static void cancelling_and_memory(void **state) {
   for (int k = 0; k < ROWS; k++) {
     if (rows[k].preconditioner.kind == BW_SOLVER_TWO_LEVEL)
       continue; /* linear elements; test_static_pcg.c */
-    bw_solver *solver = solver_of(context, &rows[k]);
+    bw_solver *solver = body_solver_over(context, rows[k].options, rows[k].preconditioner);
     const bw_statics_options options = {.solver = solver};
     bw_static *result = NULL;
     bw_set_progress(context, stop, context);
