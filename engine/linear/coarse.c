@@ -9,6 +9,7 @@
 #include "base/dense.h"
 #include "linear/amg.h"
 #include "linear/rigid_space.h"
+#include "model/internal.h"
 
 /* A solution by the factor, and by multigrid with its setup, are compared for so many of them. */
 #define SOLUTIONS 24.0
@@ -165,24 +166,18 @@ done:
  * them: the sine of the angle. Less is the curvature of a support. */
 #define OBLIQUE 0.3
 
-static void direction_of(const bw_dof_map *dof_map, int64_t node, int k, double direction[3]) {
-  int32_t row = dof_map->frame_of[node];
-  for (int d = 0; d < 3; d++)
-    direction[d] = row < 0 ? k == d : dof_map->frame[9 * (int64_t)row + 3 * k + d];
-}
-
 /* Whether the supports of node a leave free nothing that those of b prescribe. */
-static bool constrained_as(const bw_dof_map *dof_map, int64_t a, int64_t b) {
+static bool constrained_as(const bw_dof_map *dof_map, int32_t a, int32_t b) {
   for (int k = 0; k < 3; k++) {
     double prescribed[3], left = 0;
-    if (dof_map->state[3 * b + k] != BW_DOF_PRESCRIBED)
+    if (dof_map->state[3 * (int64_t)b + k] != BW_DOF_PRESCRIBED)
       continue;
-    direction_of(dof_map, b, k, prescribed);
+    bwi_direction_of(dof_map, b, k, prescribed);
     for (int f = 0; f < 3; f++) {
       double free[3];
-      direction_of(dof_map, a, f, free);
+      bwi_direction_of(dof_map, a, f, free);
       double along = bw_dot(prescribed, free);
-      if (dof_map->state[3 * a + f] != BW_DOF_PRESCRIBED)
+      if (dof_map->state[3 * (int64_t)a + f] != BW_DOF_PRESCRIBED)
         left += along * along;
     }
     if (left > OBLIQUE * OBLIQUE)

@@ -160,6 +160,8 @@ typedef struct bwi_follow {
 bw_status bwi_number(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                      int32_t constraint_count, const bwi_constraint *constraint,
                      const bwi_follow *follow, bw_dof_map **dof_map);
+/* The displacement direction of component k at a node. */
+void bwi_direction_of(const bw_dof_map *dof_map, int32_t node, int k, double d[3]);
 /* Isostatic constraints of a body: as many components of its nodes as there are modes, such that no
  * mode vanishes at all of them. */
 typedef struct bwi_isostatic_choice {

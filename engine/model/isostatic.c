@@ -24,8 +24,7 @@ enum { CANDIDATES = 4096 };
 #define MIN_KEPT_STRENGTH 0.03
 #define KEPT_REACH 3.0
 
-/* The displacement direction of component k at a node. */
-static void direction_of(const bw_dof_map *dof_map, int32_t node, int k, double d[3]) {
+void bwi_direction_of(const bw_dof_map *dof_map, int32_t node, int k, double d[3]) {
   int32_t frame = dof_map->frame_of[node];
   for (int l = 0; l < 3; l++)
     d[l] = frame < 0 ? k == l : dof_map->frame[9 * (size_t)frame + (size_t)(3 * k + l)];
@@ -49,7 +48,7 @@ static bool choose_among(bwi_isostatic_choice *c, double reach, int64_t stride, 
         double d[3], row[6] = {0}, size = 0;
         if (!c->open(c->data, at, k, former))
           continue;
-        direction_of(c->dof_map, c->node[at], k, d);
+        bwi_direction_of(c->dof_map, c->node[at], k, d);
         for (int m = 0; m < c->count; m++)
           row[m] = bw_dot(d, u[m]);
         for (int pass = 0; pass < 2; pass++)
