@@ -51,8 +51,8 @@ typedef struct drop_test {
   double *block;          /* batch x node_count x 3 */
   bwi_contact_part *part; /* workers x part_count */
   int64_t part_count;
-  bw_drop_test_result *result;     /* of all drops: what is known before they are solved is filled in */
-  double *stress, *principal; /* of one drop */
+  bw_drop_test_result *result; /* of all drops: what is known before they are solved is filled in */
+  double *stress, *principal;  /* of one drop */
 } drop_test;
 
 /* ---- mass ---------------------------------------------------------------------------------- */

@@ -398,12 +398,13 @@ static int push_drops(lua_State *L) {
 
 /* drops(system, {drops, height, peg_radius, duration, seed}): a table of arrays */
 static int drops(lua_State *L) {
-  static const lbw_option list[] = {{"drops", LBW_COUNT, offsetof(bw_drop_test_options, drops)},
-                                    {"height", LBW_REAL, offsetof(bw_drop_test_options, height)},
-                                    {"peg_radius", LBW_REAL, offsetof(bw_drop_test_options, peg_radius)},
-                                    {"duration", LBW_REAL, offsetof(bw_drop_test_options, duration)},
-                                    {"seed", LBW_SEED, offsetof(bw_drop_test_options, seed)},
-                                    {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {
+      {"drops", LBW_COUNT, offsetof(bw_drop_test_options, drops)},
+      {"height", LBW_REAL, offsetof(bw_drop_test_options, height)},
+      {"peg_radius", LBW_REAL, offsetof(bw_drop_test_options, peg_radius)},
+      {"duration", LBW_REAL, offsetof(bw_drop_test_options, duration)},
+      {"seed", LBW_SEED, offsetof(bw_drop_test_options, seed)},
+      {NULL, LBW_OTHER, 0}};
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
   bw_drop_test_options options;
   bw_drop_test_options_default(&options);

@@ -49,7 +49,6 @@ function bw.model(options) end
 ---@field bonds bw.Bond[] in the order in which they were added
 ---@field attachments bw.Attachment[] in the order in which they were added
 ---@field couplings bw.Coupling[] in the order in which they were added
-
 ---@field cyclic_symmetry bw.CyclicSymmetry? nil where the body is the whole
 local Model = {}
 

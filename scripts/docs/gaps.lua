@@ -10,8 +10,8 @@ gaps.kinds = {"description", "parameter", "option", "field", "return", "unit", "
 local units = {}
 for _, unit in ipairs {
   "-", "any", "count", "index", "index from 1", "index from 0", "seed", "m", "m2", "m3", "m4", "1/m", "1/m2",
-  "mm", "N", "1/N", "N m", "N s", "N/m", "N/m2", "Pa", "1/Pa", "Pa s", "Pa/m", "Pa m^0.5", "Pa m^(1 - exponent)", "J",
-  "J/m3", "kg", "kg/m3", "s", "1/s", "1/s2", "minutes", "Hz", "Hz/m", "rad", "rad/s", "(rad/s)^2", "degrees",
+  "mm", "N", "1/N", "N m", "N s", "N/m", "N/m2", "Pa", "1/Pa", "Pa s", "Pa/m", "Pa m^0.5", "Pa m^(1 - exponent)",
+  "J", "J/m3", "kg", "kg/m3", "s", "1/s", "1/s2", "minutes", "Hz", "Hz/m", "rad", "rad/s", "(rad/s)^2", "degrees",
   "kg m2", "N m/rad", "cents/mm", "K", "1/K", "K m/s", "K m2/s", "W", "W/m2", "W/m3", "W/K", "W K", "W/(m K)",
   "cents", "W/(m2 K)", "W/(m2 K4)", "J/(kg K)", "m/s", "m/s2", "m2/s", "pixels", "bytes", "bits"} do
   units[unit] = true

@@ -16,8 +16,8 @@ local opts = script.read {
 local groups = {
   {"Basics", "barwright array json results"},
   {"Geometry", "surface shapes mesh selection picture canvas"},
-  {"Parts", "material model solver static contact heat deposition stress modes buckling harmonic response_spectrum "
-    .. "fatigue transient drop eigensolver system sparse_matrix operator singular"},
+  {"Parts", "material model solver static contact heat deposition stress modes buckling harmonic "
+    .. "response_spectrum fatigue transient drop eigensolver system sparse_matrix operator singular"},
   {"Where a part breaks", "worst_case worst_buckling breaking_force strengthen drop_test brute_force worst_loads "
     .. "lp"},
   {"Edit sessions", "edit optimise skeleton subdomains incremental_system live"},
