@@ -206,7 +206,7 @@ static void animations(void **state) {
   options.width = 90;
   options.height = 80;
   for (int i = 0; i < 3; i++) {
-    snprintf(kept[i], sizeof kept[i], "%s.%d", path, i);
+    snprintf(kept[i], sizeof kept[i], "%s.%d.png", path, i);
     png[i] = kept[i];
     options.zoom = 1 + 0.2 * i;
     check_ok(context, bw_picture_grids(context, 1, &panel, &options, png[i]));
