@@ -120,7 +120,7 @@ done:
 
 bw_status bw_buckling_of_static(bw_context *context, const bw_static *solution,
                                 const bw_buckling_options *options, bw_buckling **buckling) {
-  bw_status status = bwi_refuse_joints(context, solution->model);
+  bw_status status = bw_model_refuse_joints(context, solution->model);
   if (status != BW_OK)
     return status;
   if (!solution->system)

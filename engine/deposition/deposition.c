@@ -367,7 +367,7 @@ done:
 /* ---- what is asked for ----------------------------------------------------------------------- */
 
 static bw_status check_model(bw_context *context, const bw_model *model) {
-  bw_status status = bwi_refuse_joints(context, model);
+  bw_status status = bw_model_refuse_joints(context, model);
   if (status != BW_OK)
     return status;
   if (model->load_count > 0)

@@ -107,7 +107,7 @@ static bw_status check_options(bw_context *context, const bw_drop_options *o) {
 
 static bw_status check_model(bw_context *context, const bw_model *model) {
   bw_status status = BW_OK;
-  BW_TRY(bwi_refuse_joints(context, model));
+  BW_TRY(bw_model_refuse_joints(context, model));
   for (int32_t i = 0; i < bw_material_part_count(model->material); i++) {
     const bw_material *part = bw_material_part(model->material, i);
     if (!(part->density > 0))

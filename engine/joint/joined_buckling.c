@@ -58,7 +58,7 @@ static bw_status prepare(bw_context *context, const bw_static *solution, pencil 
   bwi_joined_equations *q = &p->equations;
   double *values = NULL;
   if (solution->model->cyclic)
-    return bwi_refuse_joints(context, solution->model);
+    return bw_model_refuse_joints(context, solution->model);
   if (solution->model->coupling_count > 0)
     return bw_fail(context, BW_UNSUPPORTED,
                    "the model has couplings: a load on a remote point turns with its lever, which "

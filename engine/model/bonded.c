@@ -3,6 +3,7 @@
  * points, six for each, that agree with the supports, leave springs alone, and agree at the nodes
  * of bonds and couplings. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/dense.h"
@@ -12,7 +13,15 @@
 static const double free_square = 1e-10;
 enum { SWEEPS = 60 };
 
-bw_status bwi_refuse_joints(bw_context *context, const bw_model *model) {
+bw_status bw_model_refuse_joints(bw_context *context, const bw_model *model) {
+  const struct {
+    int count;
+    const char *name;
+  } kind[] = {{model->bond_count, "bond"},
+              {model->attachment_count, "attachment"},
+              {model->coupling_count, "coupling"}};
+  char list[100];
+  int length = 0, kinds = 0;
   if (!bw_model_joined(model))
     return BW_OK;
   if (model->cyclic)
@@ -21,15 +30,16 @@ bw_status bwi_refuse_joints(bw_context *context, const bw_model *model) {
                    "and modes, but not what needs its equations otherwise; model the whole for "
                    "that",
                    model->cyclic->count);
-  return bw_fail(
-      context, BW_UNSUPPORTED,
-      "the model has %d bond%s, %d attachment%s and %d coupling%s: it gives static solutions, "
-      "modes "
-      "and, without couplings, load factors, but not what needs its equations otherwise; join the "
-      "bodies in one mesh, and leave masses, springs and remote points out for that",
-      model->bond_count, model->bond_count == 1 ? "" : "s", model->attachment_count,
-      model->attachment_count == 1 ? "" : "s", model->coupling_count,
-      model->coupling_count == 1 ? "" : "s");
+  for (int k = 0; k < 3; k++)
+    if (kind[k].count > 0)
+      length += snprintf(list + length, sizeof list - (size_t)length, "%s%d %s%s",
+                         kinds++ > 0 ? " and " : "", kind[k].count, kind[k].name,
+                         kind[k].count == 1 ? "" : "s");
+  return bw_fail(context, BW_UNSUPPORTED,
+                 "the model has %s: it gives static solutions%s, but not what needs its "
+                 "equations otherwise; join the bodies in one mesh, and leave masses, springs and "
+                 "remote points out for that",
+                 list, model->coupling_count > 0 ? " and modes" : ", modes and load factors");
 }
 
 bw_status bwi_motions_open(bw_context *context, const bw_dof_map *dof_map, int count,

@@ -315,7 +315,7 @@ bw_status bw_dof_map_unconstrained(bw_context *context, const bw_mesh *mesh, bw_
 }
 
 bw_status bw_dof_map_create(bw_context *context, const bw_model *model, bw_dof_map **dof_map) {
-  bw_status status = bwi_refuse_joints(context, model);
+  bw_status status = bw_model_refuse_joints(context, model);
   return status == BW_OK ? bwi_dof_map_apart(context, model, dof_map) : status;
 }
 

@@ -23,7 +23,7 @@ bw_status bw_dof_map_follow(bw_context *context, const bw_model *model, const bw
     return bw_fail(context, BW_INVALID,
                    "the DOF map to follow is of a mesh of %d nodes, the model's mesh has %d",
                    previous->mesh->node_count, mesh->node_count);
-  BW_TRY(bwi_refuse_joints(context, model));
+  BW_TRY(bw_model_refuse_joints(context, model));
   BW_TRY(bwi_node_constraints(context, model, &count, &constraint));
   BW_TRY(bwi_number(context, mesh, model->material, count, constraint, &follow, out));
   *same = previous && memcmp(previous->state, (*out)->state, 3 * (size_t)mesh->node_count) == 0;

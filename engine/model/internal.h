@@ -47,8 +47,6 @@ bw_status bwi_node_constraints(bw_context *context, const bw_model *model, int32
 bw_status bwi_bond_make(bw_context *context, const bw_selection *a, const bw_selection *b,
                         double gap, bw_bond *bond);
 void bwi_bond_clear(bw_bond *bond);
-/* Where a model has bonds, attachments or couplings: BW_UNSUPPORTED. */
-bw_status bwi_refuse_joints(bw_context *context, const bw_model *model);
 /* The DOF map of a model as if it had no bonds and springs: its bodies may be free one by one. */
 bw_status bwi_dof_map_apart(bw_context *context, const bw_model *model, bw_dof_map **dof_map);
 /* The rigid-body modes of bodies that bonds join: how many supports and springs leave, and the body

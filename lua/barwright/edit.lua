@@ -100,8 +100,9 @@ local function begin(part, given)
   if opts.rotate_material and part.material.rotated_by_element then
     raise("edit: option 'rotate_material': the material axes of the part differ by element already")
   end
-  local mesh = part.mesh
-  local subdomains, message, details = opts.subdomains
+  local ok, message, details = core.refuse_joints(part)
+  if not ok then return nil, message, details end
+  local mesh, subdomains = part.mesh, opts.subdomains
   if subdomains and subdomains.mesh ~= mesh then
     raise("edit: option 'subdomains': subdomains of the part's mesh expected, got those of another")
   end

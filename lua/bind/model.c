@@ -903,8 +903,17 @@ static const luaL_Reg properties[] = {{"mesh", model_mesh},
 static const luaL_Reg meta[] = {{"__tostring", model_tostring}, {NULL, NULL}};
 const lbw_class lbw_model_class = {"model", methods, properties, meta, NULL};
 
+/* refuse_joints(model): true for a model without bonds, attachments, couplings and sectors */
+static int core_refuse_joints(lua_State *L) {
+  const bw_model *model = self(L);
+  lua_pushboolean(L, 1);
+  return lbw_leave(L, bw_model_refuse_joints(lbw_enter(L), model), 1);
+}
+
 void lbw_open_model(lua_State *L) {
   lbw_class_register(L, &lbw_model_class);
   lua_pushcfunction(L, model_new);
   lua_setfield(L, -2, "model");
+  lua_pushcfunction(L, core_refuse_joints);
+  lua_setfield(L, -2, "refuse_joints");
 }

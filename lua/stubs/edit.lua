@@ -17,7 +17,8 @@ local edit_module = {}
 ---Begins an edit session on a part: its mesh is cut into subdomains along a skeleton.
 ---
 ---Errors: geometry (no skeleton can be extracted, or the skeleton lies far outside of the part), limit (the extraction took too
----long), singular (the equations of the weights have no solution), io (the journal cannot be written).
+---long), singular (the equations of the weights have no solution), io (the journal cannot be written), unsupported (the part has
+---bonds, attachments, couplings or a cyclic symmetry).
 ---
 ---Source: Y. Xie and others, Agile structural analysis for fabrication-aware shape editing (2015); docs/theory/edit.md.
 ---```lua

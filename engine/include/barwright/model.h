@@ -230,6 +230,10 @@ static inline bool bw_model_joined(const bw_model *model) {
          model->cyclic;
 }
 
+/* BW_UNSUPPORTED for a joined model, with a sentence that says what joins it: what needs the
+ * equations otherwise than the functions of joint.h asks this before its work. */
+BW_API bw_status bw_model_refuse_joints(bw_context *context, const bw_model *model);
+
 /* The material of a mesh with regions, part (mesh->region_count) for each of them in order. One
  * material for all where the parts are one. BW_INVALID for a mesh without regions, and for a region
  * of which the part is NULL. */
