@@ -5,10 +5,10 @@ local check = require "check"
 
 local L = 0.1
 
--- Two boxes along x, of `gap` between them.
-local function boxes(gap)
+-- Two boxes along x, of `gap` between them. `cells_of` both; left out, those that do not match.
+local function boxes(gap, cells_of)
   local nodes, elements = {}, {}
-  for n, cells in ipairs {{4, 2, 2}, {5, 3, 3}} do
+  for n, cells in ipairs(cells_of or {{4, 2, 2}, {5, 3, 3}}) do
     local from = n == 1 and 0 or L + gap
     local box = bw.mesh.box {min = {from, 0, 0}, max = {from + L, 0.02, 0.02}, cells = cells, order = 2}
     local before = #nodes
@@ -22,8 +22,8 @@ local function boxes(gap)
   return bw.mesh.new {nodes = nodes, elements = elements, order = 2}
 end
 
-local function bar(gap, asked)
-  local mesh = boxes(gap)
+local function bar(gap, asked, cells_of)
+  local mesh = boxes(gap, cells_of)
   local part = bw.model {mesh = mesh, material = bw.material.steel}
   local a = mesh.boundary:plane({L + gap, 0, 0}, {1, 0, 0}, 1e-7)
   local b = mesh.boundary:plane({L, 0, 0}, {1, 0, 0}, 1e-7)
@@ -125,9 +125,6 @@ describe("bonds", function()
     local system, why = part:system()
     assert.is_nil(system)
     assert.truthy(why:find("1 bond", 1, true), why)
-    local factors, reason = assert(part:solve()):buckling()
-    assert.is_nil(factors)
-    assert.truthy(reason:find("1 bond", 1, true), reason)
     assert.has_error(function() part:bond {a = part.mesh.boundary} end)
   end)
 end)
