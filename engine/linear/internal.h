@@ -369,6 +369,11 @@ bw_status bwi_system_mass(bw_context *context, bw_system *system);
 bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b);
 /* The system of a model with this DOF map: one on the same mesh, material and supports. */
 bool bwi_system_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map);
+/* A system that serves the DOF map, with its prescribed displacements: `given`, retained, or one
+ * that shares its matrices and what solves them. `given` stays as it is: others may hold it. NULL
+ * for a view of other displacements, whose matrices change. */
+bw_status bwi_system_following(bw_context *context, bw_system *given, const bw_dof_map *dof_map,
+                               bw_system **system);
 /* Whether a system on this mesh may take over pattern and order of one (may be NULL). */
 bool bwi_system_reusable(const bw_system *system, const bw_mesh *mesh);
 /* Whether the equations of a model are those of a system at the external solver, with this solver

@@ -29,8 +29,11 @@ static void system_destroy(void *object) {
   bw_release(system->solver);
   bw_release(system->external);
   bwi_system_forget(system);
-  bw_free(system->stiffness);
-  bw_free(system->mass);
+  if (!system->shared) {
+    bw_free(system->stiffness);
+    bw_free(system->mass);
+  }
+  bw_release(system->shared);
   bw_free(system);
 }
 
@@ -164,6 +167,11 @@ bw_status bw_system_stiffness(bw_context *context, bw_system *system) {
   double start = bw_seconds();
   if (status != BW_OK || system->stiffness)
     return status;
+  if (system->shared) {
+    status = bw_system_stiffness(context, system->shared);
+    system->stiffness = system->shared->stiffness;
+    return status;
+  }
   bw_progress(context, "assembly", 0);
   double *stiffness = BW_NEW(context, double, 9 * system->pattern->block_count);
   if (!stiffness)
@@ -218,6 +226,11 @@ bw_status bwi_system_mass(bw_context *context, bw_system *system) {
   int64_t blocks = system->pattern->block_count;
   if (system->mass)
     return BW_OK;
+  if (system->shared) {
+    bw_status made = bwi_system_mass(context, system->shared);
+    system->mass = system->shared->mass;
+    return made;
+  }
   double *mass = BW_NEW(context, double, blocks);
   if (!mass)
     return BW_MEMORY;
@@ -424,6 +437,39 @@ bool bwi_external_serves(const bw_system *system, const bw_model *model, const b
                          const bw_solver *solver) {
   return system->external && (!solver || solver == system->external->solver) &&
          same_equations(system, model, dof_map);
+}
+
+static bool same_values(const bw_dof_map *a, const bw_dof_map *b) {
+  return memcmp(a->value, b->value, 3 * (size_t)a->mesh->node_count * sizeof(double)) == 0;
+}
+
+bw_status bwi_system_following(bw_context *context, bw_system *given, const bw_dof_map *dof_map,
+                               bw_system **out) {
+  if (same_values(given->dof_map, dof_map)) {
+    *out = bw_retain(given);
+    return BW_OK;
+  }
+  *out = NULL;
+  if (given->object.kind != &system_kind)
+    return BW_OK;
+  bw_system *system = BW_NEW0(context, bw_system, 1);
+  if (!system)
+    return BW_MEMORY;
+  *system = *given;
+  bw_object_init(system, &system_kind);
+  bw_retain(system->mesh);
+  bw_retain(system->material);
+  bw_retain(system->pattern);
+  bw_retain(system->factor);
+  bw_retain(system->two_level);
+  bw_retain(system->preconditioner);
+  bw_retain(system->solver);
+  bw_retain(system->external);
+  bw_retain(system->former);
+  system->dof_map = bw_retain(dof_map);
+  system->shared = bw_retain(given->shared ? given->shared : given);
+  *out = system;
+  return BW_OK;
 }
 
 bool bwi_system_reusable(const bw_system *system, const bw_mesh *mesh) {

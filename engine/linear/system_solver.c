@@ -228,14 +228,14 @@ bw_status bw_system_of_model(bw_context *context, const bw_model *model, const b
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
   if (bwi_solver_is_external(solver)) {
     if (given && bwi_external_serves(given, model, dof_map, solver))
-      system = bw_retain(given);
+      BW_TRY(bwi_system_following(context, given, dof_map, &system));
     else
       BW_TRY(bwi_system_begin_external(context, model, dof_map, solver, &system));
     goto done;
   }
   if (given && bwi_system_serves(given, model, dof_map))
-    system = bw_retain(given);
-  else {
+    BW_TRY(bwi_system_following(context, given, dof_map, &system));
+  if (!system) {
     if (!bwi_system_reusable(given, model->mesh))
       given = NULL;
     BW_TRY(bwi_system_begin(context, model->mesh, model->material, dof_map, given, &system));

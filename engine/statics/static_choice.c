@@ -226,9 +226,11 @@ static bw_status by_factor(statics *s) {
     report->predicted_cost = system->two_level->prediction.factor;
     report->rival_cost = system->two_level->prediction.pcg;
   }
-  if (system->two_level && !system->iterative) { /* their memory first */
-    bw_release(system->two_level->preconditioner);
-    system->two_level->preconditioner = NULL;
+  if (system->two_level && !system->iterative) {     /* their memory first */
+    if (system->two_level->object.references == 1) { /* else other equations are solved by it */
+      bw_release(system->two_level->preconditioner);
+      system->two_level->preconditioner = NULL;
+    }
     bw_release(system->preconditioner);
     system->preconditioner = NULL;
   }

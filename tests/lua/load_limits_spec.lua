@@ -175,6 +175,18 @@ describe("the worst load of a fixed body", function()
     check.fails("unsupported", "prescribes a displacement", bw.worst_case(part, {modes = 2}))
     check.fails("unsupported", "prescribes a displacement", bw.brute_force(part, {elements = 2}))
   end)
+
+  it("needs them of the part as it is, not as it was", function()
+    local part = bar(true)
+    local low, high = boundary:below(1, 0), boundary:above(1, 0.1)
+    local function move(x) part:clear_supports():fix(low):prescribe(high, {x, false, false}) end
+    move(0)
+    assert(bw.worst_case(part, {modes = 2}))
+    move(1e-5)
+    check.fails("unsupported", "prescribes a displacement", bw.worst_case(part, {modes = 2}))
+    move(0)
+    assert(bw.worst_case(part, {modes = 2}))
+  end)
 end)
 
 describe("the least contact", function()

@@ -129,16 +129,18 @@ struct bw_system {
   const struct bw_external_report *external_report; /* what that did, or NULL */
   struct bwi_former *former; /* what equations of other values left, until there is a factor or a
                                 preconditioner; or NULL */
-  bool iterative;            /* bw_system_solve is by PCG */
-  const bw_solver *solver;   /* retained: of bw_system_of_model, where it is iterative; or NULL */
-  bw_solve_times times;      /* of all that was computed */
-  bw_solver_report report;   /* how bw_system_solve solves, and what solutions took since
-                                bw_system_of_model; its `solver` is NULL before */
+  bw_system *shared;       /* retained: that whose stiffness and mass these are, as only prescribed
+                              displacements differ; or NULL */
+  bool iterative;          /* bw_system_solve is by PCG */
+  const bw_solver *solver; /* retained: of bw_system_of_model, where it is iterative; or NULL */
+  bw_solve_times times;    /* of all that was computed */
+  bw_solver_report report; /* how bw_system_solve solves, and what solutions took since
+                              bw_system_of_model; its `solver` is NULL before */
 };
 /* The equations of a model, with what `solver` needs to solve them for many right-hand sides:
  * `given` (may be NULL), retained, where its mesh, material and supports are the model's; else new
- * ones, with its pattern, ordering and analysis where they fit. Prescribed values may differ: they
- * act on right-hand sides alone.
+ * ones, with its pattern, ordering and analysis where they fit. Where only prescribed displacements
+ * differ, the new ones share its matrices and its factor.
  *
  * Where `given` has the same elements at other positions or of another material, only those that
  * differ are assembled. Where they are few and the supports are the same, its factor serves too:

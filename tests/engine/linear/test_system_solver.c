@@ -227,6 +227,72 @@ static void every_solver(void **state) {
     }
 }
 
+/* Where a model prescribes other displacements its equations have these, with the same matrices and
+ * factor. Those that it had stay as they are. */
+static void other_displacements(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = make_model(context, FREE, false, 2, 2);
+  const bw_mesh *mesh = model->mesh;
+  const double x[3] = {1, 0, 0}, origin[3] = {0, 0, 0}, far[3] = {3, 0, 0};
+  int64_t size = 3 * (int64_t)mesh->node_count;
+  double *force = numbers(size), *b = numbers(size), *u = numbers(size);
+  bw_selection *left = NULL, *right = NULL;
+  bw_system *system[4] = {NULL};
+  check_ok(context, bw_select_plane(context, mesh, origin, x, 1e-9, &left));
+  check_ok(context, bw_select_plane(context, mesh, far, x, 1e-9, &right));
+  for (int64_t i = 0; i < size; i++)
+    force[i] = 0;
+  for (int k = 0; k < 4; k++) { /* 0, 1 and 2 mm, and 2 mm by PCG */
+    bw_solver *solver = NULL;
+    bw_static *result = NULL;
+    if (k == 3)
+      check_ok(context,
+               bw_solver_create(context, &(bw_solver_options){.kind = BW_SOLVER_PCG}, &solver));
+    bw_model_clear_supports(model);
+    check_ok(context, bw_model_fix(context, model, left));
+    check_ok(context, bw_model_prescribe(context, model, right, (bool[3]){true, true, true},
+                                         (double[3]){1e-3 * (k < 3 ? k : 2), 0, 0}));
+    check_ok(context,
+             bw_system_of_model(context, model, solver, k ? system[k - 1] : NULL, &system[k]));
+    assert_int_equal(system[k]->dof_map->prescribed, k > 0);
+    assert_int_equal(system[k]->pattern == system[0]->pattern, 1);
+    assert_ptr_equal(system[k]->factor, system[0]->factor);
+    check_ok(context, bw_statics(context, model, NULL, NULL, &result));
+    check_ok(context, bw_system_right_hand_side(context, system[k], force, b));
+    for (int64_t i = 0; i < size; i++) { /* K x = b, from a field of forces at the unknowns */
+      int32_t unknown = system[k]->dof_map->unknown[i];
+      u[i] = unknown < 0 ? 0 : b[unknown];
+    }
+    check_ok(context, bw_system_solve(context, system[k], 1, u, u));
+    for (int64_t i = 0; i < size; i++) {
+      int32_t unknown = system[k]->dof_map->unknown[i];
+      if (unknown >= 0)
+        b[unknown] = u[i];
+    }
+    bw_system_displacement(system[k], b, u);
+    for (int64_t i = 0; i < size; i++)
+      check_near(u[i], result->displacement[i], 1e-9);
+    bw_release(result);
+    bw_release(solver);
+  }
+  assert_ptr_equal(system[0]->stiffness, system[2]->stiffness);
+  assert_ptr_equal(system[2], system[3]);
+  for (int k = 0; k < 3; k++) { /* each keeps what it was made for */
+    bw_system_displacement(system[k], b, u);
+    for (int32_t i = 0; i < mesh->node_count; i++)
+      if (mesh->node[3 * i] > 3 - 1e-9)
+        check_near(u[3 * i], 1e-3 * k, 1e-18);
+    bw_release(system[k]); /* those that are left hold what they share */
+  }
+  bw_release(system[3]);
+  bw_release(left);
+  bw_release(right);
+  bw_release(model);
+  free(force);
+  free(b);
+  free(u);
+}
+
 /* How one system is solved may change: each request is met, and the solutions stay. */
 static void one_system(void **state) {
   bw_context *context = check_context(state);
@@ -453,6 +519,6 @@ static void cancelling_and_memory(void **state) {
   bw_release(model);
 }
 
-check_main(check_test(every_solver), check_test(one_system),
+check_main(check_test(every_solver), check_test(one_system), check_test(other_displacements),
            check_test(without_memory_for_a_factor), check_test(a_factor_in_place_of_iterations),
            check_test(refusals), check_test(cancelling_and_memory))
