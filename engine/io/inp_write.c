@@ -205,9 +205,15 @@ static void write_equation(bw_writer *writer, int32_t node, const double normal[
 static void write_supports(bw_writer *writer, const bw_inp_deck *deck) {
   for (int64_t i = 0; i < deck->equation_count; i++)
     write_equation(writer, deck->equation_node[i], deck->equation_normal + 3 * i);
-  if (deck->fixed_count > 0)
+  int64_t supports = deck->fixed_count - deck->isostatic_count;
+  if (supports > 0)
     bw_writer_print(writer, "*BOUNDARY\n");
   for (int64_t i = 0; i < deck->fixed_count; i++) {
+    if (i == supports)
+      bw_writer_print(writer,
+                      "** Isostatic constraints: no supports of the model. They hold a free "
+                      "body and carry no load\n** where its loads balance. Remove them "
+                      "before you add contact, springs or supports.\n*BOUNDARY\n");
     int direction = deck->fixed_direction[i] + 1;
     /* Without a value: before the step CalculiX takes zero only; write_moved says the rest. */
     bw_writer_print(writer, "%lld, %d, %d\n", (long long)deck->fixed_node[i] + 1, direction,

@@ -84,6 +84,35 @@ static bw_status oblique_node(bw_context *context, const bw_dof_map *dof_map, in
   return BW_OK;
 }
 
+/* The conditions of supports, and at nodes with a frame the isostatic constraints too. */
+static bw_status supports(bw_context *context, const bw_dof_map *dof_map, conditions *c) {
+  bw_status status = BW_OK;
+  for (int32_t i = 0; i < dof_map->mesh->node_count; i++) {
+    const uint8_t *state = dof_map->state + 3 * (size_t)i;
+    if (state[0] == BW_DOF_UNKNOWN && state[1] == BW_DOF_UNKNOWN && state[2] == BW_DOF_UNKNOWN)
+      continue;
+    if (dof_map->frame_of[i] >= 0) {
+      BW_TRY(oblique_node(context, dof_map, i, c));
+      continue;
+    }
+    for (int k = 0; k < 3; k++)
+      if (state[k] == BW_DOF_PRESCRIBED)
+        fix(c, i, k, dof_map->value[3 * (size_t)i + (size_t)k]);
+  }
+done:
+  return status;
+}
+
+/* The other isostatic constraints, after the supports; returns how many there are. */
+static int64_t isostatic(const bw_dof_map *dof_map, conditions *c) {
+  int64_t before = c->fixed_count;
+  for (int32_t i = 0; i < dof_map->mesh->node_count; i++)
+    for (int k = 0; k < 3; k++)
+      if (dof_map->frame_of[i] < 0 && dof_map->state[3 * (size_t)i + k] == BW_DOF_ISOSTATIC)
+        fix(c, i, k, 0);
+  return c->fixed_count - before;
+}
+
 /* CalculiX takes one coefficient of expansion for a material and one temperature for each node:
  * loads with other coefficients are scaled to the largest, and those by material added. *out is
  * NULL where nothing expands. */
@@ -169,18 +198,17 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   for (size_t i = 0; modes > 0 && i < 3 * (size_t)mesh->node_count; i++)
     if (dof_map->state[i] == BW_DOF_ISOSTATIC)
       dof_map->state[i] = BW_DOF_UNKNOWN;
-  for (int32_t i = 0; i < mesh->node_count; i++) {
-    const uint8_t *state = dof_map->state + 3 * (size_t)i;
-    if (state[0] == BW_DOF_UNKNOWN && state[1] == BW_DOF_UNKNOWN && state[2] == BW_DOF_UNKNOWN)
-      continue;
-    if (dof_map->frame_of[i] >= 0) {
-      BW_TRY(oblique_node(context, dof_map, i, &c));
-      continue;
-    }
-    for (int k = 0; k < 3; k++)
-      if (state[k] != BW_DOF_UNKNOWN)
-        fix(&c, i, k, dof_map->value[3 * (size_t)i + (size_t)k]);
-  }
+  BW_TRY(supports(context, dof_map, &c));
+  deck.isostatic_count = isostatic(dof_map, &c);
+  if (modes == 0 && dof_map->rigid_mode_count > 0)
+    bw_warn(
+        context,
+        "%s: the body is free, and the deck holds it by %d isostatic constraints, which carry no "
+        "load where the loads balance. Remove them before you add contact, springs or supports%s",
+        path, (int)dof_map->rigid_mode_count,
+        deck.isostatic_count < dof_map->rigid_mode_count
+            ? "; those at nodes with an oblique support have no comment in the deck"
+            : "");
   BW_TRY(bwi_force_vector(context, model, false, force));
   if (modes == 0)
     BW_TRY(temperatures(context, model, path, material, &temperature));

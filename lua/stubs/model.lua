@@ -719,6 +719,9 @@ function Model:transferred(mesh, node_from) end
 ---Writes the model as an .inp file for CalculiX. Forces are nodal. Gravity and temperatures are written as such, with one
 ---coefficient of expansion: the largest; temperatures are scaled to it.
 ---
+---In a static step a free body is held by isostatic constraints, which carry no load where the loads balance. A warning and a
+---comment in the file say so: remove them before you add contact, springs or supports to the deck.
+---
 ---Errors: io (the file cannot be written), unsupported (a node that slides obliquely and is moved, or a material whose axes differ
 ---from element to element).
 ---@param path string the file

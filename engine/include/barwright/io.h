@@ -220,15 +220,16 @@ typedef struct bw_inp_deck {
   const int32_t *material_of;      /* (index, element_count) from 0; NULL: all are of the first */
   double gravity[3];               /* (m/s2) */
   int64_t fixed_count;             /* single displacements: node, direction 0..2, value */
-  const int32_t *fixed_node;       /* (index, fixed_count) */
-  const int *fixed_direction;      /* (fixed_count) 0, 1 or 2 */
-  const double *fixed_value;       /* (m, fixed_count) */
-  int64_t equation_count;          /* a0 u0 + a1 u1 + a2 u2 = 0 at one node (oblique slides) */
-  const int32_t *equation_node;    /* (index, equation_count) */
-  const double *equation_normal;   /* (-, equation_count x 3) the a */
-  const double *force;             /* (N, node_count x 3) or NULL */
-  const double *temperature;       /* (K, node_count) changes of temperature, or NULL */
-  int modes;                       /* > 0: a *FREQUENCY step for so many modes instead */
+  int64_t isostatic_count;       /* the last of them only hold a free body, and a comment says so */
+  const int32_t *fixed_node;     /* (index, fixed_count) */
+  const int *fixed_direction;    /* (fixed_count) 0, 1 or 2 */
+  const double *fixed_value;     /* (m, fixed_count) */
+  int64_t equation_count;        /* a0 u0 + a1 u1 + a2 u2 = 0 at one node (oblique slides) */
+  const int32_t *equation_node;  /* (index, equation_count) */
+  const double *equation_normal; /* (-, equation_count x 3) the a */
+  const double *force;           /* (N, node_count x 3) or NULL */
+  const double *temperature;     /* (K, node_count) changes of temperature, or NULL */
+  int modes;                     /* > 0: a *FREQUENCY step for so many modes instead */
 } bw_inp_deck;
 /* Writes a deck as .inp. */
 BW_API bw_status bw_inp_write(bw_context *context, const bw_inp_deck *deck, const char *path);
