@@ -21,7 +21,24 @@
 enum { FREE = 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, HELD = 1u << BW_DOF_PRESCRIBED };
 
 /* Blocks of numbers, node_count x 3 each. */
-enum { FORCE, NEXT_FORCE, DAMPING_V, NEXT_DAMPING_V, W_M, W_K, RIGHT, ELASTIC, INERTIA, BLOCKS };
+enum {
+  FORCE,
+  NEXT_FORCE,
+  DAMPING_V,
+  NEXT_DAMPING_V,
+  ELASTIC, /* K u of the state at hand or of the next one */
+  ELASTIC_BEFORE,
+  W_M,
+  W_K,
+  RIGHT,
+  INERTIA,
+  SUM_U, /* over all states */
+  SUM_ELASTIC,
+  BLOCKS
+};
+
+/* Of the relative error of the period: a step that leaves more is too large. */
+static const double resolution_limit = 0.03;
 
 /* The state at the end of a step: that of the transient takes it over when all has succeeded. */
 typedef struct state {
@@ -40,6 +57,8 @@ typedef struct bwi_linear_transient {
   double *block[BLOCKS];
   state next;
   double alpha_m, alpha_f, beta, gamma, mass_damping, stiffness_damping, scale;
+  double swing, change; /* (J) sums of u^T K u over the states, of d^T K d over the steps d of u */
+  double rounding;      /* (J) of the sums */
 } inner;
 
 void bw_linear_transient_options_default(bw_linear_transient_options *options) {
@@ -331,24 +350,43 @@ done:
   return status;
 }
 
+/* What the resolution of the motion is measured by. K u of a body that flies is rounding: its part
+ * of u^T K u is below that of the diagonal times the precision. */
+static void add_to_swing(bw_linear_transient *t) {
+  inner *s = t->inner;
+  const bw_system *system = s->system;
+  const double *u = t->displacement, *elastic = s->block[ELASTIC_BEFORE];
+  double diagonal = 0;
+  for (int64_t i = 0; i < s->size; i++) {
+    const double *block = system->stiffness + 9 * (system->pattern->start[i / 3 + 1] - 1);
+    diagonal += u[i] * u[i] * block[4 * (i % 3)];
+    s->block[SUM_U][i] += u[i];
+    s->block[SUM_ELASTIC][i] += elastic[i];
+  }
+  s->swing += 2 * t->strain;
+  s->rounding += 1e-14 * diagonal;
+}
+
 /* The transient takes over the next state, with the forces and the damping forces that go with it.
  */
 static void advance(bw_linear_transient *t) {
   inner *s = t->inner;
   state *next = &s->next;
-  double **pair[6][2] = {{&t->displacement, &next->u},
+  double **pair[7][2] = {{&t->displacement, &next->u},
                          {&t->velocity, &next->v},
                          {&t->acceleration, &next->a},
                          {&t->reaction, &next->reaction},
                          {&s->block[FORCE], &s->block[NEXT_FORCE]},
-                         {&s->block[DAMPING_V], &s->block[NEXT_DAMPING_V]}};
-  for (int k = 0; k < 6; k++) {
+                         {&s->block[DAMPING_V], &s->block[NEXT_DAMPING_V]},
+                         {&s->block[ELASTIC_BEFORE], &s->block[ELASTIC]}};
+  for (int k = 0; k < 7; k++) {
     double *held = *pair[k][0];
     *pair[k][0] = *pair[k][1];
     *pair[k][1] = held;
   }
   t->kinetic = next->kinetic;
   t->strain = next->strain;
+  add_to_swing(t);
 }
 
 /* ---- steps ----------------------------------------------------------------------------------- */
@@ -496,7 +534,7 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
   bw_status status = BW_OK;
   inner *s = t->inner;
   state *next = &s->next;
-  double work = 0, damped = 0;
+  double work = 0, damped = 0, moved = 0;
   double *force = s->block[FORCE], *next_force = s->block[NEXT_FORCE];
   factors = factors ? factors : &all_one;
   bwi_blas_enter();
@@ -512,6 +550,7 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
     double change = next->u[i] - t->displacement[i];
     work += 0.5 * (force[i] + t->reaction[i] + next_force[i] + next->reaction[i]) * change;
     damped += 0.5 * (s->block[DAMPING_V][i] + s->block[NEXT_DAMPING_V][i]) * change;
+    moved += change * (s->block[ELASTIC][i] - s->block[ELASTIC_BEFORE][i]);
   }
   if (!isfinite(next->kinetic + next->strain + work + damped))
     BW_TRY(bw_fail(
@@ -522,6 +561,7 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
   advance(t);
   if (s->modal)
     bwi_modal_motion_accept(s->modal);
+  s->change += moved;
   t->work += work;
   t->damped += damped;
   t->steps++;
@@ -530,6 +570,31 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
 done:
   bwi_blas_leave();
   return status;
+}
+
+bw_motion_resolution bw_linear_transient_resolution(bw_context *context,
+                                                    const bw_linear_transient *t) {
+  bw_motion_resolution r = {0, 0};
+  const inner *s = t->inner;
+  double mean = bwi_dot(s->size, s->block[SUM_U], s->block[SUM_ELASTIC]) / (double)(t->steps + 1);
+  double swing = s->swing - mean, dissipation, angle, lag;
+  if (s->modal || !(swing > s->rounding) || !(s->change > 0))
+    return r;
+  angle = 2 * asin(fmin(0.5 * sqrt(s->change / swing), 1));
+  /* beta = (1 + x)^2 / 4 with x = (1 - rho) / (1 + rho) */
+  dissipation = sqrt(4 * s->beta) - 1;
+  lag = 0.375 * dissipation * dissipation;
+  r.steps = 2 * M_PI / angle;
+  r.error = 2 * tan(0.5 * angle) / angle - 1 + lag * angle * angle;
+  if (r.error > resolution_limit && (double)t->steps < r.steps) /* less than a period: a bound */
+    return (bw_motion_resolution){0, 0};
+  if (r.error > resolution_limit)
+    bw_warn(context,
+            "a step of %.3g s is too large for this motion: it has %.2g steps per period, and its "
+            "periods are too long by %s%.2g %%. Take a step of %.2g s or less, for 1 %%",
+            t->step, r.steps, r.error < 0.3 ? "about " : "more than ", 100 * fmin(r.error, 0.3),
+            t->step * sqrt(0.01 / (1.0 / 12 + lag)) / (2 * tan(0.5 * angle)));
+  return r;
 }
 
 bw_status bw_linear_transient_static(bw_context *context, const bw_linear_transient *t,

@@ -211,6 +211,7 @@ function transient:run(given)
   end
   local out = setmetatable({energy = {}, probes = rows.probes, time = core.array.new(rows.time)}, recording)
   superposed[out] = histories_of[self].by_modes
+  out.steps_per_period, out.period_error = core.linear_transient_resolution(self)
   for _, name in ipairs(energies) do out.energy[name] = core.array.new(rows[name]) end
   out.energy.initial_energy = self.initial_energy
   for _, probe in pairs(out.probes) do
@@ -270,6 +271,16 @@ function recording:__tostring()
   lines[#lines + 1] = ("  the scheme took %.2g %% of the largest energy; %s"):format(
     scale > 0 and 100 * e.lost_energy[n] / scale or 0, superposed[self]
     and "by modes that is the rule of the work: compare with more modes" or "a large part asks for shorter steps")
+  if superposed[self] then
+    lines[#lines + 1] = "  error by the step: none for loads that are linear within a step"
+  elseif self.steps_per_period then
+    lines[#lines + 1] = ("  error by the step: periods too long by %s %.2g %%, at %.3g steps per period in the "
+      .. "mean over the strain energy%s"):format(self.period_error < 0.3 and "about" or "more than",
+      100 * math.min(self.period_error, 0.3), self.steps_per_period,
+      self.period_error > 0.03 and "; too large a step" or "")
+  else
+    lines[#lines + 1] = "  error by the step unknown: too few steps of a motion with strain"
+  end
   for _, name in ipairs(sorted_names(self.probes)) do
     local probe, most, at = self.probes[name], 0, 1
     for i = 1, n do

@@ -69,6 +69,15 @@ static int core_linear_transient_step(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+/* linear_transient_resolution(transient): steps per period, error of the period, or nothing */
+static int core_linear_transient_resolution(lua_State *L) {
+  const bw_linear_transient *transient = self(L);
+  bw_motion_resolution r = bw_linear_transient_resolution(lbw_enter(L), transient);
+  lua_pushnumber(L, r.steps);
+  lua_pushnumber(L, r.error);
+  return lbw_leave(L, BW_OK, r.steps > 0 ? 2 : 0);
+}
+
 /* transient:static(): the present displacement as a static solution */
 static int transient_static(lua_State *L) {
   const bw_linear_transient *transient = self(L);
@@ -167,9 +176,11 @@ static const luaL_Reg meta[] = {{"__tostring", transient_tostring}, {NULL, NULL}
 const lbw_class lbw_linear_transient_class = {"linear_transient", methods, properties, meta, NULL};
 
 void lbw_open_linear_transient(lua_State *L) {
-  static const luaL_Reg functions[] = {{"linear_transient", core_linear_transient},
-                                       {"linear_transient_step", core_linear_transient_step},
-                                       {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"linear_transient", core_linear_transient},
+      {"linear_transient_step", core_linear_transient_step},
+      {"linear_transient_resolution", core_linear_transient_resolution},
+      {NULL, NULL}};
   lbw_class_register(L, &lbw_linear_transient_class);
   luaL_setfuncs(L, functions, 0);
 }

@@ -104,6 +104,8 @@ function LinearTransient:run(options) end
 ---@field energy bw.RecordedEnergy energies at these times
 ---@field probes table<string, bw.Probe> by name
 ---@field stress? bw.RecordedStress where `stress_every` was given
+---@field steps_per_period? number (count) steps per period of the motion until now, in the mean over its strain energy. None for few steps of less than one period, for motions as a rigid body and with `modes`, which are exact for loads that are linear within a step.
+---@field period_error? number (-) by which its periods are too long, estimated from `steps_per_period`; above 0.03 a warning names a shorter step
 local Recording = {}
 
 ---Writes times, energies and probes as columns of a CSV file.

@@ -38,6 +38,8 @@ describe("motion in time", function()
     check.near(18.76e6, stress[1], 0.01)
     assert.is_true(math.abs(recording.energy.lost_energy[#z]) < 0.01 * recording.energy.work:max())
     assert.truthy(tostring(recording):find("taken by damping", 1, true))
+    assert.truthy(tostring(recording):find("periods too long by about 0.", 1, true))
+    assert.is_true(recording.period_error < 0.001)
   end)
 
   it("NAFEMS 5T by modes, with a damping ratio and a long step", function()
@@ -52,6 +54,7 @@ describe("motion in time", function()
     local recording = assert(transient:run {time = 0.015, probes = {middle = {5, 0, 0}}})
     check.near(-1.043e-3, recording.probes.middle.displacement:column(3):min(), 0.006)
     assert.truthy(tostring(recording):find("compare with more modes", 1, true))
+    assert.truthy(tostring(recording):find("none for loads that are linear within a step", 1, true))
     check.raises("are not elastic modes of this model", part.transient, part, {step = 1e-3,
       modes = bw.model({mesh = mesh, material = material}):modes {count = 2}})
     check.fails("unsupported", "a damping ratio needs modes",
@@ -128,6 +131,24 @@ describe("motion in time", function()
     check.raises("the path of a .pvd file", transient.run, transient, {time = 1, write = "a.vtu"})
     part:gravity {0, 0, -1}
     check.raises("begin a new transient", transient.step, transient)
+  end)
+
+  it("says that a step is too large, and no more with the step that it names", function()
+    local part = bar(2)
+    local function follow(step)
+      local recording = assert(assert(part:transient {step = step, rho = 1}):run {time = 0.05})
+      local warned = bw.warnings()
+      return recording, warned[#warned]
+    end
+    local coarse, said = follow(5e-3)
+    assert.truthy(said and said:find("too large for this motion", 1, true))
+    assert.truthy(tostring(coarse):find("too large a step", 1, true))
+    local named = tonumber(said:match "Take a step of (%S+) s")
+    local fine, silent = follow(0.5 * named) -- a step that is far too large does not see all modes
+    assert.is_nil(silent)
+    assert.is_true(fine.period_error < 0.02)
+    assert.truthy(tostring(assert(assert(part:transient {step = 1e-5}):run {time = 2e-5})):find(
+      "error by the step unknown", 1, true))
   end)
 
   it("a support that moves takes a stiff part along", function()

@@ -75,6 +75,17 @@ BW_API bw_status bw_linear_transient_create(bw_context *context, const bw_model 
  * would not be, as for steps of an absurd length: it stays as it was. */
 BW_API bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *transient,
                                           const bw_transient_factors *next);
+/* How steps of direct integration resolve a motion (docs/theory/transient.md). */
+typedef struct bw_motion_resolution {
+  double
+      steps; /* (count) per period of the motion, in the mean over its strain energy; 0: unknown */
+  double error; /* (-) by which its periods are too long, estimated */
+} bw_motion_resolution;
+/* Of all steps until now, with a warning where the error is above 3 %. Unknown with modes, which
+ * are exact for loads that are linear within a step, for few steps of less than one period and for
+ * rigid motions. */
+BW_API bw_motion_resolution bw_linear_transient_resolution(bw_context *context,
+                                                           const bw_linear_transient *transient);
 /* The present displacement as the static solution of the loads less the forces of inertia and of
  * damping: for stresses, files and pictures. It does not change with later steps. */
 BW_API bw_status bw_linear_transient_static(bw_context *context,

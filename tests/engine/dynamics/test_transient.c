@@ -209,6 +209,55 @@ static void test_step_load(void **state) {
   bw_release(model);
 }
 
+/* Of a mode that swings, the steps per period and the error of the period are those of its zero
+ * crossings. Six steps per period warn, twenty do not; a body that falls has no period. */
+static void test_resolution(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = bar(context, true, 2), *loose = bar(context, false, 1);
+  bw_modes *modes = lowest(context, model, 2);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  const double *shape = modes->shape + size, w = sqrt(modes->eigenvalue[1]);
+  int64_t at = 0;
+  for (int64_t i = 0; i < size; i++)
+    at = fabs(shape[i]) > fabs(shape[at]) ? i : at;
+  for (int which = 0; which < 6; which++) {
+    const int per = which % 3 == 0 ? 6 : which % 3 == 1 ? 20 : 50, periods = 10;
+    const bw_linear_transient_options options = {
+        .step = 2 * M_PI / w / per, .rho = which < 3 ? 1 : 0.5, .displacement = shape};
+    double crossing[2] = {0, 0};
+    int crossings = 0;
+    bw_clear_warnings(context);
+    bw_linear_transient *t = start(context, model, &options, NULL);
+    for (int k = 0; k < periods * per; k++) {
+      double before = t->displacement[at];
+      march(context, t, 1);
+      if (before * t->displacement[at] < 0) {
+        double here = k + before / (before - t->displacement[at]);
+        crossing[crossings > 0] = here;
+        crossings++;
+      }
+    }
+    const double steps = 2 * (crossing[1] - crossing[0]) / (crossings - 1);
+    bw_motion_resolution r = bw_linear_transient_resolution(context, t);
+    check_near(r.steps, steps, 0.03 * steps);
+    check_near(r.error, steps / per - 1, 0.12 * (steps / per - 1));
+    assert_int_equal(bw_warning_at(context, 0) != NULL, per == 6);
+    bw_release(t);
+  }
+  const double g[3] = {0, 0, -9.81};
+  check_ok(context, bw_model_gravity(context, loose, g));
+  const bw_linear_transient_options options = {.step = 1e-3, .rho = 0.8};
+  bw_linear_transient *t = start(context, loose, &options, NULL);
+  bw_clear_warnings(context);
+  march(context, t, 100);
+  assert_true(bw_linear_transient_resolution(context, t).steps == 0);
+  assert_null(bw_warning_at(context, 0));
+  bw_release(t);
+  bw_release(modes);
+  bw_release(loose);
+  bw_release(model);
+}
+
 /* Supports that move: a stiff bar follows its foot, and a mode of the bar is excited as a single
  * mass on a spring is by y = Y (1 - cos(W t)), whose relative motion is closed. */
 static void test_moving_support(void **state) {
@@ -555,6 +604,7 @@ int main(void) {
       check_test(test_mode),
       check_test(test_free_body),
       check_test(test_fall),
+      check_test(test_resolution),
       check_test(test_step_load),
       check_test(test_moving_support),
       check_test(test_superposition),
