@@ -183,7 +183,23 @@ static void test_step_load(void **state) {
     check_near(balance(t), 0, 1e-9 * (t->work + t->strain));
   }
   check_near(peak / still, 2, 0.06); /* higher modes are out of step */
+  const bw_motion_resolution loaded = bw_linear_transient_resolution(context, t);
   bw_release(t);
+  /* without the load, from minus its displacement, the motion about its mean is the same */
+  bw_model *bare = bar(context, true, 2);
+  double *minus = numbers(size);
+  for (int64_t i = 0; i < size; i++)
+    minus[i] = -rest->displacement[i];
+  options.displacement = minus;
+  t = start(context, bare, &options, NULL);
+  march(context, t, 210);
+  const bw_motion_resolution about = bw_linear_transient_resolution(context, t);
+  check_near(loaded.steps, about.steps, 1e-6 * about.steps);
+  assert_true(about.steps > 60 && about.steps < 200);
+  options.displacement = NULL;
+  free(minus);
+  bw_release(t);
+  bw_release(bare);
   options.rho = 0.5;
   options.damping.mass = 1.4 * w;
   t = start(context, model, &options, NULL);
