@@ -373,8 +373,9 @@ static bw_status check_model(bw_context *context, const bw_model *model) {
   if (model->load_count > 0)
     return bw_fail(context, BW_INVALID,
                    "a deposition counts the change of temperature of its layers alone: the model "
-                   "has %d loads; remove them, and add their stresses afterwards",
-                   model->load_count);
+                   "has %d load%s; leave %s out, and add the stress afterwards",
+                   model->load_count, model->load_count == 1 ? "" : "s",
+                   model->load_count == 1 ? "it" : "them");
   for (int s = 0; s < model->support_count; s++) {
     const bw_support *on = &model->support[s];
     if (on->field || on->value[0] != 0 || on->value[1] != 0 || on->value[2] != 0)
@@ -386,6 +387,23 @@ static bw_status check_model(bw_context *context, const bw_model *model) {
                      "support %d slides along the normals of its facets, which change while layers "
                      "are added: give it a normal",
                      s + 1);
+  }
+  return BW_OK;
+}
+
+/* The stress that was laid belongs to the stiffness that it was laid with. */
+static bw_status check_material(bw_context *context, const bw_material *laid,
+                                const bw_material *released, const bw_mesh *mesh) {
+  for (int64_t e = 0; e < mesh->element_count; e++) {
+    const bw_material *a = bw_material_of(laid, e), *b = bw_material_of(released, e);
+    if (a == b)
+      continue;
+    if (a->formulation != b->formulation ||
+        memcmp(a->elasticity, b->elasticity, sizeof a->elasticity) != 0)
+      return bw_fail(context, BW_INVALID,
+                     "element %lld of the released body has another stiffness than it was laid "
+                     "down with: take the same material",
+                     (long long)e + 1);
   }
   return BW_OK;
 }
@@ -479,6 +497,7 @@ bw_status bw_deposition_release(bw_context *context, const bw_deposition *deposi
   if (model->mesh != mesh)
     return bw_fail(context, BW_INVALID,
                    "the released body has another mesh than the one that was laid down");
+  BW_TRY(check_material(context, deposition->model->material, model->material, mesh));
   BW_TRY(check_model(context, model));
   BW_TRY(start(context, model, &d));
   d->layer_count = deposition->layer_count;

@@ -29,7 +29,8 @@ local Deposition = {}
 
 ---Other supports, in place of those that the part was laid on: what they exerted is taken away, and the part springs back.
 ---
----Errors: unconstrained and others of `part:solve`. A model of another mesh, and one with loads or prescribed displacements, raise.
+---Errors: unconstrained and others of `part:solve`. A model of another mesh or stiffness, and one with loads or prescribed
+---displacements, raise.
 ---@param part bw.Model of the same mesh, with the supports that stay; without any the part is free
 ---@param options? bw.DepositionReleaseOptions solver
 ---@return bw.Deposition? released the part afterwards

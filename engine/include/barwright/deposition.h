@@ -51,8 +51,8 @@ typedef struct bw_deposition {
 BW_API bw_status bw_deposit(bw_context *context, const bw_model *model,
                             const bw_deposition_options *options, bw_deposition **deposition);
 /* The same body with other supports, those of `model`, which is of the same mesh: what its supports
- * exerted is taken away. BW_INVALID for another mesh and a model with loads or prescribed
- * displacements; those of bw_statics. `solver` may be NULL. */
+ * exerted is taken away. BW_INVALID for another mesh, another stiffness, and a model with loads or
+ * prescribed displacements; those of bw_statics. `solver` may be NULL. */
 BW_API bw_status bw_deposition_release(bw_context *context, const bw_deposition *deposition,
                                        const bw_model *model, const bw_solver *solver,
                                        bw_deposition **released);
