@@ -212,6 +212,18 @@ describe("barwright buckle --worst", function()
     assert(bw.mesh.read(folder .. "w.vtu"))
   end)
 
+  it("counts the force on one side of a free part where it is too large", function()
+    local words = " --material steel --worst 100N --contact 1m2 " .. path
+    local status, _, err = check.run("buckle" .. words)
+    assert.equal(3, status)
+    local area = 2 * (L * a + L * b + a * b)
+    assert.truthy(err:find("a force of 100 N on at least 1 m2 has no room", 1, true), err)
+    check.near(100 * area / 2, tonumber(err:match("reach ([%d.e-]+) N on each side")), 1e-3)
+    status, _, err = check.run("buckle --fix min:x" .. words)
+    assert.equal(3, status)
+    assert.is_nil(err:find("on each side", 1, true), err)
+  end)
+
   it("refuses mixtures with known loads", function()
     local status, _, err = check.run("buckle --fix min:x --worst 10 --force max:x=1,0,0 " .. path)
     assert.equal(2, status)

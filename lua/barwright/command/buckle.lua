@@ -86,7 +86,7 @@ local function run_worst(opts, out)
     out:say "No file is written, since no load was found."
   end
   local failed = out:write_files {{worst.factor and opts.vtu, function() return worst:write(opts.vtu) end},
-    {worst.factor and opts.picture, function() return worst:picture(opts.picture) end}}
+    {worst.factor and opts.picture, function() return buckle_worst.picture(worst, opts) end}}
   if failed then return failed end
   return verdict == "holds" and 0 or 1
 end

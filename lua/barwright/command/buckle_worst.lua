@@ -63,8 +63,23 @@ function buckle_worst.analyse(opts, out)
     contact = sides * opts.contact, forbidden = forbidden, friction = opts.friction, sign = opts.sign,
     shapes = opts.count})
   out:warnings()
-  if not worst then return nil, message, details end
+  if not worst then
+    if details and details.largest_force then
+      message = ("a force of %s on at least %s has no room on the part: pressures of at most %s reach %s%s; give "
+        .. "a smaller --contact, or forbid less"):format(core.quantity(opts.worst, "N"),
+        core.quantity(opts.contact, "m2"), core.quantity(opts.worst / opts.contact, "Pa"),
+        core.quantity(details.largest_force / sides, "N"), sides == 2 and " on each side" or "")
+    end
+    return nil, message, details
+  end
   return worst
+end
+
+--- A picture of the answer, with the force as the option gives it.
+function buckle_worst.picture(worst, opts)
+  return worst:picture(opts.picture, {title = ("Buckles at %s times this load of %s%s; another load may have a "
+    .. "smaller factor"):format(shown.number(worst.factor), core.quantity(opts.worst, "N"),
+    #opts.fix == 0 and " on each side" or "")})
 end
 
 local words = {buckles = "the part buckles under that load", unsure = "the error leaves open whether it buckles",
