@@ -36,8 +36,9 @@ bw_status bw_modes_error(bw_context *context, const bw_modes *modes, double *rel
     BW_TRY(bw_fail(context, BW_INVALID,
                    "Laplacian modes have no stress: their error is not estimated"));
   if (modes->cyclic)
-    BW_TRY(bw_fail(context, BW_UNSUPPORTED,
-                   "the error of a sector's modes is not estimated: that of bw_modes_whole is"));
+    BW_TRY(bw_fail(
+        context, BW_UNSUPPORTED,
+        "the error of a sector's modes is not estimated: that of the modes of the whole is"));
   for (int k = 0; k < modes->count; k++)
     BW_TRY(bw_shape_error(context, modes->mesh, modes->material, modes->shape + k * size,
                           &relative[k]));
