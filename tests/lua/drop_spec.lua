@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Drops in time: what a script sees of them. The physics is in tests/engine/drop.
 local bw = require "barwright"
+local check = require "check"
 
 local function box(order)
   local mesh = bw.mesh.box {max = {0.03, 0.02, 0.01}, cells = {3, 2, 1}, order = order or 1}
@@ -89,5 +90,87 @@ describe("drop", function()
     local soft = bw.material.isotropic {young = 1e9, poisson = 0.3, density = 1000}
     local part = bw.model {mesh = bw.mesh.box {max = {0.02, 0.02, 0.02}, cells = {1, 1, 1}}, material = soft}
     assert.error_matches(function() bw.random_drops(part, {drops = 2}) end, "strength")
+  end)
+end)
+
+describe("barwright drop", function()
+  local folder = check.folder()
+  local rod, cube = folder .. "rod.msh", folder .. "cube.stl"
+  setup(function()
+    assert(bw.mesh.box({max = {0.1, 0.01, 0.01}, cells = {30, 1, 1}, order = 2}):write(rod))
+    local block = bw.mesh.box {max = {0.02, 0.02, 0.02}, cells = {1, 1, 1}}
+    assert(block:surface():write(cube, {unit = "mm"}))
+  end)
+
+  local function answer(words)
+    local status, out, err = check.run("drop --json " .. words)
+    return status, status < 2 and bw.json.decode(out) or out, err
+  end
+
+  it("has Saint-Venant's duration and force of a rod on its end", function()
+    local status, object = answer("--young 1GPa --poisson 0 --density 1000 --strength 20MPa --height 0.2m "
+      .. "--down -1,0,0 " .. rod)
+    local speed = math.sqrt(2 * 9.80665 * 0.2)
+    check.near(speed, object.speed_m_s, 1e-12)
+    check.near(2 * 0.1 / 1000, object.duration_s, 0.05)
+    check.near(1000 * 1000 * 1e-4 * speed, object.impulse_n_s / object.duration_s, 0.05)
+    -- one mesh: nothing shows that the stress at the end does not depend on it
+    assert.equal("unsure", object.verdict)
+    assert.equal(1, status)
+    assert.is_true(object.touch.depends_on_mesh)
+    assert.equal("holds", object.elsewhere.verdict)
+    assert.is_nil(object.duration_estimated_error)
+    assert.is_true(object.energy_error < 1e-3)
+  end)
+
+  it("judges a face that lands flat, and not a corner", function()
+    local flat = "--elements 400 --height 5mm --strength %s " .. cube
+    local status, object = answer(flat:format "50MPa")
+    assert.equal("holds", object.verdict)
+    assert.equal(0, status)
+    assert.is_false(object.touch.depends_on_mesh)
+    status, object = answer(flat:format "10kPa")
+    assert.equal("breaks", object.verdict)
+    assert.equal(1, status)
+    status, object = answer("--elements 400 --height 5mm --strength 1GPa --down -1,-2,-3 " .. cube)
+    assert.equal("unsure", object.verdict)
+    assert.equal(1, status)
+    assert.is_true(object.touch.depends_on_mesh)
+    assert.is_true(object.touch.utilisation < 0.1)
+  end)
+
+  it("says what is assumed, and writes files", function()
+    local words = ("--csv @d.csv --vtu @d.vtu --picture @d.png --report @d.html"):gsub("@", folder)
+    local status, out = check.run(("drop %s --height 10mm --spin 0,10,0 %s"):format(rod, words))
+    assert.equal(1, status)
+    for _, text in ipairs {"The impact lasts", "The largest force is", "error unknown: one mesh", "no friction",
+      "rigid plane", "balance of energy", "it may depend on the mesh", "d.csv", "d.vtu", "d.png", "d.html"} do
+      assert.truthy(out:find(text, 1, true), text .. "\n" .. out)
+    end
+    for _, name in ipairs {"d.csv", "d.vtu", "d.png", "d.html"} do assert(io.open(folder .. name)):close() end
+  end)
+
+  it("drops at random and leaves the verdict open", function()
+    local words = ("--picture @r.png --vtu @r.vtu --report @r.html"):gsub("@", folder)
+    local status, out = check.run(("drop %s --height 10mm --drops 4 %s"):format(rod, words))
+    assert.equal(1, status)
+    for _, text in ipairs {"4 drops from 10 mm", "95 %", "Verdict: unsure", "r.png", "r.vtu", "r.html"} do
+      assert.truthy(out:find(text, 1, true), text .. "\n" .. out)
+    end
+    local _, object = answer("--drops 4 --height 10m --strength 10kPa " .. rod)
+    assert.equal(1, object.value)
+    assert.equal("unsure", object.verdict)
+    check.near(1 / (1 + 3.841459 / 4), object.low, 1e-5) -- Wilson's lower end where all fail
+  end)
+
+  it("refuses what cannot be", function()
+    for words, expected in pairs {["--down 0,0,0"] = "a direction expected", ["--down 1,2"] = "three numbers",
+      ["--spin 1g,0,0"] = "rad/s", ["--height 1"] = "no unit", ["--height 0m"] = "above 0",
+      ["--drops 3 --down 1,0,0"] = "random directions", ["--drops 3 --spin 1,0,0"] = "without spin",
+      ["--drops 3 --csv a.csv"] = "history", ["--damping 1"] = "below 1"} do
+      local status, _, err = check.run(("drop %s %s"):format(words, rod))
+      assert.equal(2, status)
+      assert.truthy(err:find(expected, 1, true), err)
+    end
   end)
 end)

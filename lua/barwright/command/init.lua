@@ -10,8 +10,8 @@ local output = require "barwright.command.output"
 local commands = {}
 
 -- In the order of help. What is not installed is left out.
-local list = {"check", "worst", "strengthen", "modes", "statics", "buckle", "respond", "heat", "convert",
-  "materials", "live", "test", "study", "rerun", "completion", "manual", "help"}
+local list = {"check", "worst", "strengthen", "modes", "statics", "buckle", "respond", "drop", "heat",
+  "convert", "materials", "live", "test", "study", "rerun", "completion", "manual", "help"}
 
 --- What the program itself understands before a command or a script.
 commands.program_options = {

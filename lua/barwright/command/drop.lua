@@ -1,0 +1,290 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright drop MODEL: how hard a part hits a rigid plane, and how it is stressed. docs/theory/drop.md
+local bw = require "barwright"
+local core = require "barwright.core"
+local drop_page = require "barwright.command.drop_page"
+local growth = require "barwright.singular_growth"
+local model = require "barwright.command.model"
+local output = require "barwright.command.output"
+local places = require "barwright.command.places"
+local shown = require "barwright.shown"
+
+-- Options of one drop alone.
+local alone = {{"down", "random drops have random directions"}, {"spin", "random drops fall without spin"},
+  {"csv", "the history is that of one drop"}}
+
+-- What must be right before the work: {down = of length one, spin =}.
+local function read_options(opts)
+  for _, one in ipairs(alone) do
+    local name, why = table.unpack(one)
+    if opts.drops and opts[name] then
+      return nil, ("option --%s: %s; leave out --drops or --%s"):format(name, why, name)
+    end
+  end
+  local down, message = places.vector(opts.down or "0,0,-1")
+  if not down then return nil, "option --down: " .. message end
+  local length = math.sqrt(down[1] ^ 2 + down[2] ^ 2 + down[3] ^ 2)
+  if not (length > 0 and length < math.huge) then
+    return nil, ("option --down: a direction expected, got '%s'"):format(opts.down)
+  end
+  local given = {down = {down[1] / length, down[2] / length, down[3] / length}}
+  if opts.spin then
+    given.spin, message = places.vector(opts.spin, "rad/s")
+    if not given.spin then return nil, "option --spin: " .. message end
+  end
+  return given
+end
+
+local function damping_of(opts)
+  return opts.damping and {ratio = opts.damping} or nil
+end
+
+-- `count`: of modes; chosen if left out.
+local function drop_of(mesh, material, opts, given, count)
+  local part = bw.model {mesh = mesh, material = material}
+  local modes, drop, message, details
+  if count then
+    modes, message, details = model.try(part.modes, part, {count = count})
+    if not modes then return nil, message, details end
+  end
+  drop, message, details = model.try(part.drop, part, {height = opts.height, down = given.down,
+    spin = given.spin, damping = damping_of(opts), modes = modes})
+  if drop and #drop.impacts == 0 then return nil, "the part does not touch", {status = "invalid"} end
+  return drop, message, details, part
+end
+
+-- How far the centre of each element is from the plane at the first touch (m).
+local function distances(drop, down)
+  local mesh, place, sum = drop.mesh, drop.impacts[1].place, 0
+  local height = bw.array.map("(a - x) * p + (b - y) * q + (c - z) * r", {x = mesh.nodes:column(1),
+    y = mesh.nodes:column(2), z = mesh.nodes:column(3), a = place[1], b = place[2], c = place[3], p = down[1],
+    q = down[2], r = down[3]})
+  for corner = 1, 4 do sum = sum + height:gather(mesh.elements:column(corner)) end
+  return sum / 4
+end
+
+local function centre_of(mesh, element)
+  local at = {0, 0, 0}
+  for corner = 1, 4 do
+    for k = 1, 3 do at[k] = at[k] + mesh.nodes(mesh.elements(element, corner), k) / 4 end
+  end
+  return at
+end
+
+-- The largest stress of elements that a mask of 0 and 1 has.
+local function largest(drop, mask)
+  local stress = drop.max_principal * mask
+  local element = stress:argmax()
+  return {stress = stress[element], at = centre_of(drop.mesh, element), elements = drop.mesh.element_count,
+    used = drop.utilisation and (drop.utilisation * mask):max()}
+end
+
+-- The largest stress within `reach` of the plane, and that of the rest. The reach is an element of this mesh, or
+-- that of a finer one which it is compared with.
+local function measure(drop, down, reach)
+  reach = reach or growth.edge_length(drop.mesh, drop.impacts[1].place)
+  local near = distances(drop, down):map("a <= h", {h = reach})
+  return {touch = largest(drop, near), rest = largest(drop, near:map "1 - a"), reach = reach,
+    force = drop.impacts[1].force, duration = drop.impacts[1].duration}
+end
+
+-- The relative error of a value by those of the drops on a coarser mesh, with all modes and with half of them.
+local function error_of(value, coarse, read)
+  if not coarse then return model.error_of(value) end
+  return math.max(model.error_of(value, read(coarse.same)), model.error_of(value, read(coarse.half)))
+end
+
+-- The verdict on the stress of one of the two, its error, and whether it depends on the mesh: known to
+-- (`singular`), or by its growth from the coarser mesh with as many modes.
+local function judge(name, found, coarse, singular)
+  local place, other = found[name], coarse and coarse.same[name]
+  place.error = place.stress > 0 and error_of(place.stress, coarse, function(drop) return drop[name].stress end)
+    or 0
+  local rate = other and growth.exponent({value = other.stress, edge = other.elements ^ (-1 / 3)},
+    {value = place.stress, edge = place.elements ^ (-1 / 3)})
+  place.grows = singular or rate ~= nil and rate > growth.ALONE
+  place.verdict = place.grows and "unsure" or (model.verdict(place.used, place.error))
+end
+
+local function assess(found, coarse, part, read)
+  local touch, rest = found.touch, found.rest
+  found.singular = rest.stress > 0 and model.find_singular(part, read, rest.at, rest,
+    coarse and coarse.same.rest) or nil
+  judge("rest", found, coarse, found.singular ~= nil)
+  judge("touch", found, coarse, not coarse)
+  if rest.verdict == "breaks" or touch.verdict == "breaks" then return "breaks", "it breaks" end
+  if rest.verdict == "holds" and touch.verdict == "holds" then return "holds", "it holds" end
+  if rest.verdict == "holds" and touch.grows then
+    return "unsure", "it holds but for the places that touch, where the stress depends on the mesh"
+  end
+  if not touch.used then return "unsure", "the strength is not known" end
+  if rest.grows or touch.grows then return "unsure", "unsure, since the stress depends on the mesh" end
+  return "unsure", "too close to decide"
+end
+
+local function body(opts, out)
+  if opts.threads then bw.threads(opts.threads) end
+  return model.body(setmetatable({order = 2}, {__index = opts}), out)
+end
+
+local function of_strength(place)
+  return place.used and (", %s of the strength"):format(shown.percent(place.used)) or ""
+end
+
+local function state_assumptions(opts, unknown, out)
+  local damping = opts.damping and ("%s of the critical damping in every mode"):format(shown.percent(opts.damping))
+  out:say("Linear elasticity, rigid plane, no friction, %s. The error of %s is unknown.", damping or "no damping",
+    unknown)
+end
+
+local function run_one(opts, given, out)
+  local mesh, material, read = body(opts, out)
+  if not mesh then return out:fail(material, read) end
+  local drop, message, details, part = drop_of(mesh, material, opts, given)
+  out:warnings()
+  if not drop then return out:fail(message, details) end
+  local found = measure(drop, given.down)
+  local coarse = model.on_coarser(read, opts, 2, function(coarser)
+    local count = drop.modes.count
+    local same = drop_of(coarser, material, opts, given, count)
+    local half = same and drop_of(coarser, material, opts, given, math.max(1, count // 2))
+    return half and {same = measure(same, given.down, found.reach), half = measure(half, given.down, found.reach)}
+  end)
+  local verdict, text = assess(found, coarse, part, read)
+  local impact, touch, rest = drop.impacts[1], found.touch, found.rest
+  local way = coarse and "by a coarser mesh and half the modes" or "error unknown: one mesh"
+  local force_error = coarse and error_of(impact.force, coarse, function(other) return other.force end)
+  local duration_error = coarse
+    and error_of(impact.duration, coarse, function(other) return other.duration end)
+  local function error_text(error)
+    return error and ("estimated error %s, %s"):format(shown.error(error), way) or way
+  end
+  out:say("")
+  out:say("It falls %s along %s and hits at %s, first at %s.", core.quantity(opts.height, "m"),
+    shown.vector(given.down, ""):gsub(" $", ""), core.quantity(drop.speed, "m/s"), core.point(impact.place))
+  out:say("The impact lasts %s (%s).", shown.estimate(impact.duration, "s"), error_text(duration_error))
+  out:say("The largest force is %s (%s), the impulse %s.", shown.estimate(impact.force, "N"),
+    error_text(force_error), shown.estimate(impact.impulse, "N s"))
+  out:say("The largest principal stress is %s at %s, within an element of what touches%s: %s.",
+    shown.estimate(touch.stress, "Pa"), core.point(touch.at), of_strength(touch),
+    touch.grows and (coarse and "it depends on the mesh" or "it may depend on the mesh")
+    or error_text(touch.error))
+  if rest.stress > 0 then
+    out:say("Elsewhere it is %s at %s%s (%s).", shown.estimate(rest.stress, "Pa"), core.point(rest.at),
+      of_strength(rest), coarse and error_text(rest.error) or ("error unknown, taken as %s: one mesh"):format(
+      shown.error(rest.error)))
+  end
+  if found.singular then out:say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
+  out:say("Verdict: %s.", text)
+  out:say("Of %s at the first touch, %s go on as motion; the balance of energy is kept to %.1e.",
+    core.quantity(drop.initial_energy, "J"), shown.percent(drop.motion_energy[#drop.motion_energy]
+    / drop.initial_energy), drop.energy_error)
+  if impact.turn > 0.1 then
+    out:say("The part turns by %s degrees in the impact: more than the contact allows for.",
+      shown.number(math.deg(impact.turn)))
+  end
+  state_assumptions(opts, "the stress between samples", out)
+  local function place_of(place)
+    return {stress_pa = place.stress, at_m = place.at, utilisation = place.used, verdict = place.verdict,
+      estimated_error = coarse and place.error or nil, depends_on_mesh = place.grows}
+  end
+  out:json {verdict = verdict, value = drop.peak.stress, quantity = "largest principal stress, Pa",
+    at_m = drop.peak.place, time_s = drop.peak.time, touch = place_of(touch), elsewhere = place_of(rest),
+    duration_s = impact.duration, duration_estimated_error = duration_error, force_n = impact.force,
+    force_estimated_error = force_error, impulse_n_s = impact.impulse, first_touch_m = impact.place,
+    speed_m_s = drop.speed, height_m = opts.height, down = given.down, spin_rad_s = given.spin,
+    energy_j = drop.initial_energy, energy_error = drop.energy_error, modes = drop.modes.count,
+    damping_ratio = opts.damping, material = opts.material, singular = found.singular ~= nil}
+  local title = ("%s: dropped from %s; %s"):format(model.name(opts.model), core.quantity(opts.height, "m"), text)
+  local failed = out:write_files {{opts.csv, function() return drop:write_history(opts.csv) end},
+    {opts.vtu, function() return drop:write(opts.vtu) end},
+    {opts.picture, function() return drop:picture(opts.picture, {title = title}) end},
+    {opts.report, function() return drop_page.of_drop(drop, opts.report, title) end}}
+  if failed then return failed end
+  return verdict == "holds" and output.DONE or output.NO
+end
+
+local function run_many(opts, out)
+  local mesh, material, read = body(opts, out)
+  if not mesh then return out:fail(material, read) end
+  local part = bw.model {mesh = mesh, material = material}
+  local drops, message, details = model.try(bw.random_drops, part, {drops = opts.drops, seed = opts.seed,
+    height = opts.height, damping = damping_of(opts)})
+  out:warnings()
+  if not drops then return out:fail(message, details) end
+  local p, low, high = drops:failures()
+  local element = drops.exceedance:argmax()
+  local at = centre_of(mesh, element)
+  out:say("")
+  out:say("%s from %s in random attitudes: %s overload the part, with 95 %% confidence %s to %s of such drops.",
+    model.count(drops.drops, "drop"), core.quantity(opts.height, "m"), shown.percent(p), shown.percent(low),
+    shown.percent(high))
+  out:say("That is the error of their number. The error of the mesh is unknown: one mesh.")
+  if p > 0 then
+    out:say("Most often overloaded: %s, in %s of the drops.", core.point(at),
+      shown.percent(drops.exceedance[element]))
+  end
+  out:say("The first impact lasts %s to %s, with a force of at most %s and a principal stress of at most %s.",
+    shown.estimate(drops.durations:min(), "s"), shown.estimate(drops.durations:max(), "s"),
+    shown.estimate(drops.forces:max(), "N"), shown.estimate(drops.peaks:max(), "Pa"))
+  out:say "Verdict: unsure, since the stress of places that touch depends on the mesh."
+  out:say("The balance of energy is kept to %.1e of the energy at the first touch.", drops.energy_error)
+  state_assumptions(opts, "modes that are left out and of the stress between samples", out)
+  out:json {verdict = "unsure", value = p, quantity = "fraction of random drops that overload the part",
+    low = low, high = high, drops = drops.drops, seed = opts.seed, height_m = opts.height,
+    at_m = p > 0 and at or nil, largest_exceedance = drops.exceedance[element],
+    largest_stress_pa = drops.peaks:max(), largest_force_n = drops.forces:max(),
+    shortest_duration_s = drops.durations:min(), longest_duration_s = drops.durations:max(),
+    energy_error = drops.energy_error, modes = drops.modes.count, damping_ratio = opts.damping,
+    material = opts.material}
+  local title = ("%s: %d random drops from %s overload %s"):format(model.name(opts.model), drops.drops,
+    core.quantity(opts.height, "m"), shown.percent(p))
+  local failed = out:write_files {{opts.vtu, function() return drops:write(opts.vtu) end},
+    {opts.picture, function() return drops:picture(opts.picture, {title = title}) end},
+    {opts.report, function() return drop_page.of_random(drops, opts.report, title) end}}
+  return failed or output.NO
+end
+
+local options = {
+  model.material_option,
+  {name = "height", value = "HEIGHT", type = "number", unit = "m", default = 1, above = 0,
+    what = "how far it falls until it touches"},
+  {name = "down", value = "X,Y,Z", what = "where it falls, in the axes of the file; 0,0,-1 if left out"},
+  {name = "spin", value = "WX,WY,WZ", what = "its angular velocity when it touches, in rad/s"},
+  {name = "drops", value = "N", type = "integer", min = 1, max = 100000,
+    what = "so many drops in random attitudes, and how often they overload the part"},
+  {name = "seed", value = "N", type = "integer", default = 1, what = "of the random attitudes"},
+  {name = "damping", value = "RATIO", type = "number", above = 0, below = 1,
+    what = "of the critical damping, in every mode; none if left out"},
+  model.unit_option,
+  model.elements_option,
+  {name = "csv", value = "FILE.csv", type = "file", endings = {"csv"},
+    what = "write the force and the energies over time, of one drop"},
+  {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
+    what = "write the largest stress over time, or how often each place is overloaded, for ParaView"},
+  {name = "picture", value = "FILE.png", type = "file", endings = {"png"}, what = "a picture of the same"},
+  {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
+    what = "write a page with a 3D view of the same, which opens from disk"},
+  model.threads_option,
+}
+table.move(model.value_options, 1, #model.value_options, #options + 1, options)
+
+return {
+  summary = "how hard a part hits a rigid plane, and how it is stressed",
+  about = "Drops a part on a rigid plane and follows it in time until it leaves the plane. It finds the duration "
+    .. "of the impact, the force, and the largest principal stress with its place. A surface is repaired where it "
+    .. "must be and filled with quadratic tetrahedra. The stress at an edge or corner that touches grows as "
+    .. "elements get smaller: it is judged only where a coarser mesh shows that it does not.\n\n"
+    .. output.codes("it holds", "it breaks, or the estimated error or the mesh leaves it open; --drops always "
+    .. "leaves it open"),
+  arguments = {model.body_argument},
+  options = options,
+  examples = {"barwright drop part.stl --height 1m --material pla --down -1,-2,-3 --picture drop.png",
+    {"barwright drop part.stl --height 1m --drops 100 --report drops.html", "in random attitudes"}},
+  run = function(opts, out)
+    local given, message = read_options(opts)
+    if not given then return out:misuse(message) end
+    if opts.drops then return run_many(opts, out) end
+    return run_one(opts, given, out)
+  end,
+}

@@ -1,0 +1,43 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The pages of `barwright drop`: a view of the part, and the sentences that print has of it.
+local bw = require "barwright"
+local fine_boundary = require "barwright.fine_boundary"
+local html = require "barwright.html"
+local report = require "barwright.report"
+
+local drop_page = {}
+
+-- fields: {name, unit, array over elements, scale} each; moved: displacements of nodes, or nil.
+local function write(result, path, title, fields, moved)
+  local mesh = result.mesh
+  local surface, nodes, details = fine_boundary(mesh)
+  if not surface then return nil, nodes, details end
+  local data = report.data(surface)
+  for i, field in ipairs(fields) do
+    data.fields[i] = {name = field[1], unit = field[2],
+      values = report.floats(mesh:to_nodes(field[3], "max"):gather(nodes) * field[4])}
+  end
+  if moved then
+    data.displacements[1] = {name = "at the largest stress", kind = "load",
+      values = report.floats(moved:gather(nodes)), field = 0}
+  end
+  return report.page(path, {title = title, answer = title .. ".", data = data,
+    body = "<pre>" .. html.escape(tostring(result)) .. "</pre>\n",
+    manifest = {version = bw.version(), elements = mesh.element_count, modes = result.modes.count},
+    picture = function(name) return result:picture(name, {title = title}) end})
+end
+
+--- One drop, a bw.Drop with stresses.
+function drop_page.of_drop(drop, path, title)
+  local fields = {{"largest principal stress over time", "MPa", drop.max_principal, 1e-6}}
+  if drop.utilisation then fields[2] = {"of the strength", "%", drop.utilisation, 100} end
+  return write(drop, path, title, fields, drop.displacement)
+end
+
+--- Random drops, a bw.RandomDrops.
+function drop_page.of_random(drops, path, title)
+  return write(drops, path, title, {{"drops that overload", "%", drops.exceedance, 100},
+    {"mean largest principal stress", "MPa", drops.mean_peak, 1e-6}})
+end
+
+return drop_page
