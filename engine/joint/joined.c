@@ -76,8 +76,7 @@ bw_status bwi_joined_fail_free(bw_context *context, const bwi_joined_equations *
   bw_fail(
       context, BW_UNCONSTRAINED,
       "supports, bonds, couplings and springs leave %d rigid-body mode%s unconstrained, in which "
-      "the body around (%g, %g, %g) m moves: add supports, bonds or springs; inertia relief is for "
-      "models without bonds, attachments and couplings",
+      "the body around (%g, %g, %g) m moves: add supports, bonds or springs",
       q->rigid_count, q->rigid_count == 1 ? "" : "s", centre[0], centre[1], centre[2]);
   bw_detail_number(context, "motions", q->rigid_count);
   return BW_UNCONSTRAINED;
@@ -255,6 +254,10 @@ bw_status bw_joined_statics(bw_context *context, const bw_model *model,
   bw_static *result = NULL;
   bw_statics_options opts = options ? *options : (bw_statics_options){0};
   double start = bw_seconds();
+  if (opts.inertia_relief)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "inertia relief is for models without bonds, attachments, couplings and cyclic "
+                   "symmetry: leave it out, and hold what moves freely by supports or springs");
   opts.inertia_relief = true; /* balance is judged for the joined bodies */
   BW_TRY(bwi_joined_open(context, model, false, &q));
   if (q.rigid_count > 0)

@@ -44,6 +44,7 @@ void bwi_preload_results(const bw_model *model, const bwi_reduction *r, const do
       continue;
     int32_t row = free_row(r, bond);
     const double *u = displacement + 3 * (int64_t)bond->node[row];
+    result[b].preloaded = true;
     result[b].preload = bw_dot(bond->normal, result[b].force);
     result[b].shortening = bw_dot(bond->normal, u);
     for (int64_t e = f->start[row]; e < f->start[row + 1]; e++)

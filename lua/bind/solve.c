@@ -187,8 +187,7 @@ static int static_interface_traction(lua_State *L) {
 LBW_PUSH(static_energy, lua_pushnumber(L, self(L)->energy))
 LBW_PUSH(static_residual, lua_pushnumber(L, self(L)->residual))
 
-static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of,
-                             const bw_bond *bond) {
+static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of) {
   lua_createtable(L, count, 0);
   for (int i = 0; i < count; i++) {
     lua_createtable(L, 0, 2);
@@ -196,7 +195,7 @@ static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of,
     lua_setfield(L, -2, "force");
     lbw_push_vector(L, of[i].moment);
     lua_setfield(L, -2, "moment");
-    if (bond && bond[i].preload != BW_NO_PRELOAD) {
+    if (of[i].preloaded) {
       lua_pushnumber(L, of[i].preload);
       lua_setfield(L, -2, "preload");
       lua_pushnumber(L, of[i].shortening);
@@ -209,14 +208,12 @@ static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of,
 
 /* What the bonds transmit. */
 static int static_bonds(lua_State *L) {
-  const bw_static *result = self(L);
-  bool kept = result->bond_count == result->model->bond_count; /* or it has changed since */
-  return push_joint_forces(L, result->bond_count, result->bond, kept ? result->model->bond : NULL);
+  return push_joint_forces(L, self(L)->bond_count, self(L)->bond);
 }
 
 /* What masses and springs exert. */
 static int static_attachments(lua_State *L) {
-  return push_joint_forces(L, self(L)->attachment_count, self(L)->attachment, NULL);
+  return push_joint_forces(L, self(L)->attachment_count, self(L)->attachment);
 }
 
 /* What remote points do. */
@@ -322,6 +319,58 @@ static int core_note_error(lua_State *L) {
   return 0;
 }
 
+/* Bonds, attachments and couplings that print lists, of each kind. */
+enum { JOINTS_PRINTED = 10 };
+
+static void add_vector(luaL_Buffer *out, const char *before, const double v[3], const char *unit) {
+  char text[200];
+  snprintf(text, sizeof text, "%s(%.4g, %.4g, %.4g) %s", before, v[0], v[1], v[2], unit);
+  luaL_addstring(out, text);
+}
+
+static void add_joint(luaL_Buffer *out, const char *kind, int number) {
+  char text[40];
+  snprintf(text, sizeof text, "\n  %s %d: ", kind, number);
+  luaL_addstring(out, text);
+}
+
+static void add_rest(luaL_Buffer *out, const char *kind, int count) {
+  char text[60];
+  if (count <= JOINTS_PRINTED)
+    return;
+  snprintf(text, sizeof text, "\n  and %d %ss more", count - JOINTS_PRINTED, kind);
+  luaL_addstring(out, text);
+}
+
+/* What joins the bodies, a line for each. */
+static void add_joints(luaL_Buffer *out, const bw_static *result) {
+  for (int i = 0; i < result->bond_count && i < JOINTS_PRINTED; i++) {
+    const bw_joint_force *of = &result->bond[i];
+    char text[100];
+    add_joint(out, "bond", i + 1);
+    add_vector(out, "force on side a ", of->force, "N");
+    if (!of->preloaded)
+      continue;
+    snprintf(text, sizeof text, ", preload %.4g N, shortening %.4g m", of->preload, of->shortening);
+    luaL_addstring(out, text);
+  }
+  add_rest(out, "bond", result->bond_count);
+  for (int i = 0; i < result->attachment_count && i < JOINTS_PRINTED; i++) {
+    add_joint(out, "attachment", i + 1);
+    add_vector(out, "force on the body ", result->attachment[i].force, "N");
+  }
+  add_rest(out, "attachment", result->attachment_count);
+  for (int i = 0; i < result->coupling_count && i < JOINTS_PRINTED; i++) {
+    const bw_coupling_result *of = &result->coupling[i];
+    add_joint(out, "coupling", i + 1);
+    add_vector(out, "remote point moves by ", of->displacement, "m");
+    add_vector(out, ", turns by ", of->displacement + 3, "rad");
+    add_vector(out, ", reaction ", of->reaction, "N");
+    add_vector(out, " and ", of->reaction + 3, "N m");
+  }
+  add_rest(out, "coupling", result->coupling_count);
+}
+
 static int static_tostring(lua_State *L) {
   const bw_static *result = (const bw_static *)lbw_check(L, 1, &lbw_static_class);
   double largest = 0;
@@ -344,7 +393,11 @@ static int static_tostring(lua_State *L) {
            "%.1e%s; %.80s",
            (int)result->model->mesh->node_count, lbw_quantity(largest, "m").text,
            lbw_quantity(result->energy, "J").text, result->residual, how, lua_tostring(L, -1));
-  lua_pushstring(L, text);
+  luaL_Buffer out;
+  luaL_buffinit(L, &out);
+  luaL_addstring(&out, text);
+  add_joints(&out, result);
+  luaL_pushresult(&out);
   return 1;
 }
 

@@ -407,7 +407,7 @@ function Model:solve(options) end
 
 ---How a static problem is solved.
 ---@class bw.ModelSolveOptions
----@field inertia_relief? boolean balance a load on a free body by inertia. Default: false
+---@field inertia_relief? boolean balance a load on a free body by inertia; refused with bonds, attachments, couplings or cyclic symmetry. Default: false
 ---@field balance_tolerance? number (-) a load is balanced when its part along free motions is below this fraction of its size. Default: 1e-6
 ---@field solver? bw.Solver|"auto" the solver, of `bw.solver`. Default: "auto", chosen by counted costs
 ---@field former? bw.Model|bw.Static|bw.System of a part of the same elements at other positions, of another material or with other supports: its equations are reused as far as they fit (`Model:system`). Default: the part's own

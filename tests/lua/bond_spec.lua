@@ -65,6 +65,26 @@ describe("bonds", function()
     local bond = assert(part:solve()).bonds[1]
     check.near(1000, bond.preload, 1e-10)
     check.near(1000 * 0.1 / (2e11 * 1e-4), bond.shortening, 1e-9)
+    -- a mesh that moves, is refined or filled again takes it along
+    local turned, same = {}, {}
+    for i, p in ipairs(mesh.nodes:totable()) do turned[i], same[i] = {p[2], p[1], -p[3]}, i end
+    for name, other in pairs {
+      moved = part:moved(assert(mesh:moved(turned))),
+      refined = part:refined(bw.array.zeros(mesh.element_count) + 1, {order = 2}),
+      transferred = part:transferred(mesh, bw.array.new(same, "i32"))} do
+      assert.equal(1000, other.bonds[1].preload, name)
+      local found = assert(other:solve()).bonds[1]
+      check.near(1000, found.preload, 1e-8)
+      check.near(bond.shortening, found.shortening, 1e-8)
+    end
+    -- a solution keeps it when the part has other bonds
+    local static = assert(part:solve())
+    assert.truthy(tostring(static):find("bond 1: force on side a (1000, ", 1, true), tostring(static))
+    assert.truthy(tostring(static):find("preload 1000 N, shortening 5e-06 m", 1, true), tostring(static))
+    part:clear_bonds():bond {a = sides.a, b = sides.b, shortening = bond.shortening}
+    assert.equal(bond.preload, static.bonds[1].preload)
+    part:clear_bonds():bond {a = sides.a, b = sides.b}
+    assert.equal(bond.preload, static.bonds[1].preload)
     part:clear_bonds():bond {a = sides.a, b = sides.b, shortening = bond.shortening}
     assert.truthy(tostring(part):find("shortened by 5e-06 m", 1, true), tostring(part))
     part:load {on = sides.a, force = {200, 0, 0}}

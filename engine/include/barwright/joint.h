@@ -15,13 +15,13 @@ extern "C" {
 /* The static solution of a model with bonds, attachments and couplings, or without: T^T K T x = T^T
  * (f - K g) for the displacements u = T x + g that bonds and supports allow. By a factor, or as
  * options->solver says of sparse matrices (bw_linear_solve); of the other options only `tolerance`
- * is looked at. result->system is NULL. BW_UNCONSTRAINED where supports, bonds and springs leave
- * rigid-body modes, BW_SINGULAR for springs too soft beside the body, BW_INVALID for a node that
- * follows others in two bonds, or follows nodes that follow others, for one of a rigid coupling
- * that a support or a bond moves otherwise, for prescribed values of a remote point that are
- * over-constrained, and for supports and loads of a sector that differ from sector to sector,
- * BW_LIMIT for more than 2000 nodes of a distributed coupling with springs, a mass or prescribed
- * values; and those of bw_linear_solve. `options` may be NULL. */
+ * is looked at. result->system is NULL. BW_UNSUPPORTED for inertia relief, BW_UNCONSTRAINED where
+ * supports, bonds and springs leave rigid-body modes, BW_SINGULAR for springs too soft beside the
+ * body, BW_INVALID for a node that follows others in two bonds, or follows nodes that follow
+ * others, for one of a rigid coupling that a support or a bond moves otherwise, for prescribed
+ * values of a remote point that are over-constrained, and for supports and loads of a sector that
+ * differ from sector to sector, BW_LIMIT for more than 2000 nodes of a distributed coupling with
+ * springs, a mass or prescribed values; and those of bw_linear_solve. `options` may be NULL. */
 BW_API bw_status bw_joined_statics(bw_context *context, const bw_model *model,
                                    const bw_statics_options *options, bw_static **result);
 /* Its lowest modes: those of T^T K T and T^T M T, of a sector for each number of nodal diameters.

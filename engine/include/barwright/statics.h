@@ -12,6 +12,7 @@ extern "C" {
 typedef struct bw_joint_force {
   double force[3];   /* (N) */
   double moment[3];  /* (N m) about the origin */
+  bool preloaded;    /* a bond with a preload or a shortening */
   double preload;    /* (N) that pulls the sides of a bond with a preload together; else 0 */
   double shortening; /* (m) of such a bond; else 0 */
 } bw_joint_force;
