@@ -235,10 +235,14 @@ static void refuses(void **state) {
 /* With each allocation failing in turn. */
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
-  stack s = make_stack(context, 2, false, 0);
+  stack s = make_stack(context, 1, false, 0);
   bw_selection *low = face(context, s.mesh, 0, 2, 1), *high = face(context, s.mesh, 1, 2, 1);
   bw_static *result = NULL;
   bw_modes *modes = NULL;
+  bw_buckling *buckling = NULL;
+  bw_buckling_options options;
+  bw_buckling_options_default(&options);
+  options.count = 1;
   for (int64_t n = 1;; n++) {
     bw_fail_allocation(n, true);
     bw_status status = bw_model_bond(context, s.model, high, low, -1);
@@ -253,6 +257,9 @@ static void memory_failures(void **state) {
   check_ok(context, bw_model_traction(context, s.model, high, (double[3]){0, 0, 1}));
   check_allocations(context, result, bw_joined_statics(context, s.model, NULL, &result));
   check_allocations(context, modes, bw_joined_modes(context, s.model, NULL, &modes));
+  check_ok(context, bw_joined_statics(context, s.model, NULL, &result));
+  check_allocations(context, buckling, bw_joined_buckling(context, result, &options, &buckling));
+  bw_release(result);
   bw_release(low);
   bw_release(high);
   close_stack(&s);
