@@ -1,13 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Contact on the compliance S = B G B^T of the candidates, whose displacements are u = u_0 + G B^T
- * p
- * + R a (docs/theory/contact.md). */
+/* Contact on the compliance S = B G B^T of the candidates; the displacements are
+ * u = u_0 + G B^T p + R a (docs/theory/contact.md). */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/dense.h"
 #include "contact/internal.h"
+#include "linear/internal.h"
 #include "model/internal.h"
 
 enum {
@@ -150,8 +150,8 @@ static bw_status fail_unheld(bw_context *context, const bwi_contact_problem *c,
     snprintf(within, sizeof within, " within %.3g m", reach);
   bw_fail(context, BW_UNCONSTRAINED,
           "neither supports nor contact balance the load: nothing stops the %s%s. Add a support or "
-          "a contact pair that does, or turn the load",
-          text, within);
+          "a contact pair that does, or turn the load%s",
+          text, within, c->before ? ", or take a larger coefficient of friction" : "");
   bw_detail_text(context, "motion", text);
   return BW_UNCONSTRAINED;
 }
@@ -363,6 +363,13 @@ done:
   return status;
 }
 
+static bool same_material(const bw_mesh *mesh, const bw_material *a, const bw_material *b) {
+  for (int64_t e = 0; a != b && e < mesh->element_count; e++)
+    if (!bwi_same_stiffness(bw_material_of(a, e), bw_material_of(b, e)))
+      return false;
+  return true;
+}
+
 /* Where the path of the loads begins: at rest, or after another contact. */
 static bw_status begin(bw_context *context, bwi_contact_problem *c) {
   const bw_contact *after = c->options->after;
@@ -374,8 +381,8 @@ static bw_status begin(bw_context *context, bwi_contact_problem *c) {
   }
   if (after->model->mesh != c->model->mesh || after->pair_count != c->rows.pair_count)
     return bw_fail(context, BW_INVALID,
-                   "contact after another needs its mesh and its %d contact pairs",
-                   after->pair_count);
+                   "contact after another needs its mesh and its %d contact pair%s",
+                   after->pair_count, after->pair_count == 1 ? "" : "s");
   for (int i = 0; i < after->pair_count; i++)
     if (after->pair[i].on != c->rows.pair[i].on ||
         after->pair[i].against != c->rows.pair[i].against)
@@ -387,6 +394,13 @@ static bw_status begin(bw_context *context, bwi_contact_problem *c) {
     return bw_fail(context, BW_INVALID,
                    "contact follows another where both have friction: without it the path of the "
                    "loads does not matter");
+  if (!same_material(c->model->mesh, after->start->system->material, c->system->material))
+    return bw_fail(context, BW_INVALID,
+                   "contact follows another of a part of the same material: this one has another");
+  if (!bwi_same_supports(after->start->system->dof_map, c->system->dof_map))
+    return bw_fail(context, BW_INVALID,
+                   "contact follows another of a part with the same supports: these have changed. "
+                   "Prescribe other displacements of the same nodes, or change the loads");
   memcpy(c->now, after->solution->displacement, (size_t)bwi_contact_size(c) * sizeof *c->now);
   memcpy(c->before, c->now, (size_t)bwi_contact_size(c) * sizeof *c->now);
   memcpy(c->work, after->work, (size_t)after->pair_count * sizeof *c->work);

@@ -44,6 +44,7 @@ static size_t contact_bytes(const void *object) {
   return sizeof *contact +
          (contact->has_friction ? 8 : 2) * (size_t)contact->model->mesh->node_count *
              sizeof(double) +
+         bw_bytes(contact->solution) + bw_bytes(contact->start) +
          (size_t)contact->pair_count * (sizeof *contact->pair + sizeof *contact->state);
 }
 

@@ -365,6 +365,9 @@ void bwi_system_forget(bw_system *system);
 /* The mass, where the system has none yet. */
 bw_status bwi_system_mass(bw_context *context, bw_system *system);
 
+/* Whether elements of the one material contribute the same bits to the stiffness as of the other.
+ */
+bool bwi_same_stiffness(const bw_material *a, const bw_material *b);
 /* Same supports: a system made for one dof_map serves the other. */
 bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b);
 /* The system of a model with this DOF map: one on the same mesh, material and supports. */

@@ -32,8 +32,7 @@ void bwi_system_forget(bw_system *system) {
 
 /* ---- what has changed ------------------------------------------------------------------------ */
 
-/* Whether elements of them contribute the same bits. */
-static bool same_material(const bw_material *a, const bw_material *b) {
+bool bwi_same_stiffness(const bw_material *a, const bw_material *b) {
   return a == b || (a->isotropic == b->isotropic && a->formulation == b->formulation &&
                     a->lame_lambda == b->lame_lambda && a->lame_mu == b->lame_mu &&
                     memcmp(a->elasticity, b->elasticity, sizeof a->elasticity) == 0);
@@ -53,7 +52,7 @@ static int32_t find_changes(const bw_system *previous, const bw_system *system, 
   int32_t count = 0;
   for (int64_t e = 0; e < mesh->element_count; e++) {
     const int32_t *node = mesh->element + e * mesh->nodes_per_element;
-    changed[e] = all || !same_material(bw_material_of(material, e), bw_material_of(was, e));
+    changed[e] = all || !bwi_same_stiffness(bw_material_of(material, e), bw_material_of(was, e));
     for (int a = 0; a < mesh->nodes_per_element && mesh != before; a++)
       changed[e] |= !same_node(mesh, before, node[a]);
     for (int a = 0; a < mesh->nodes_per_element && changed[e]; a++)

@@ -91,6 +91,15 @@ describe("contact", function()
     os.remove(path)
     check.raises("both have friction", part.contact, part, {{on = foot, with = floor}}, {after = pressed})
     assert.is_nil(assert(part.contact(block {pressure = 1e6}, {{on = foot, with = floor}})).traction)
+    part:fix(mesh.boundary:below("x", 0))
+    check.raises("the same supports: these have changed", part.contact, part, pairs, {after = pressed})
+    local other = bw.model {mesh = mesh, material = bw.material.pla}:load {on = top, pressure = 2e6}
+    check.raises("of the same material", other.contact, other, pairs, {after = pressed})
+    local copy = bw.mesh.box {max = {0.3, 0.2, 0.1}, cells = {6, 4, 2}, order = 2}
+    other = bw.model {mesh = copy, material = bw.material.steel}
+    check.raises("needs its mesh", other.contact, other,
+      {{on = copy.boundary:below("z", 0), with = floor, friction = 0.5}}, {after = pressed})
+    assert(block {pressure = 2e6}:contact(pairs, {after = pressed})) -- of equal material and supports
     check.raises("option 'after': an open contact", part.contact, part, pairs, {after = 3})
     pressed:close()
     check.raises("option 'after': this contact is closed", part.contact, part, pairs, {after = pressed})

@@ -122,11 +122,11 @@ struct bw_contact {
  * bw_statics that no support takes; BW_CONVERGENCE where the linearisation of curved surfaces or
  * the active set do not come to an end, and where friction finds no equilibrium; BW_INVALID for a
  * selection of another mesh, a pair without exactly one of `with` and `against`, which may have no
- * node in common with `on`, facets of which none faces those, an `after` of another mesh, of other
- * facets or without friction, and where supports press the body into a surface; BW_EMPTY for a
- * selection without a facet, BW_LIMIT for more than 8000 unknowns of corners that touch, one each
- * or three with friction, or 6000 free rigid-body modes, BW_UNSUPPORTED for an external solver;
- * those of bw_statics and bw_system_solve. */
+ * node in common with `on`, facets of which none faces those, an `after` of another mesh, material,
+ * facets or supported nodes or without friction, and where supports press the body into a surface;
+ * BW_EMPTY for a selection without a facet, BW_LIMIT for more than 8000 unknowns of corners that
+ * touch, one each or three with friction, or 6000 free rigid-body modes, BW_UNSUPPORTED for an
+ * external solver; those of bw_statics and bw_system_solve. */
 BW_API bw_status bw_contact_solve(bw_context *context, const bw_model *model, int pair_count,
                                   const bw_contact_pair *pair, bw_system *given,
                                   const bw_contact_options *options, bw_contact **contact);
