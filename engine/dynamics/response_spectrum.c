@@ -293,6 +293,11 @@ bw_status bw_response_spectrum_of_model(bw_context *context, const bw_model *mod
   bwi_blas_enter();
   BW_TRY(check(context, options));
   BW_TRY(bwi_check_held_model(context, model, "a response spectrum"));
+  if (model->load_count > 0)
+    bw_warn(context,
+            "the loads of the part, %d of them, are not in a response spectrum, which has the "
+            "motion of the base alone: add their static stresses to it, of either sign",
+            model->load_count);
   r = BW_NEW0(context, bw_response_spectrum, 1);
   BW_TRY_MEMORY(r);
   bw_object_init(r, &spectrum_kind);

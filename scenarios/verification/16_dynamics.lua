@@ -72,3 +72,39 @@ scenario("Loss factors of a sandwich beam with a viscoelastic core", function(t)
   end
   expect(response.errors:max(), "bound of the error"):below(1e-6)
 end)
+
+-- A slender cantilever on a base with a flat response spectrum, up to between its third and fourth bending modes.
+scenario("Response spectrum of a slender cantilever", function(t)
+  local L, b, h, S = 0.5, 0.02, 0.01, 10
+  local steel = bw.material.isotropic {young = 200e9, poisson = 0, density = 8000}
+  local mesh = bw.mesh.box {max = {L, b, h}, cells = {40, 2, 1}, order = 2}
+  local part = bw.model({mesh = mesh, material = steel}):fix(mesh.boundary:below("x", 0))
+  local lambda, at_tip = {1.87510, 4.69409, 7.85476}, {1.5660, 0.8679, 0.5089}
+  local part_of_mass = {0.6131, 0.1883, 0.0647}
+  local unit = math.sqrt(200e9 * h ^ 2 / (12 * 8000)) / L ^ 2 -- rad/s
+  local spectrum = t:require(part:response_spectrum {points = {{1, S}, {9 ^ 2 * unit / (2 * math.pi), S}},
+    direction = {0, 0, 1}, combination = "srss", missing_mass = false})
+  local source = "closed form of the Bernoulli beam: frequencies lambda^2 (EI / m)^0.5 / L^2, effective masses "
+    .. "(2 sigma / lambda)^2, tip 4 sigma / lambda times S / omega^2"
+  local force, tip, found = 0, 0, 0
+  for k = 1, 3 do
+    force = force + (S * part_of_mass[k] * 8000 * L * b * h) ^ 2
+    tip = tip + (S * at_tip[k] / (lambda[k] ^ 2 * unit) ^ 2) ^ 2
+  end
+  local masses = spectrum.effective_masses
+  for k = 1, #masses do
+    if masses[k] > 0.01 * spectrum.mass then
+      found = found + 1
+      expect(spectrum.modes.frequencies[k], ("frequency of bending mode %d"):format(found), "Hz")
+        :near(lambda[found] ^ 2 * unit / (2 * math.pi), {relative = 0.01, source = source})
+      expect(masses[k] / spectrum.mass, ("part of the mass in bending mode %d"):format(found))
+        :near(part_of_mass[found], {relative = 0.01, source = source})
+    end
+  end
+  expect(found, "bending modes"):near(3, {absolute = 0, source = source})
+  expect(spectrum.base_force[3], "force on the support", "N")
+    :near(math.sqrt(force), {relative = 0.01, source = source})
+  local node = mesh.boundary:nearest({L, b / 2, h / 2}).nodes[1]
+  expect(spectrum.displacement(node, 3), "displacement of the tip", "m")
+    :near(math.sqrt(tip), {relative = 0.01, source = source})
+end)

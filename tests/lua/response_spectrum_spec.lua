@@ -69,6 +69,15 @@ describe("response_spectrum", function()
     assert.equal(0, flexible.base_acceleration)
   end)
 
+  it("warns that loads of the part are not in it", function()
+    local points = {{10, 5}, {4000, 3}}
+    local bare = assert(beam():response_spectrum {points = points, direction = {0, 0, 1}})
+    assert.same({}, bw.warnings())
+    local loaded = assert(beam():gravity({0, 0, -9.81}):response_spectrum {points = points, direction = {0, 0, 1}})
+    assert.truthy(bw.warnings()[1]:find("the loads of the part, 1 of them, are not in a response spectrum", 1, true))
+    check.near(bare.von_mises:max(), loaded.von_mises:max(), 1e-9)
+  end)
+
   it("refuses misuse in a sentence", function()
     local part, points = beam(), {{1, 1}, {2000, 1}}
     for text, given in pairs {
