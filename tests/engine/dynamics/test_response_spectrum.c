@@ -94,6 +94,52 @@ static void single_mode_and_rigid(void **state) {
   bw_release(mesh);
 }
 
+/* Where two materials meet the larger stress counts, as of a base that shakes slowly. */
+static void two_materials(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 6, 1, 1, 2);
+  bw_model *one = cantilever(context, mesh), *mixed = NULL;
+  bw_material *soft = NULL, *all = NULL, *hard = body_material(context);
+  int32_t *of = (int32_t *)calloc((size_t)mesh->element_count, sizeof *of);
+  double *mises = numbers(mesh->node_count);
+  const double at[2] = {1, 2}, acceleration[2] = {12, 12}, slow = 0.1;
+  check_ok(context, bw_material_named(context, "pla", &soft));
+  const bw_material *part[2] = {hard, soft};
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    of[e] = e % 5 == 0;
+  check_ok(context, bw_material_by_element(context, mesh->element_count, 2, of, part, &all));
+  check_ok(context, bw_model_create(context, mesh, all, &mixed));
+  check_ok(context, bw_model_fix(context, mixed, one->support[0].on));
+  bw_response_spectrum_options options;
+  bw_response_spectrum_options_default(&options);
+  options.count = 2;
+  options.frequency = at;
+  options.acceleration = acceleration;
+  options.direction[2] = 1;
+  bw_response_spectrum *r = shaken(context, mixed, &options);
+  assert_int_equal(r->count, 0);
+  bw_harmonic_options harmonic;
+  bw_harmonic_options_default(&harmonic);
+  harmonic.frequency_count = 1;
+  harmonic.frequency = &slow;
+  harmonic.base[2] = 12;
+  bw_harmonic *h = NULL;
+  check_ok(context, bw_harmonic_of_model(context, mixed, NULL, &harmonic, NULL, &h));
+  check_ok(context, bw_harmonic_stress(context, h, slow, NULL, NULL, mises));
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    check_near(r->von_mises[i], mises[i], 1e-4 * mises[i]);
+  free(of);
+  free(mises);
+  bw_release(h);
+  bw_release(r);
+  bw_release(mixed);
+  bw_release(one);
+  bw_release(all);
+  bw_release(soft);
+  bw_release(hard);
+  bw_release(mesh);
+}
+
 /* Sums written out, on any number of threads. All modes together have the mass, and the magnitudes
  * bound the other combinations. */
 static void combinations(void **state) {
@@ -215,7 +261,7 @@ static void refused(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(single_mode_and_rigid), check_test(combinations),
-                                     check_test(refused)};
+  const struct CMUnitTest tests[] = {check_test(single_mode_and_rigid), check_test(two_materials),
+                                     check_test(combinations), check_test(refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
