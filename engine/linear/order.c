@@ -8,6 +8,7 @@
 #include <assert.h>
 #include <limits.h>
 #include <pthread.h>
+#include <signal.h>
 #include <string.h>
 
 #include "linear/order.h"
@@ -140,9 +141,22 @@ bw_status bwi_dissect_trial(bw_context *context, idx_t size, idx_t *start, idx_t
   if (trial > 0)
     options[METIS_OPTION_NSEPS] = SEPARATORS;
   options[METIS_OPTION_COMPRESS] = 0; /* nodes are compressed already */
+  bool ended = false;
   bwi_metis_lock();
   int done = METIS_NodeND(&size, start, neighbour, weight, options, permutation, inverse);
+  if (done == METIS_ERROR) {
+    /* METIS takes a SIGTERM for an error of its own, and leaves it blocked. Where the order works
+     * the second time, it came from outside: it ends the process, as without METIS. */
+    sigset_t end;
+    sigemptyset(&end);
+    sigaddset(&end, SIGTERM);
+    pthread_sigmask(SIG_UNBLOCK, &end, NULL);
+    done = METIS_NodeND(&size, start, neighbour, weight, options, permutation, inverse);
+    ended = done == METIS_OK;
+  }
   bwi_metis_unlock();
+  if (ended)
+    raise(SIGTERM);
   bw_free(inverse);
   if (done == METIS_ERROR_MEMORY)
     return bw_fail(context, BW_MEMORY, "no memory to order %lld nodes", (long long)size);
