@@ -46,6 +46,9 @@ local function scaled(a, s) return {a[1] * s, a[2] * s, a[3] * s} end
 function random_drops.analyse(part, given)
   options.object("random_drops", "part", part, "model")
   local opts = options.read("random_drops", given, rules)
+  if not part.material.strength then
+    core.raise "random_drops: the strength of the material is not known: give one, or take part:drop"
+  end
   local self = setmetatable({options = opts, mesh = part.mesh, drops = opts.drops}, random_drops)
   local generator, begin, modes = random.new(opts.seed), core.seconds(), opts.modes
   local rows = {peaks = {}, forces = {}, durations = {}, directions = {}, risks = {}}
@@ -60,9 +63,6 @@ function random_drops.analyse(part, given)
     drop, message, details = part:drop {height = opts.height, down = down, spin = spin, damping = opts.damping,
       modes = modes, impacts = opts.impacts, samples = opts.samples}
     if not drop then return nil, message, details end
-    if not drop.utilisation then
-      core.raise "random_drops: the strength of the material is not known: give one, or take part:drop"
-    end
     if i == 1 then self.first_seconds = core.seconds() - begin end
     modes = drop.modes
     exceeded = core.array.map("s + (u > 1)", {s = exceeded or 0, u = drop.utilisation})

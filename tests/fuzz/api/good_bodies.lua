@@ -243,6 +243,11 @@ add {
   ["DropTest:correlation"] = function(p) return p.WorstCase end,
   ["DropTest:picture"] = function() return "out.png", {width = 64, height = 64} end,
   ["DropTest:write"] = function() return "out.vtu" end,
+  ["Model:drop"] = function() return {down = {-1, -2, -3}, samples = 2} end,
+  ["bw.random_drops"] = function(p) return p:variant("bw.Model", 3), {drops = 2, samples = 2} end,
+  ["RandomDrops:correlation"] = function(p) return p.RandomDrops.mean_peak end,
+  ["RandomDrops:picture"] = function() return "out.png", {width = 64, height = 64} end,
+  ["RandomDrops:write"] = function() return "out.vtu" end,
 }
 alike([[WorstBuckling:pressure WorstBuckling:nodal_force WorstBuckling:displacement WorstBuckling:factors]],
   function() return 1 end)
