@@ -108,3 +108,46 @@ scenario("Response spectrum of a slender cantilever", function(t)
   expect(spectrum.displacement(node, 3), "displacement of the tip", "m")
     :near(math.sqrt(tip), {relative = 0.01, source = source})
 end)
+
+-- A rod without lateral contraction that lands on its end: Saint-Venant's wave runs to the far end and back.
+scenario("Saint-Venant: a rod that lands on its end", function(t)
+  local length, side, speed, c = 0.1, 0.01, 2, 1000
+  local mesh = bw.mesh.box {max = {length, side, side}, cells = {40, 2, 2}, order = 2}
+  local part = bw.model {mesh = mesh,
+    material = bw.material.isotropic {young = 1e9, poisson = 0, density = 1000}}
+  local drop = t:require(part:drop {speed = speed, gravity = 0, down = {-1, 0, 0}, samples = 0,
+    modes = t:require(part:modes {count = 150})})
+  local impact, source = drop.impacts[1], "Saint-Venant, Journal de mathématiques 12, 1867"
+  expect(impact.duration, "duration, 2 L/c", "s"):near(2 * length / c, {relative = 0.01, source = source})
+  expect(impact.impulse / impact.duration, "mean force, density times c A v", "N"):near(
+    1000 * c * side ^ 2 * speed, {relative = 0.015, source = source})
+end)
+
+-- A block whose lower face is part of a sphere of radius R, with small elements about its lowest point. The
+-- contact is 0.02 R wide: Hertz's theory is that of a small one.
+local function domed_block(R)
+  local mesh = bw.mesh.box {cells = {12, 12, 10}, order = 2}
+  local function sinh(x) return (math.exp(x) - math.exp(-x)) / 2 end
+  local nodes = mesh.nodes:totable()
+  for _, p in ipairs(nodes) do
+    for k = 1, 2 do p[k] = 0.6 * R * sinh(6 * (2 * p[k] - 1)) / sinh(6) end
+    local low = R - math.sqrt(R ^ 2 - p[1] ^ 2 - p[2] ^ 2)
+    p[3] = low + (1.2 * R - low) * (math.exp(6 * p[3]) - 1) / (math.exp(6) - 1)
+  end
+  return mesh:moved(nodes)
+end
+
+scenario("Hertz: impact of a domed block", function(t)
+  local R, speed, young, poisson = 0.01, 0.04, 1e9, 0.3
+  local part = bw.model {mesh = t:require(domed_block(R)),
+    material = bw.material.isotropic {young = young, poisson = poisson, density = 1000}}
+  local drop = t:require(part:drop {speed = speed, gravity = 0, down = {0, 0, -1}, samples = 0,
+    modes = t:require(part:modes {count = 20})})
+  local stiffness = 4 / 3 * young / (1 - poisson ^ 2) * math.sqrt(R)
+  local deep = (1.25 * drop.mass * speed ^ 2 / stiffness) ^ 0.4
+  local source = "Hertz, Journal für die reine und angewandte Mathematik 92, 1881"
+  expect(drop.impacts[1].duration, "duration, 2.943 depth/v", "s"):near(2.94327 * deep / speed, {relative = 0.02,
+    source = source})
+  expect(drop.impacts[1].force, "largest force", "N"):near(stiffness * deep ^ 1.5, {relative = 0.02,
+    source = source})
+end)
