@@ -375,7 +375,8 @@ describe("a model", function()
   it("says in a deck what holds a free body", function()
     local part, mesh = bar()
     local path = check.folder() .. "/free.inp"
-    part:load {on = mesh.boundary:below(1, 0), force = {1, 0, 0}}:load {on = mesh.boundary:above(1, 1), force = {-1, 0, 0}}
+    part:load {on = mesh.boundary:below(1, 0), force = {1, 0, 0}}
+    part:load {on = mesh.boundary:above(1, 1), force = {-1, 0, 0}}
     bw.warnings()
     assert(part:write_inp(path))
     local warnings, deck = bw.warnings(), check.read(path)

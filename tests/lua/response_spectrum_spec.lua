@@ -74,7 +74,8 @@ describe("response_spectrum", function()
     local bare = assert(beam():response_spectrum {points = points, direction = {0, 0, 1}})
     assert.same({}, bw.warnings())
     local loaded = assert(beam():gravity({0, 0, -9.81}):response_spectrum {points = points, direction = {0, 0, 1}})
-    assert.truthy(bw.warnings()[1]:find("the loads of the part, 1 of them, are not in a response spectrum", 1, true))
+    assert.truthy(bw.warnings()[1]:find("the loads of the part, 1 of them, are not in a response spectrum",
+      1, true))
     check.near(bare.von_mises:max(), loaded.von_mises:max(), 1e-9)
   end)
 

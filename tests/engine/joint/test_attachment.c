@@ -204,8 +204,8 @@ static void refuses(void **state) {
   check_fails(context, BW_INVALID, "no stiffness",
               bw_model_attach_spring(context, b.model, on, (double[3]){0, 0, 0}));
   check_ok(context, bw_model_attach_spring(context, b.model, on, (double[3]){0, 0, 1e6}));
-  check_fails(context, BW_UNSUPPORTED, "1 attachment:",
-              bw_dof_map_create(context, b.model, &dof_map));
+  check_fails(context, BW_UNSUPPORTED,
+              "1 attachment:", bw_dof_map_create(context, b.model, &dof_map));
   check_fails(context, BW_UNCONSTRAINED, "3 rigid-body modes",
               bw_joined_statics(context, b.model, NULL, &result));
   check_ok(context, bw_model_attach_mass(context, b.model, on, 1));
