@@ -85,6 +85,13 @@ bw_status bw_harmonic_coordinates(bw_context *context, const bw_harmonic *h, dou
   if (!(frequency >= 0 && frequency < INFINITY))
     return bw_fail(context, BW_INVALID, "the frequency is %g Hz; it must be 0 or more, and finite",
                    frequency);
+  double highest = h->frequency[h->frequency_count - 1];
+  if (frequency > highest * (1 + 1e-12))
+    return bw_fail(
+        context, BW_INVALID,
+        "the harmonic response is known to %g Hz, and %g Hz was asked for: make it with a "
+        "larger range",
+        highest, frequency);
   if (h->coupling)
     return bwi_coupling_coordinates(context, h, omega, coordinate, error);
   factors(&h->damping, omega, &s, &m);

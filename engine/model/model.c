@@ -343,6 +343,10 @@ bw_status bw_model_preload(bw_context *context, bw_model *model, const bw_select
   if (!isfinite(pull))
     return bw_fail(context, BW_INVALID, "the %s of a bond is not a finite number",
                    kind == BW_PRELOAD_FORCE ? "preload" : "shortening");
+  if (kind == BW_PRELOAD_FORCE && !(pull > 0))
+    return bw_fail(
+        context, BW_INVALID,
+        "the preload of a bond is %g N: it pulls the sides together, and must be above 0", pull);
   if (model->cyclic)
     return bw_fail(context, BW_UNSUPPORTED,
                    "a sector of cyclic symmetry takes no bonds: join the bodies in one mesh");

@@ -85,14 +85,18 @@ function curve:figure()
     self.at[1], self.at[2], self.at[3])}
 end
 
+local function frequencies(count)
+  return ("%d frequenc%s"):format(count, count == 1 and "y" or "ies")
+end
+
 function curve:__tostring()
   local parts = {}
   for i, name in ipairs(axes) do
     local f, a = self:peak(name)
     parts[i] = ("%s %s at %s Hz"):format(name, core.quantity(a, "m"), shown.number(f))
   end
-  return ("displacement of node %d over %d frequencies, largest: %s; error of the mesh unknown"):format(self.node,
-    #self.frequencies, table.concat(parts, ", "))
+  return ("displacement of node %d over %s, largest: %s; error of the mesh unknown"):format(self.node,
+    frequencies(#self.frequencies), table.concat(parts, ", "))
 end
 
 arguments.methods("harmonic_curve", curve, curve, {peak = "axis: string", write = "path: string", figure = ""})
@@ -153,8 +157,8 @@ end
 
 function envelope:__tostring()
   local u, s = self.largest.displacement, self.largest.von_mises
-  return ("envelope over %d frequencies: largest displacement %s at %s Hz, node %d; largest von Mises stress %s "
-    .. "at %s Hz, node %d; error of the mesh unknown"):format(#self.frequencies, core.quantity(u.value, "m"),
+  return ("envelope over %s: largest displacement %s at %s Hz, node %d; largest von Mises stress %s "
+    .. "at %s Hz, node %d; error of the mesh unknown"):format(frequencies(#self.frequencies), core.quantity(u.value, "m"),
     shown.number(u.frequency), u.node, core.quantity(s.value, "Pa"), shown.number(s.frequency), s.node)
 end
 

@@ -63,7 +63,7 @@ function random_drops.analyse(part, given)
     drop, message, details = part:drop {height = opts.height, down = down, spin = spin, damping = opts.damping,
       modes = modes, impacts = opts.impacts, samples = opts.samples}
     if not drop then return nil, message, details end
-    if i == 1 then self.first_seconds = core.seconds() - begin end
+    if i == 1 and not opts.modes then self.first_seconds = core.seconds() - begin end
     modes = drop.modes
     exceeded = core.array.map("s + (u > 1)", {s = exceeded or 0, u = drop.utilisation})
     sum = core.array.map("s + u", {s = sum or 0, u = drop.max_principal})
@@ -132,8 +132,9 @@ function random_drops:__tostring()
       self.drops, self.options.height, shown.percent(p), shown.percent(low), shown.percent(high)),
     ("  element %d most often, in %s; largest stress %.4g MPa, largest force %.4g N"):format(place,
       shown.percent(self.exceedance[place]), self.peaks:max() / 1e6, self.forces:max()),
-    ("  %.3g s in all, about %.3g s with equations and modes made for each drop; energy kept to %.1e"):format(
-      self.seconds, self.first_seconds * self.drops, self.energy_error),
+    ("  %.3g s in all%s; energy kept to %.1e"):format(self.seconds, self.first_seconds
+      and (", about %.3g s with equations and modes made for each drop"):format(self.first_seconds * self.drops)
+      or "", self.energy_error),
     "  linear elasticity, rigid plane, no friction; error of mesh, modes and samples unknown: within an element",
     "  of a node that touches, stress and overload depend on the mesh"}, "\n")
 end

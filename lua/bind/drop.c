@@ -31,6 +31,9 @@ static int model_drop(lua_State *L) {
   bw_drop_options_default(&options);
   lua_settop(L, 2);
   lbw_options(L, 2, "drop", list, &options);
+  if (lbw_option_get(L, 2, "height") != LUA_TNIL && lbw_option_get(L, 2, "speed") != LUA_TNIL)
+    return lbw_error(L, "drop: one of the options 'height' and 'speed' expected, got both");
+  lua_settop(L, 2);
   lbw_damping_option(L, 2, "drop", &options.damping, NULL, NULL);
   if (lua_istable(L, 2)) { /* which keeps both */
     options.modes = (const bw_modes *)lbw_object_option(L, 2, "drop", "modes", &lbw_modes_class,
@@ -186,9 +189,8 @@ static int drop_tostring(lua_State *L) {
 #define ADD(...) used += snprintf(text + used, sizeof text - (size_t)used, __VA_ARGS__)
   if (drop->impact_count > 0) {
     const bw_drop_impact *first = &drop->impact[0];
-    ADD("\n  first impact: %s at (%.4g, %.4g, %.4g) m, force %s at most, impulse %.4g N s, %d "
-        "nodes "
-        "touch, the body turns by %.2g degrees",
+    ADD("\n  first impact: %s at (%.4g, %.4g, %.4g) m, force %s at most, impulse %.4g N s, "
+        "nodes that touch: %d; the body turns by %.2g degrees",
         lbw_quantity(first->duration, "s").text, first->place[0], first->place[1], first->place[2],
         lbw_quantity(first->force, "N").text, first->impulse, first->contacts,
         first->turn * 180 / M_PI);

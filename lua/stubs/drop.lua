@@ -61,7 +61,7 @@ function bw.random_drops(part, options) end
 ---@field drops integer (count) of drops
 ---@field solves integer (count) right-hand sides solved for
 ---@field seconds number (s) in all
----@field first_seconds number (s) until the first drop was done: with the factor and the modes
+---@field first_seconds? number (s) until the first drop was done: with the factor and the modes; nil where `modes` were given
 ---@field modes bw.Modes that all drops took
 ---@field mesh bw.Mesh of the part
 ---@field options bw.RandomDropsOptions as they were given, with defaults
@@ -105,7 +105,7 @@ function RandomDrops:picture(path, options) end
 ---How a part is dropped.
 ---@class bw.DropOptions
 ---@field height? number (m) of the fall until it touches. Range: 0 or more. Default: 1
----@field speed? number (m/s) along `down` when it touches, in place of the height. Range: 0 or more. Default: by the height
+---@field speed? number (m/s) along `down` when it touches, in place of the height. Both raise. Range: 0 or more. Default: by the height
 ---@field gravity? number (m/s2) along `down`. Range: 0 or more. Default: 9.80665
 ---@field down? bw.Vector (-) where it falls, of any length. Default: {0, 0, -1}
 ---@field spin? bw.Vector (rad/s) angular velocity when it touches. Default: none

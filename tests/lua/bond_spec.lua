@@ -90,6 +90,7 @@ describe("bonds", function()
     part:load {on = sides.a, force = {200, 0, 0}}
     check.near(900, assert(part:solve()).bonds[1].preload, 1e-9)
     assert.has_error(function() part:bond {a = sides.a, b = sides.b, preload = 1, shortening = 1} end)
+    check.raises("must be above 0", function() part:bond {a = sides.a, b = sides.b, preload = -1000} end)
   end)
 
   it("buckle as one body, with matching and with other meshes", function()

@@ -54,6 +54,7 @@ describe("drop", function()
   end)
 
   it("refuses what it does not know, in one sentence", function()
+    check.raises("got both", function() box():drop {height = 1, speed = 2} end)
     local part = box()
     local bare = assert(part:drop {down = {-1, -2, -3}, samples = 0})
     assert.is_nil(bare.peak)

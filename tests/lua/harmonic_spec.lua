@@ -142,6 +142,7 @@ describe("harmonic", function()
       check.near(response:von_mises(response.frequencies[i]):max(), envelope.von_mises_peaks[i], 1e-12)
     end
     local one = assert(response:envelope {frequencies = {100}})
+    check.raises("is known to", function() response:envelope {frequencies = {1e6}} end)
     local u, v = response:displacement(100)
     local node = one.displacement_nodes[1]
     local length = math.max(bw.array.map("norm(a)", {a = u})[node], bw.array.map("norm(a)", {a = v})[node])

@@ -77,7 +77,7 @@ BW_API bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model
                                       bw_harmonic **harmonic);
 /* The vectors' factors at a frequency (Hz): coordinate (any, count x 2), real and imaginary; *error
  * (-) may be NULL. BW_SINGULAR at the frequency of a mode that nothing damps, BW_INVALID for a
- * negative or infinite one. */
+ * negative one and one beyond those that the response was made for. */
 BW_API bw_status bw_harmonic_coordinates(bw_context *context, const bw_harmonic *harmonic,
                                          double frequency, double *coordinate, double *error);
 /* The displacement Re(u e^(i omega t)) at a frequency (Hz): real and imaginary (m, node_count x 3).

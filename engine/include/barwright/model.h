@@ -318,8 +318,8 @@ BW_API bw_status bw_model_bond(bw_context *context, bw_model *model, const bw_se
 /* The same, with the same `gap` (m) and statuses, and a preload across the section, which is plane:
  * side a moves by the shortening against side b along its outward normal, all nodes alike. `pull`
  * (any) is in the unit of the kind. BW_EMPTY for a side without a facet, BW_INVALID also for a
- * `pull` that is no number, BW_GEOMETRY also for a section that is not plane to a thousandth,
- * BW_UNSUPPORTED for a sector of cyclic symmetry. */
+ * `pull` that is no number and a preload of 0 or below, BW_GEOMETRY also for a section that is not
+ * plane to a thousandth, BW_UNSUPPORTED for a sector of cyclic symmetry. */
 BW_API bw_status bw_model_preload(bw_context *context, bw_model *model, const bw_selection *a,
                                   const bw_selection *b, double gap, bw_preload_kind kind,
                                   double pull);
