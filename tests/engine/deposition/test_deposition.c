@@ -274,7 +274,7 @@ static void refusals(void **state) {
   check_fails(context, BW_INVALID, "nothing shrinks", deposit(context, cold, 2, &d));
   check_ok(context, bw_select_all(context, mesh, &all));
   check_ok(context, bw_model_pressure(context, model, all, 1));
-  check_fails(context, BW_INVALID, "1 loads", deposit(context, model, 2, &d));
+  check_fails(context, BW_INVALID, "1 load", deposit(context, model, 2, &d));
   bw_model_clear_loads(model);
   check_ok(context, bw_model_prescribe(context, model, all, fixed, prescribed));
   check_fails(context, BW_INVALID, "prescribes a displacement", deposit(context, model, 2, &d));
