@@ -158,8 +158,9 @@ end
 function envelope:__tostring()
   local u, s = self.largest.displacement, self.largest.von_mises
   return ("envelope over %s: largest displacement %s at %s Hz, node %d; largest von Mises stress %s "
-    .. "at %s Hz, node %d; error of the mesh unknown"):format(frequencies(#self.frequencies), core.quantity(u.value, "m"),
-    shown.number(u.frequency), u.node, core.quantity(s.value, "Pa"), shown.number(s.frequency), s.node)
+    .. "at %s Hz, node %d; error of the mesh unknown"):format(frequencies(#self.frequencies),
+    core.quantity(u.value, "m"), shown.number(u.frequency), u.node,
+    core.quantity(s.value, "Pa"), shown.number(s.frequency), s.node)
 end
 
 arguments.methods("harmonic_envelope", envelope, envelope, {write = "path: string, options?: options",
