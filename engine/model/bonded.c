@@ -126,45 +126,84 @@ static void take_bond(const bwi_motions *m, const bw_bond *bond, int64_t sliding
     }
 }
 
-/* row += factor (motion k of remote point p). A point turns by the reach of its coupling. */
-static void add_point(const bwi_motions *m, const bw_coupling *coupling, int p, int k,
+/* A remote point as its face sees it: however far away, it moves by the displacement and rotation
+ * of the middle of its nodes. A rotation is measured by their radius of gyration. */
+typedef struct lever {
+  int64_t at;       /* the first of its six motions in a row */
+  double middle[3]; /* of the nodes */
+  double arm[3];    /* from there to the point */
+  double radius;
+} lever;
+
+static lever lever_of(const bwi_motions *m, const bw_coupling *coupling, int p) {
+  const double *x = m->dof_map->mesh->node;
+  lever l = {.at = 6 * ((int64_t)m->dof_map->mesh->component_count + p)};
+  for (int32_t i = 0; i < coupling->node_count; i++)
+    for (int c = 0; c < 3; c++)
+      l.middle[c] += x[3 * (int64_t)coupling->node[i] + c] / coupling->node_count;
+  for (int32_t i = 0; i < coupling->node_count; i++)
+    for (int c = 0; c < 3; c++) {
+      double y = x[3 * (int64_t)coupling->node[i] + c] - l.middle[c];
+      l.radius += y * y / coupling->node_count;
+    }
+  l.radius = sqrt(l.radius);
+  for (int c = 0; c < 3; c++)
+    l.arm[c] = coupling->point.at[c] - l.middle[c];
+  return l;
+}
+
+/* row += factor (displacement along d at `arm` from the middle) */
+static void add_lever(const bwi_motions *m, const lever *l, const double arm[3], const double d[3],
                       double factor) {
-  int64_t at = 6 * ((int64_t)m->dof_map->mesh->component_count + p) + k;
-  m->row[at] += factor / (k < 3 ? 1 : coupling->reach);
+  double turn[3];
+  bw_cross(arm, d, turn);
+  for (int k = 0; k < 3; k++) {
+    m->row[l->at + k] += factor * d[k];
+    m->row[l->at + 3 + k] += factor * turn[k] / l->radius;
+  }
+}
+
+/* The middle moves as the face does in the mean. */
+static void take_mean(const bwi_motions *m, const bw_coupling *coupling, const lever *l, int k) {
+  const bw_mesh *mesh = m->dof_map->mesh;
+  int64_t width = 3 * (int64_t)coupling->node_count;
+  double turn[3] = {0};
+  if (k < 3)
+    bw_cross(l->arm, (double[3]){k == 0, k == 1, k == 2}, turn);
+  for (int64_t i = 0; i < width; i++) {
+    int32_t node = coupling->node[i / 3];
+    const double d[3] = {i % 3 == 0, i % 3 == 1, i % 3 == 2}, *mean = coupling->mean + i;
+    double part = k < 3 ? mean[k * width] : mean[k * width] * l->radius;
+    for (int c = 0; c < 3; c++)
+      part -= turn[c] * mean[(3 + c) * width];
+    bwi_add_motion(m, mesh->component[node], mesh->node + 3 * (int64_t)node, d, part);
+  }
+  m->row[l->at + k] -= 1;
+  bwi_take_row(m);
 }
 
 static void take_coupling(const bwi_motions *m, const bw_coupling *coupling, int p) {
   const bw_mesh *mesh = m->dof_map->mesh;
   const bw_remote_point *point = &coupling->point;
-  int64_t width = 3 * (int64_t)coupling->node_count;
+  const lever l = lever_of(m, coupling, p);
   for (int k = 0; k < 6; k++) {
-    double scale = k < 3 ? 1 : coupling->reach;
     if (point->fixed[k] || point->spring[k] > 0) {
-      add_point(m, coupling, p, k, scale);
+      if (k < 3)
+        add_lever(m, &l, l.arm, (double[3]){k == 0, k == 1, k == 2}, 1);
+      else
+        m->row[l.at + k] = 1;
       bwi_take_row(m);
     }
-    if (point->kind == BW_RIGID)
-      continue;
-    add_point(m, coupling, p, k, -scale);
-    for (int64_t i = 0; i < width; i++) {
-      int32_t node = coupling->node[i / 3];
-      const double d[3] = {i % 3 == 0, i % 3 == 1, i % 3 == 2};
-      bwi_add_motion(m, mesh->component[node], mesh->node + 3 * (int64_t)node, d,
-                     scale * coupling->mean[k * width + i]);
-    }
-    bwi_take_row(m);
+    if (point->kind == BW_DISTRIBUTED)
+      take_mean(m, coupling, &l, k);
   }
-  for (int64_t i = 0; point->kind == BW_RIGID && i < width; i++) {
+  for (int64_t i = 0; point->kind == BW_RIGID && i < 3 * (int64_t)coupling->node_count; i++) {
     int32_t node = coupling->node[i / 3];
     const double *x = mesh->node + 3 * (int64_t)node;
     const double d[3] = {i % 3 == 0, i % 3 == 1, i % 3 == 2};
-    double arm[3] = {x[0] - point->at[0], x[1] - point->at[1], x[2] - point->at[2]}, turn[3];
-    bw_cross(arm, d, turn);
     bwi_add_motion(m, mesh->component[node], x, d, 1);
-    for (int k = 0; k < 3; k++) {
-      add_point(m, coupling, p, k, -d[k]);
-      add_point(m, coupling, p, 3 + k, -turn[k]);
-    }
+    add_lever(m, &l, (double[3]){x[0] - l.middle[0], x[1] - l.middle[1], x[2] - l.middle[2]}, d,
+              -1);
     bwi_take_row(m);
   }
 }

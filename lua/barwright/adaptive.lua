@@ -190,6 +190,10 @@ end
 function methods.modes(part, given)
   if asks(part, given, "error") then
     local opts = options.read("modes", given, mode_rules)
+    if part.cyclic_symmetry then
+      return nil, "the error of a sector's modes is not estimated: take the modes of the whole, part:whole()",
+        {status = "unsupported"}
+    end
     return refinement.run(part, opts, mode_analysis(opts))
   end
   return modes_of(part, given)

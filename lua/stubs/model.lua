@@ -272,9 +272,9 @@ function Model:clear_attachments() end
 ---print(assert(part:solve()).couplings[1].rotation)
 ---```
 ---
----Errors: geometry (facets without area, nodes on one line). `part:solve` and `part:modes` refuse nodes that a support or a bond
----moves otherwise, prescribed values that are over-constrained, and more than 2000 nodes of a distributed coupling with a mass,
----springs or prescribed values.
+---Errors: geometry (facets without area, nodes on one line, a remote point farther away than 10000 times the smallest radius of
+---gyration of its face). `part:solve` and `part:modes` refuse nodes that a support or a bond moves otherwise, prescribed values
+---that are over-constrained, and more than 2000 nodes of a distributed coupling with a mass, springs or prescribed values.
 ---
 ---Source: docs/theory/joints.md.
 ---@param options bw.CoupleOptions the face and the remote point

@@ -26,6 +26,19 @@ describe("couplings", function()
     end
   end)
 
+  it("hold with a long lever, and refuse one that is too long for the numbers", function()
+    local stiffness = 2e11 * 0.1 * 0.2 ^ 3 / 12
+    for _, kind in ipairs {"rigid", "distributed"} do
+      local part, tip = cantilever()
+      part:couple {on = tip, kind = kind, at = {201, 0.05, 0.1}, force = {0, 0, -1}}
+      check.near((200 + 1 / 2) / stiffness, assert(part:solve()).couplings[1].rotation[2], 1e-6)
+      part:clear_couplings()
+      check.fails("geometry", "1e+06 m from the centre of its face", part:couple {on = tip, kind = kind,
+        at = {1e6 + 1, 0.05, 0.1}})
+      assert.equal(0, #part.couplings)
+    end
+  end)
+
   it("prescribe a motion and give its reaction", function()
     local part, tip = cantilever()
     part:couple {on = tip, displacement = {1e-4, false, false}, rotation = {false, false, 0}}

@@ -319,6 +319,11 @@ describe("cyclic symmetry", function()
     check.raises("this is the whole already", function() whole:whole() end)
   end)
 
+  it("refuses an error of the modes before it computes any", function()
+    local part = sector(cases[1].mesh, cases[1].n)
+    check.fails("unsupported", "part:whole()", part:modes {error = 0.01})
+  end)
+
   it("refuses what differs from sector to sector", function()
     local mesh = ring(8, {2, 2, 1}, 1, 23)
     local function fresh()

@@ -344,8 +344,9 @@ BW_API bw_status bw_model_clear_attachments(bw_context *context, bw_model *model
  * functions refuse one where they need its equations. BW_EMPTY as for supports. BW_INVALID for a
  * node in two rigid couplings, numbers that are not finite, springs and masses below 0, and an
  * inertia that is not symmetric or negative. BW_GEOMETRY for facets without area, and for nodes on
- * one line: they leave the rotation about it undefined, BW_UNSUPPORTED for a sector of cyclic
- * symmetry. */
+ * one line: they leave the rotation about it undefined, and for a point farther from the face
+ * than 10000 times the smallest radius of gyration of the face. BW_UNSUPPORTED for a sector of
+ * cyclic symmetry. */
 BW_API bw_status bw_model_couple(bw_context *context, bw_model *model, const bw_selection *on,
                                  const bw_remote_point *point);
 /* Removes all couplings. */
