@@ -1,0 +1,79 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Remote points and a preload beside closed forms of bars.
+local bw = require "barwright"
+
+local scenario, expect = bw.scenario, bw.scenario.expect
+
+scenario.about {title = "Remote points and preload",
+  text = [[Bars of tetrahedra with ten nodes and a Poisson's ratio of 0 beside closed forms
+([theory](theory/joints.md)).]]}
+
+local young = 2e11
+local straight = bw.material.isotropic {young = young, poisson = 0}
+
+-- A cantilever along x whose force acts at `lever` above the axis and `beyond` the end.
+local function offset_force(t, kind, lever, beyond, force)
+  local L, b, h = 1, 0.1, 0.2
+  local mesh = bw.mesh.box {max = {L, b, h}, cells = {8, 1, 2}, order = 2}
+  local part = bw.model {mesh = mesh, material = straight}
+  part:fix(mesh.boundary:below("x", 0))
+  part:couple {on = mesh.boundary:above("x", L), kind = kind, force = force,
+    at = {L + beyond, b / 2, h / 2 + lever}}
+  return t:require(part:solve()).couplings[1], L, young * b * h, young * b * h ^ 3 / 12
+end
+
+for _, kind in ipairs {"distributed", "rigid"} do
+  scenario("Cantilever, force beside and beyond its end, " .. kind .. " coupling", function(t)
+    local pull, lever = 5000, 0.5
+    local point, L, EA, EI = offset_force(t, kind, lever, 0, {pull, 0, 0})
+    local rotation = pull * lever * L / EI
+    expect(point.rotation[2], "rotation by a pull 0.5 m above the axis", "rad")
+      :near(rotation, {relative = 1e-6, source = "beam theory"})
+    expect(point.displacement[1], "displacement of the point along the pull", "m")
+      :near(pull * L / EA + rotation * lever, {relative = 1e-6, source = "beam theory"})
+    local side, beyond = -200, 0.3
+    point, L, EA, EI = offset_force(t, kind, 0, beyond, {0, 0, side})
+    expect(point.rotation[2], "rotation by a force 0.3 m beyond the end", "rad")
+      :near(-side * (L ^ 2 / 2 + beyond * L) / EI, {relative = 1e-6, source = "beam theory"})
+    local shear = 6 / 5 * side * L / (EA / 2)
+    expect(point.displacement[3], "displacement of the point along the force", "m")
+      :near(side * ((L + beyond) ^ 3 - beyond ^ 3) / (3 * EI) + shear, {relative = 1e-3, source = "Timoshenko"})
+  end)
+end
+
+-- A bolt and a sleeve, two bars side by side, whose ends a rigid coupling keeps parallel.
+scenario("Bolt and sleeve in parallel, preload and working load", function(t)
+  local L, side, preload, load = 0.1, 0.01, 20e3, 6e3
+  local box = bw.mesh.box {max = {L, 4 * side, side}, cells = {10, 4, 1}, order = 2}
+  local keep, nodes = {}, box.nodes:totable()
+  for e, row in ipairs(box.elements:totable()) do
+    local y = 0
+    for a = 1, 4 do y = y + nodes[row[a]][2] / 4 end
+    keep[e] = (y < side or y > 2 * side) and 1 or 0
+  end
+  local bars = assert(box:subset(bw.array.new(keep)))
+  local mesh = assert(bars:split({max = {L / 2, side, side}}, "half")):separated "half"
+  local cut = mesh.boundary:plane({L / 2, 0, 0}, {1, 0, 0}, 1e-9)
+  local bolt, sleeve = young * side ^ 2 / L, 2 * young * side ^ 2 / L -- stiffness (N/m)
+  local function solve(how, force)
+    local part = bw.model {mesh = mesh, material = straight}
+    part:fix(mesh.boundary:below("x", 0))
+    part:couple {on = mesh.boundary:above("x", L), kind = "rigid", force = {force, 0, 0},
+      displacement = {false, 0, 0}, rotation = {0, 0, 0}}
+    part:bond {a = cut & mesh.boundary:region "half", b = cut & mesh.boundary:region "rest",
+      preload = how.preload, shortening = how.shortening}
+    local static = t:require(part:solve())
+    return static.bonds[1], static.couplings[1].displacement[1]
+  end
+  local bond, moved = solve({preload = preload}, 0)
+  expect(moved, "displacement of the ends by the preload", "m")
+    :near(-preload / sleeve, {relative = 1e-8, source = "bars in parallel"})
+  local shortening = preload / bolt + preload / sleeve
+  expect(bond.shortening, "shortening of the bolt", "m")
+    :near(shortening, {relative = 1e-8, source = "bars in parallel"})
+  bond, moved = solve({shortening = shortening}, load)
+  expect(bond.preload, "force of the bolt under the working load", "N")
+    :near(preload + load * bolt / (bolt + sleeve), {relative = 1e-8, source = "joint diagram"})
+  expect(moved, "displacement of the ends under the working load", "m")
+    :near(load / (bolt + sleeve) - preload / sleeve, {relative = 1e-8, source = "joint diagram"})
+end)
