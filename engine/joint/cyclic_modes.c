@@ -10,9 +10,6 @@
 #include "eigen/modes.h"
 #include "joint/cyclic.h"
 
-/* Of the mean of all eigenvalues, how far below 0 the shift of a free body lies. */
-static const double shift_part = 1e-8;
-
 /* The lowest modes so far, ascending. */
 typedef struct lowest {
   int capacity, count;
@@ -71,14 +68,6 @@ static bw_status insert(bw_context *context, lowest *l, double value, double res
   return BW_OK;
 }
 
-static double trace(const bw_sparse_matrix *a) {
-  double sum = 0;
-  for (int32_t i = 0; i < a->rows; i++)
-    for (int64_t e = a->start[i]; e < a->start[i + 1]; e++)
-      sum += a->column[e] == i ? a->value[e] : 0;
-  return sum;
-}
-
 typedef struct sector {
   const bw_model *model;
   bw_modes_options options;
@@ -130,7 +119,6 @@ static bw_status one_diameter(bw_context *context, sector *s, int diameter) {
   bwi_reduction r = {0};
   bw_operator *k = NULL, *m = NULL;
   bw_eigenpairs *pairs = NULL;
-  bw_eigen_solve_options how;
   int rigid;
   int32_t body;
   BW_TRY(bwi_cyclic_reduction_open(context, s->model, diameter, &r));
@@ -140,15 +128,7 @@ static bw_status one_diameter(bw_context *context, sector *s, int diameter) {
   s->rigid_count += rigid;
   BW_TRY(reduced(context, s, &r, s->stiffness, 9, "stiffness of the sector", &k));
   BW_TRY(reduced(context, s, &r, s->mass, 1, "mass of the sector", &m));
-  bw_eigen_solve_options_default(&how);
-  how.count = s->options.count + rigid;
-  how.tolerance = s->options.tolerance;
-  how.test = s->options.sturm;
-  how.seed = s->options.seed;
-  how.solver = s->options.solver;
-  if (rigid > 0)
-    how.shift = -shift_part * trace(k->matrix) / trace(m->matrix);
-  BW_TRY(bw_eigen_solve(context, k, m, &how, &pairs));
+  BW_TRY(bwi_joined_pairs(context, &s->options, rigid, k, m, &pairs));
   BW_TRY(take_pairs(context, s, &r, diameter, rigid, pairs));
 done:
   bwi_reduction_clear(&r);

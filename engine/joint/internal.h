@@ -113,6 +113,9 @@ void bwi_joined_clear(bwi_joined_equations *q);
 /* T^T A T of values on the pattern, `block` 9 or 1 numbers for each of its blocks. */
 bw_status bwi_joined_operator(bw_context *context, const bwi_joined_equations *q,
                               const double *values, int block, const char *name, bw_operator **out);
+/* The lowest eigenpairs of K and M: those of the rigid-body modes and options->count more. */
+bw_status bwi_joined_pairs(bw_context *context, const bw_modes_options *options, int rigid_count,
+                           const bw_operator *k, const bw_operator *m, bw_eigenpairs **pairs);
 /* BW_UNCONSTRAINED, with what moves. */
 bw_status bwi_joined_fail_free(bw_context *context, const bwi_joined_equations *q);
 

@@ -95,16 +95,14 @@ static bw_status sum_bonds(bw_context *context, const bwi_reduction *r, bw_stati
   const bw_dof_map *dof_map = r->dof_map;
   for (int b = 0; b < model->bond_count; b++) {
     for (int32_t i = 0; i < model->bond[b].node_count; i++) {
-      int32_t node = model->bond[b].node[i], at = dof_map->frame_of[node];
+      int32_t node = model->bond[b].node[i];
       const double *x = model->mesh->node + 3 * (int64_t)node;
-      double f[3], m[3];
+      double f[3], m[3], d[3];
       memcpy(f, force + 3 * (int64_t)node, sizeof f);
       for (int k = 0; k < 3; k++) { /* without what a support exerts */
-        double d[3] = {k == 0, k == 1, k == 2};
         if (dof_map->state[3 * (int64_t)node + k] != BW_DOF_PRESCRIBED)
           continue;
-        if (at >= 0)
-          memcpy(d, dof_map->frame + 9 * (int64_t)at + 3 * k, sizeof d);
+        bwi_direction_of(dof_map, node, k, d);
         double part = bw_dot(d, force + 3 * (int64_t)node);
         for (int c = 0; c < 3; c++)
           f[c] -= part * d[c];
@@ -288,6 +286,20 @@ static double trace(const bw_sparse_matrix *a) {
   return sum;
 }
 
+bw_status bwi_joined_pairs(bw_context *context, const bw_modes_options *options, int rigid_count,
+                           const bw_operator *k, const bw_operator *m, bw_eigenpairs **pairs) {
+  bw_eigen_solve_options how;
+  bw_eigen_solve_options_default(&how);
+  how.count = options->count + rigid_count;
+  how.tolerance = options->tolerance;
+  how.test = options->sturm;
+  how.seed = options->seed;
+  how.solver = options->solver;
+  if (rigid_count > 0)
+    how.shift = -shift_part * trace(k->matrix) / trace(m->matrix);
+  return bw_eigen_solve(context, k, m, &how, pairs);
+}
+
 /* The pairs behind the rigid-body modes, as shapes of all nodes. */
 static bw_status make_modes(bw_context *context, const bw_model *model,
                             const bwi_joined_equations *q, const bw_eigenpairs *pairs,
@@ -349,16 +361,7 @@ bw_status bw_joined_modes(bw_context *context, const bw_model *model, const bw_m
   BW_TRY(bw_mass(context, q.pattern, model->mesh, model->material, mass));
   bwi_add_attachments(model, q.pattern, 1, mass);
   BW_TRY(bwi_joined_operator(context, &q, mass, 1, "mass of the joined bodies", &m));
-  bw_eigen_solve_options how;
-  bw_eigen_solve_options_default(&how);
-  how.count = options.count + q.rigid_count;
-  how.tolerance = options.tolerance;
-  how.test = options.sturm;
-  how.seed = options.seed;
-  how.solver = options.solver;
-  if (q.rigid_count > 0)
-    how.shift = -shift_part * trace(q.k->matrix) / trace(m->matrix);
-  BW_TRY(bw_eigen_solve(context, q.k, m, &how, &pairs));
+  BW_TRY(bwi_joined_pairs(context, &options, q.rigid_count, q.k, m, &pairs));
   BW_TRY(make_modes(context, model, &q, pairs, modes));
 done:
   bwi_joined_clear(&q);

@@ -1,9 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Bodies side by side in one mesh, which the tests of joints share. */
+/* What the tests of joints share: bodies side by side in one mesh, and modes of rigid bodies. */
 #ifndef PAIR_H
 #define PAIR_H
 
 #include "bodies.h"
+
+#include "barwright/joint.h"
 
 /* Two boxes in one mesh: `second` begins at `offset`. */
 static inline bw_mesh *pair(bw_context *context, bw_mesh *first, bw_mesh *second,
@@ -43,6 +45,28 @@ static inline bw_selection *face(bw_context *context, const bw_mesh *mesh, int b
   check_ok(context, bw_select_mask(context, mesh, mask, NULL, &selection));
   free(mask);
   return selection;
+}
+
+/* The six lowest modes of a model, none of them rigid, are those of these squares (1/s2). */
+static inline void check_six(bw_context *context, const bw_model *model, double square[6],
+                             double tolerance) {
+  bw_modes *modes = NULL;
+  bw_modes_options options;
+  for (int i = 0; i < 6; i++)
+    for (int j = i + 1; j < 6; j++)
+      if (square[j] < square[i]) {
+        double kept = square[i];
+        square[i] = square[j];
+        square[j] = kept;
+      }
+  bw_modes_options_default(&options);
+  options.count = 6;
+  check_ok(context, bw_joined_modes(context, model, &options, &modes));
+  assert_int_equal(modes->rigid_count, 0);
+  for (int i = 0; i < 6; i++)
+    check_near(modes->frequency[i], sqrt(square[i]) / 6.28318530717958647692,
+               tolerance * modes->frequency[i]);
+  bw_release(modes);
 }
 
 #endif
