@@ -330,6 +330,7 @@ typedef struct follow {
   double begin;    /* energy when the body touches first */
   double changed;  /* most by which it is another in the last impact or flight, */
   double error;    /* and by which it changed during this */
+  double allowed;  /* of `error`: beyond it, an impact is not followed further */
   bool over;       /* the time is up, or nothing touches any more */
 } follow;
 
@@ -371,7 +372,7 @@ static bw_status follow_impact(bw_context *context, follow *f, bw_drop_impact *i
       quiet = m->time;
     }
     f->over = m->time >= until;
-    if (f->over || m->time - quiet > f->period)
+    if (f->over || m->time - quiet > f->period || f->error > f->allowed)
       break;
     if (step > most_steps)
       BW_TRY(bw_fail(context, BW_LIMIT,
@@ -409,20 +410,23 @@ static bw_status impact_of(bw_context *context, follow *f, history *h) {
     BW_TRY(bwi_drop_rows_create(context, ROWS, WIDTH, &rows));
     bwi_drop_states_empty(&states);
     impact = (bw_drop_impact){0};
+    f->allowed = halvings < HALVINGS ? run->options.tolerance * drop->energy : drop->energy;
     BW_TRY(follow_impact(context, f, &impact, &rows, &states));
-    if (f->error <= run->options.tolerance * drop->energy)
+    if (f->error <= f->allowed)
       break;
-    if (halvings == HALVINGS) {
-      bw_warn(context,
-              "the energy changes by %.2g %% in an impact, although its steps were halved %d "
-              "times",
-              100 * f->error / drop->energy, HALVINGS);
-      break;
-    }
+    if (halvings == HALVINGS)
+      BW_TRY(bw_fail(context, BW_CONVERGENCE,
+                     "an impact changes the energy by as much as the body has when it touches, "
+                     "although its steps were halved %d times: mesh the body again",
+                     HALVINGS));
     bwi_drop_motion_copy(&start, &run->motion);
     run->touch.limit = -1;
     f->fraction *= 0.5;
   }
+  if (f->error > run->options.tolerance * drop->energy)
+    bw_warn(context,
+            "the energy changes by %.2g %% in an impact, although its steps were halved %d times",
+            100 * f->error / drop->energy, HALVINGS);
   BW_TRY(append(context, &rows, h));
   if (impact.duration > 0 || impact.contacts > 0) {
     impact.contacts = run->touch.count;

@@ -96,7 +96,8 @@ void bwi_drop_touch_clear(bwi_drop_touch *touch);
 bw_status bwi_drop_touch_find(bw_context *context, bwi_drop_run *run);
 /* The impulse of these forces over a time. */
 void bwi_drop_kick(bwi_drop_run *run, double time);
-/* Bounds of how far a point may be from where the rigid body has it, and of how fast. */
+/* Bounds of how far a point may be from where the rigid body has it, now and in free flight from
+ * here on, and of how fast. */
 double bwi_drop_reach(const bwi_drop_run *run);
 double bwi_drop_speed(const bwi_drop_run *run);
 /* The smallest gap of the points without deformation. */

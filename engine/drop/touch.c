@@ -130,7 +130,8 @@ double bwi_drop_rigid_gap(const bwi_drop_run *run) {
 double bwi_drop_reach(const bwi_drop_run *run) {
   double sum = 0;
   for (int k = 0; k < run->motion.modes; k++)
-    sum += fabs(run->motion.q[k]) * run->points.mode_size[k];
+    sum += hypot(run->motion.q[k], run->motion.rate[k] / run->motion.omega[k]) *
+           run->points.mode_size[k];
   for (int j = 0; j < run->touch.count; j++)
     sum += run->touch.force[j] * run->touch.size[j];
   return sum;

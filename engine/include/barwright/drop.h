@@ -42,7 +42,7 @@ typedef struct bw_drop_impact {
                        force */
   double turn;      /* (rad) by which the body turns from the first force to the last */
   double place[3];  /* (m, in the mesh) of the node that touches first */
-  int32_t contacts; /* (count) of nodes that touch */
+  int32_t contacts; /* (count) of nodes that touch or come near */
 } bw_drop_impact;
 
 /* A drop. It does not change. The time is 0 when the body touches, and positions are those of the
@@ -90,7 +90,8 @@ typedef struct bw_drop {
  * supports or loads, or of several parts, and for modes of another model or all that a mesh has;
  * BW_UNSUPPORTED for other surfaces, other damping, bonds and attachments; BW_LIMIT for more than
  * 2000 nodes that touch in one impact or an impact without end, BW_SINGULAR and BW_CONVERGENCE
- * where the forces of contact are not found; those of bw_modes_of_model. */
+ * where the forces of contact are not found or the energy is not kept; those of bw_modes_of_model.
+ */
 BW_API bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system *given,
                                   const bw_drop_options *options, bw_system **system,
                                   bw_drop **drop);

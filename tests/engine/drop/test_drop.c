@@ -223,6 +223,62 @@ static void test_plane(void **state) {
   bw_release(model);
 }
 
+static void bent_map(void *data, const double unit[3], double out[3]) {
+  (void)data;
+  out[0] = 0.15 * unit[0];
+  out[1] = 0.03 * unit[1];
+  out[2] = 0.004 * unit[2] + 0.01 * (unit[0] - 0.5) * (unit[0] - 0.5);
+}
+
+/* A bent plate that bounces and bends far. A flight ends before anything touches, so that the first
+ * row of the impact behind it, whose time is that of the flight's last row, has no force. */
+static void test_flights(void **state) {
+  bw_context *context = check_context(state);
+  const int cells[3] = {8, 2, 1};
+  bw_mesh *mesh = NULL;
+  check_ok(context, bw_mesh_mapped_box(context, cells, 1, bent_map, NULL, &mesh));
+  bw_model *model = model_of(context, mesh, 0.3);
+  bw_system *system = NULL;
+  bw_modes *modes = lowest(context, model, 6, &system);
+  for (int i = 0; i < 20; i++) {
+    bw_drop_options options = towards(0, 0, -1);
+    bw_drop *drop = NULL;
+    options.modes = modes;
+    options.height = 0.1 * (i + 1);
+    options.impacts = 8;
+    options.samples = 0;
+    check_ok(context, bw_drop_of_model(context, model, system, &options, NULL, &drop));
+    assert_int_equal(drop->impact_count, 8);
+    for (int k = 1; k < drop->row_count; k++)
+      assert_true(drop->time[k] > drop->time[k - 1] || drop->force[k] == 0);
+    assert_true(drop->error < 8e-3); /* the tolerance of eight impacts */
+    bw_release(drop);
+  }
+  bw_release(modes);
+  bw_release(system);
+  bw_release(model);
+}
+
+/* Steps that keep the energy badly are halved as soon as this shows: eight halvings take little
+ * more than 256 times the steps of none, and not 511 times. */
+static void test_halving(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = model_of(context, body_box(context, 0.03, 0.02, 0.01, 3, 2, 1, 1), 0.3);
+  int64_t steps[2] = {0};
+  for (int fine = 0; fine < 2; fine++) {
+    bw_drop_options options = towards(-0.3, -0.2, -1);
+    bw_drop *drop = NULL;
+    options.samples = 0;
+    options.tolerance = fine ? 1e-14 : 1;
+    check_ok(context, bw_drop_of_model(context, model, NULL, &options, NULL, &drop));
+    steps[fine] = drop->steps;
+    assert_true(fine ? drop->error > 1e-14 && drop->error < 1e-6 : drop->error > 1e-6);
+    bw_release(drop);
+  }
+  assert_true(steps[1] > 200 * steps[0] && steps[1] < 320 * steps[0]);
+  bw_release(model);
+}
+
 static void test_bad_input(void **state) {
   bw_context *context = check_context(state);
   bw_model *model = model_of(context, body_box(context, 0.02, 0.02, 0.02, 1, 1, 1, 1), 0.3);
@@ -294,13 +350,9 @@ static void test_memory_failures(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_rod),
-      check_test(test_hertz),
-      check_test(test_corner),
-      check_test(test_bounces),
-      check_test(test_plane),
-      check_test(test_bad_input),
-      check_test(test_memory_failures),
+      check_test(test_rod),     check_test(test_hertz),     check_test(test_corner),
+      check_test(test_bounces), check_test(test_plane),     check_test(test_flights),
+      check_test(test_halving), check_test(test_bad_input), check_test(test_memory_failures),
   };
   return cmocka_run_group_tests_name("drop", tests, NULL, NULL);
 }
