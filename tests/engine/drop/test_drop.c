@@ -26,6 +26,25 @@ static bw_modes *lowest(bw_context *context, const bw_model *model, int count, b
   return modes;
 }
 
+/* A model with its lowest modes and the equations that they took. */
+typedef struct body {
+  bw_model *model;
+  bw_system *system;
+  bw_modes *modes;
+} body;
+
+static body body_of(bw_context *context, bw_mesh *mesh, double poisson, int count) {
+  body b = {.model = model_of(context, mesh, poisson)};
+  b.modes = lowest(context, b.model, count, &b.system);
+  return b;
+}
+
+static void release_body(const body *b) {
+  bw_release(b->modes);
+  bw_release(b->system);
+  bw_release(b->model);
+}
+
 static bw_drop_options towards(double x, double y, double z) {
   bw_drop_options options;
   bw_drop_options_default(&options);
@@ -42,16 +61,14 @@ static void test_rod(void **state) {
   bw_context *context = check_context(state);
   const double length = 0.1, side = 0.01, speed = 2, c = 1000;
   const double force = 1000 * c * side * side * speed, contact = 2 * length / c;
-  bw_model *model = model_of(context, body_box(context, length, side, side, 40, 2, 2, 2), 0);
-  bw_system *system = NULL;
-  bw_modes *modes = lowest(context, model, 150, &system);
+  const body b = body_of(context, body_box(context, length, side, side, 40, 2, 2, 2), 0, 150);
   bw_drop_options options = towards(-3, 0, 0);
   bw_drop *drop = NULL;
-  options.modes = modes;
+  options.modes = b.modes;
   options.speed = speed;
   options.gravity = 0;
   options.samples = 0;
-  check_ok(context, bw_drop_of_model(context, model, system, &options, NULL, &drop));
+  check_ok(context, bw_drop_of_model(context, b.model, b.system, &options, NULL, &drop));
   const bw_drop_impact *impact = drop->impact;
   check_near(drop->mass, 1000 * length * side * side, 1e-12);
   check_near(drop->energy, 0.5 * drop->mass * speed * speed, 1e-12);
@@ -61,9 +78,7 @@ static void test_rod(void **state) {
   check_near(impact->impulse, drop->mass * (speed + drop->velocity[0]), 1e-9 * impact->impulse);
   assert_true(drop->error < 1e-3 && drop->stress == NULL && drop->peak_element == -1);
   bw_release(drop);
-  bw_release(modes);
-  bw_release(system);
-  bw_release(model);
+  release_body(&b);
 }
 
 /* A block whose lower face is part of a sphere of radius 0.01, with small elements about its lowest
@@ -85,16 +100,14 @@ static void test_hertz(void **state) {
   const double speed = 0.04, stiffness = 4. / 3 * 1e9 / (1 - 0.3 * 0.3) * sqrt(0.01);
   bw_mesh *mesh = NULL;
   check_ok(context, bw_mesh_mapped_box(context, cells, 2, dome_map, NULL, &mesh));
-  bw_model *model = model_of(context, mesh, 0.3);
-  bw_system *system = NULL;
-  bw_modes *modes = lowest(context, model, 20, &system);
+  const body b = body_of(context, mesh, 0.3, 20);
   bw_drop_options options = towards(0, 0, -1);
   bw_drop *drop = NULL;
-  options.modes = modes;
+  options.modes = b.modes;
   options.speed = speed;
   options.gravity = 0;
   options.samples = 0;
-  check_ok(context, bw_drop_of_model(context, model, system, &options, NULL, &drop));
+  check_ok(context, bw_drop_of_model(context, b.model, b.system, &options, NULL, &drop));
   double deep = pow(1.25 * drop->mass * speed * speed / stiffness, 0.4);
   double time = 2.94327 * deep / speed, force = stiffness * pow(deep, 1.5);
   check_near(drop->impact[0].duration, time, 0.02 * time);
@@ -102,9 +115,7 @@ static void test_hertz(void **state) {
   check_near(drop->velocity[2], speed, 1e-3 * speed);
   assert_true(drop->error < 1e-3);
   bw_release(drop);
-  bw_release(modes);
-  bw_release(system);
-  bw_release(model);
+  release_body(&b);
 }
 
 /* A box that falls on a corner: the impulse J along the plane's normal n changes the velocity by J
@@ -174,18 +185,16 @@ static void test_corner(void **state) {
 /* Six impacts of a box that turns keep the energy. With damping, the balance has what it took. */
 static void test_bounces(void **state) {
   bw_context *context = check_context(state);
-  bw_model *model = model_of(context, body_box(context, 0.03, 0.02, 0.01, 6, 4, 2, 1), 0.3);
-  bw_system *system = NULL;
-  bw_modes *modes = lowest(context, model, 20, &system);
+  const body b = body_of(context, body_box(context, 0.03, 0.02, 0.01, 6, 4, 2, 1), 0.3, 20);
   for (int damped = 0; damped < 2; damped++) {
     bw_drop_options options = towards(-0.3, -0.2, -1);
     bw_drop *drop = NULL;
-    options.modes = modes;
+    options.modes = b.modes;
     options.height = 0.2;
     options.impacts = 6;
     options.samples = 5;
     options.damping.ratio = damped ? 0.05 : 0;
-    check_ok(context, bw_drop_of_model(context, model, system, &options, NULL, &drop));
+    check_ok(context, bw_drop_of_model(context, b.model, b.system, &options, NULL, &drop));
     assert_int_equal(drop->impact_count, 6);
     double taken = drop->damped[drop->row_count - 1] / drop->energy;
     assert_true(drop->error < 1e-3 && drop->error > 0);
@@ -196,9 +205,7 @@ static void test_bounces(void **state) {
       assert_true(drop->force[i] >= 0);
     bw_release(drop);
   }
-  bw_release(modes);
-  bw_release(system);
-  bw_release(model);
+  release_body(&b);
 }
 
 /* An inclined plane wherever it is: the body meets it along its fall, and the push is its normal.
@@ -237,26 +244,22 @@ static void test_flights(void **state) {
   const int cells[3] = {8, 2, 1};
   bw_mesh *mesh = NULL;
   check_ok(context, bw_mesh_mapped_box(context, cells, 1, bent_map, NULL, &mesh));
-  bw_model *model = model_of(context, mesh, 0.3);
-  bw_system *system = NULL;
-  bw_modes *modes = lowest(context, model, 6, &system);
+  const body b = body_of(context, mesh, 0.3, 6);
   for (int i = 0; i < 20; i++) {
     bw_drop_options options = towards(0, 0, -1);
     bw_drop *drop = NULL;
-    options.modes = modes;
+    options.modes = b.modes;
     options.height = 0.1 * (i + 1);
     options.impacts = 8;
     options.samples = 0;
-    check_ok(context, bw_drop_of_model(context, model, system, &options, NULL, &drop));
+    check_ok(context, bw_drop_of_model(context, b.model, b.system, &options, NULL, &drop));
     assert_int_equal(drop->impact_count, 8);
     for (int k = 1; k < drop->row_count; k++)
       assert_true(drop->time[k] > drop->time[k - 1] || drop->force[k] == 0);
     assert_true(drop->error < 8e-3); /* the tolerance of eight impacts */
     bw_release(drop);
   }
-  bw_release(modes);
-  bw_release(system);
-  bw_release(model);
+  release_body(&b);
 }
 
 /* Steps that keep the energy badly are halved as soon as this shows: eight halvings take little
@@ -325,16 +328,14 @@ static void test_bad_input(void **state) {
 
 static void test_memory_failures(void **state) {
   bw_context *context = check_context(state);
-  bw_model *model = model_of(context, body_box(context, 0.02, 0.02, 0.02, 1, 1, 1, 1), 0.3);
-  bw_system *system = NULL;
-  bw_modes *modes = lowest(context, model, 3, &system);
+  const body b = body_of(context, body_box(context, 0.02, 0.02, 0.02, 1, 1, 1, 1), 0.3, 3);
   bw_drop_options options = towards(-1, -2, -3);
-  options.modes = modes;
+  options.modes = b.modes;
   options.samples = 2;
   for (int64_t n = 1;; n++) {
     bw_drop *drop = NULL;
     bw_fail_allocation(n, false);
-    bw_status status = bw_drop_of_model(context, model, system, &options, NULL, &drop);
+    bw_status status = bw_drop_of_model(context, b.model, b.system, &options, NULL, &drop);
     bw_fail_allocation(0, false);
     if (status == BW_OK) {
       bw_release(drop);
@@ -343,9 +344,7 @@ static void test_memory_failures(void **state) {
     assert_int_equal(status, BW_MEMORY);
     assert_null(drop);
   }
-  bw_release(modes);
-  bw_release(system);
-  bw_release(model);
+  release_body(&b);
 }
 
 int main(void) {
