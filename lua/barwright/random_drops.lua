@@ -130,7 +130,7 @@ function random_drops:__tostring()
   return table.concat({
     ("%d drops from %g m: the part is overloaded in %s of them, by their number %s to %s (95 %%)"):format(
       self.drops, self.options.height, shown.percent(p), shown.percent(low), shown.percent(high)),
-    ("  element %d most often, in %s; largest stress %.4g MPa, largest force %.4g N"):format(place,
+    ("  element %d most often, in %s of them; largest stress %.4g MPa, largest force %.4g N"):format(place,
       shown.percent(self.exceedance[place]), self.peaks:max() / 1e6, self.forces:max()),
     ("  %.3g s in all%s; energy kept to %.1e"):format(self.seconds, self.first_seconds
       and (", about %.3g s with equations and modes made for each drop"):format(self.first_seconds * self.drops)

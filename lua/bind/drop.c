@@ -190,7 +190,7 @@ static int drop_tostring(lua_State *L) {
   if (drop->impact_count > 0) {
     const bw_drop_impact *first = &drop->impact[0];
     ADD("\n  first impact: %s at (%.4g, %.4g, %.4g) m, force %s at most, impulse %.4g N s, "
-        "nodes that touch: %d; the body turns by %.2g degrees",
+        "nodes that touch or come near: %d; the body turns by %.2g degrees",
         lbw_quantity(first->duration, "s").text, first->place[0], first->place[1], first->place[2],
         lbw_quantity(first->force, "N").text, first->impulse, first->contacts,
         first->turn * 180 / M_PI);
@@ -198,9 +198,8 @@ static int drop_tostring(lua_State *L) {
   if (drop->peak_element >= 0) {
     double place[3];
     centre_of(drop->model->mesh, drop->peak_element, place);
-    ADD("\n  largest principal stress %s at %s, (%.4g, %.4g, %.4g) m, of %d times; error unknown: "
-        "one mesh, one number of modes; within an element of a touching node it depends on the "
-        "mesh",
+    ADD("\n  largest principal stress %s at %s, (%.4g, %.4g, %.4g) m, of %d times; within an "
+        "element of a touching node it depends on the mesh",
         lbw_quantity(drop->peak, "Pa").text, lbw_quantity(drop->peak_time, "s").text, place[0],
         place[1], place[2], drop->sample_count);
     if (drop->utilisation) {
@@ -212,6 +211,7 @@ static int drop_tostring(lua_State *L) {
   }
   ADD("\n  energy %s at the first touch, kept to %.1e of it", lbw_quantity(drop->energy, "J").text,
       drop->error);
+  ADD("\n  error of duration, force, impulse and stress unknown: one mesh, one number of modes");
   ADD("\n  linear elasticity about the motion as a rigid body, rigid plane, no friction, %s",
       drop->damped[drop->row_count - 1] > 0 ? "damping as given" : "no damping");
 #undef ADD

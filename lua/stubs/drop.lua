@@ -49,7 +49,7 @@ function bw.random_drops(part, options) end
 ---print(drops:correlation(assert(bw.drop_test(part, {drops = 20}))))
 ---```
 ---@class bw.RandomDrops
----@field exceedance bw.Array (-, element_count × 1, per element) fraction of drops in which it was stressed beyond the strength
+---@field exceedance bw.Array (-, element_count × 1, per element) fraction of drops in which it was stressed beyond the strength. Within an element of a touching node this depends on the mesh
 ---@field mean_peak bw.Array (Pa, element_count × 1, per element) mean over the drops of its largest principal stress over time
 ---@field peaks bw.Array (Pa, drops × 1, per drop) largest principal stress of any element
 ---@field risks bw.Array (-, drops × 1, per drop) largest stress over strength
@@ -73,6 +73,8 @@ local RandomDrops = {}
 function RandomDrops:correlation(other) end
 
 ---The fraction of drops that overload some element, and Wilson's 95 % interval of the probability that it estimates.
+---
+---The interval has the error of sampling alone. Elements within one of a touching node count, and their stress depends on the mesh.
 ---@return number fraction (-) from 0 to 1
 ---@return number low (-) the lower end
 ---@return number high (-) the upper end
@@ -162,7 +164,7 @@ local Drop = {}
 ---@field area number (m2) the largest area of facets around nodes in contact, seen along the force: known to within one element around the contact
 ---@field turn number (rad) by which the part turns from the first force to the last
 ---@field place number[] (m, 3) of the node that touches first, in the mesh
----@field contacts integer (count) of nodes that may touch
+---@field contacts integer (count) of nodes that touch or come near
 
 ---The largest stress of a drop.
 ---@class bw.DropPeak

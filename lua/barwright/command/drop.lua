@@ -85,7 +85,7 @@ local function measure(drop, down, reach)
   reach = reach or growth.edge_length(drop.mesh, drop.impacts[1].place)
   local near = distances(drop, down):map("a <= h", {h = reach})
   return {touch = largest(drop, near), rest = largest(drop, near:map "1 - a"), reach = reach,
-    force = drop.impacts[1].force, duration = drop.impacts[1].duration}
+    force = drop.impacts[1].force, duration = drop.impacts[1].duration, impulse = drop.impacts[1].impulse}
 end
 
 -- The relative error of a value by those of the drops on a coarser mesh, with all modes and with half of them.
@@ -156,6 +156,7 @@ local function run_one(opts, given, out)
   local force_error = coarse and error_of(impact.force, coarse, function(other) return other.force end)
   local duration_error = coarse
     and error_of(impact.duration, coarse, function(other) return other.duration end)
+  local impulse_error = coarse and error_of(impact.impulse, coarse, function(other) return other.impulse end)
   local function error_text(error)
     return error and ("estimated error %s, %s"):format(shown.error(error), way) or way
   end
@@ -163,8 +164,8 @@ local function run_one(opts, given, out)
   out:say("It falls %s along %s and hits at %s, first at %s.", core.quantity(opts.height, "m"),
     shown.vector(given.down, ""):gsub(" $", ""), core.quantity(drop.speed, "m/s"), core.point(impact.place))
   out:say("The impact lasts %s (%s).", shown.estimate(impact.duration, "s"), error_text(duration_error))
-  out:say("The largest force is %s (%s), the impulse %s.", shown.estimate(impact.force, "N"),
-    error_text(force_error), shown.estimate(impact.impulse, "N s"))
+  out:say("The largest force is %s (%s).", shown.estimate(impact.force, "N"), error_text(force_error))
+  out:say("The impulse is %s (%s).", shown.estimate(impact.impulse, "N s"), error_text(impulse_error))
   out:say("The largest principal stress is %s at %s, within an element of what touches%s: %s.",
     shown.estimate(touch.stress, "Pa"), core.point(touch.at), of_strength(touch),
     touch.grows and (coarse and "it depends on the mesh" or "it may depend on the mesh")
@@ -176,7 +177,7 @@ local function run_one(opts, given, out)
   end
   if found.singular then out:say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
   out:say("Verdict: %s.", text)
-  out:say("Of %s at the first touch, %s go on as motion; the balance of energy is kept to %.1e.",
+  out:say("Of %s at the first touch, %s go on as motion (error unknown); the balance of energy is kept to %.1e.",
     core.quantity(drop.initial_energy, "J"), shown.percent(drop.motion_energy[#drop.motion_energy]
     / drop.initial_energy), drop.energy_error)
   if impact.turn > 0.1 then
@@ -191,7 +192,8 @@ local function run_one(opts, given, out)
   out:json {verdict = verdict, value = drop.peak.stress, quantity = "largest principal stress, Pa",
     at_m = drop.peak.place, time_s = drop.peak.time, touch = place_of(touch), elsewhere = place_of(rest),
     duration_s = impact.duration, duration_estimated_error = duration_error, force_n = impact.force,
-    force_estimated_error = force_error, impulse_n_s = impact.impulse, first_touch_m = impact.place,
+    force_estimated_error = force_error, impulse_n_s = impact.impulse, impulse_estimated_error = impulse_error,
+    first_touch_m = impact.place,
     speed_m_s = drop.speed, height_m = opts.height, down = given.down, spin_rad_s = given.spin,
     energy_j = drop.initial_energy, energy_error = drop.energy_error, modes = drop.modes.count,
     damping_ratio = opts.damping, material = opts.material, singular = found.singular ~= nil}
@@ -221,8 +223,8 @@ local function run_many(opts, out)
     shown.percent(high))
   out:say("That is the error of their number. The error of the mesh is unknown: one mesh.")
   if p > 0 then
-    out:say("Most often overloaded: %s, in %s of the drops.", core.point(at),
-      shown.percent(drops.exceedance[element]))
+    out:say("Most often overloaded: %s, in %s of the drops. Within an element of a touching node that depends on "
+      .. "the mesh.", core.point(at), shown.percent(drops.exceedance[element]))
   end
   out:say("The first impact lasts %s to %s, with a force of at most %s and a principal stress of at most %s.",
     shown.estimate(drops.durations:min(), "s"), shown.estimate(drops.durations:max(), "s"),
