@@ -137,7 +137,8 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
                     double length, int64_t row_count, const double (*row)[6],
                     bw_rigid_mode *motion);
 
-/* The motion sum a[m] r[m] of the body that it moves most, in words. */
+/* The motion sum a[m] r[m] of the body that it moves most, in words: to three digits, so that a
+ * translation with a thousandth of a rotation is a translation. */
 void bwi_describe_motion(const bw_dof_map *dof_map, const double *a, char *text, size_t size);
 
 /* u = r(x) */

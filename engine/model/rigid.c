@@ -15,6 +15,9 @@
 /* A component is constrained when what is left of its row (size about 1) is above this. Positions
  * from single-precision files carry relative noise of 1e-7, which must not count as a support. */
 #define CONSTRAINED_TOLERANCE 1e-6
+/* Of a motion of size 1: what words leave out of it. The motion of a body that slides away is
+ * known to about this. */
+#define DESCRIBED_TOLERANCE 1e-3
 /* Principal moments that agree to this are taken as equal, and their axes along x, y, z. */
 #define EQUAL_MOMENTS 1e-7
 
@@ -122,19 +125,20 @@ static void largest_positive(double *v, double *with) {
     }
 }
 
-static void name_motion(bw_rigid_mode *motion, double length) {
+/* What is up to the fraction `zero` of a direction, or of the body's length, is 0. */
+static void name_motion(bw_rigid_mode *motion, double length, double zero) {
   double size = bw_norm(motion->rotation), slip = bw_norm(motion->translation);
   char along[64], through[96];
   if (size == 0) {
-    bwi_vector_string(along, sizeof along, motion->translation, 4, 1e-6);
+    bwi_vector_string(along, sizeof along, motion->translation, 4, zero * slip);
     snprintf(motion->text, sizeof motion->text, "translation along %s", along);
     return;
   }
   double axis[3];
   for (int k = 0; k < 3; k++)
     axis[k] = motion->rotation[k] / size;
-  bwi_vector_string(along, sizeof along, axis, 4, 1e-6);
-  bwi_vector_string(through, sizeof through, motion->centre, 4, 1e-6 * length);
+  bwi_vector_string(along, sizeof along, axis, 4, zero);
+  bwi_vector_string(through, sizeof through, motion->centre, 4, zero * length);
   if (slip == 0)
     snprintf(motion->text, sizeof motion->text, "rotation about the axis through %s along %s",
              through, along);
@@ -147,13 +151,14 @@ static void name_motion(bw_rigid_mode *motion, double length) {
   }
 }
 
-/* Fills a rotation or screw from (t, w) about the body's centre, of unit size. */
+/* Fills a rotation or screw from (t, w) about the body's centre, of unit size; a slip (m per
+ * radian) up to `none` is 0. */
 static void set_rotation(bw_rigid_mode *motion, const double centre[3], const double t[3],
-                         const double w[3], double length) {
+                         const double w[3], double none) {
   double square = bw_dot(w, w), slip = bw_dot(t, w) / square, arm[3];
   bw_cross(w, t, arm);
   memcpy(motion->rotation, w, sizeof motion->rotation);
-  if (fabs(slip) <= 1e-9 * length) /* m per radian */
+  if (fabs(slip) <= none)
     slip = 0;
   for (int k = 0; k < 3; k++) {
     motion->centre[k] = centre[k] + arm[k] / square;
@@ -184,11 +189,11 @@ void bwi_describe_motion(const bw_dof_map *dof_map, const double *a, char *text,
       w[k] += a[m] * dof_map->rigid_mode[m].rotation[k] / sqrt(most);
     }
   }
-  if (bw_norm(w) * length > CONSTRAINED_TOLERANCE)
-    set_rotation(&motion, centre, t, w, length);
+  if (bw_norm(w) * length > DESCRIBED_TOLERANCE)
+    set_rotation(&motion, centre, t, w, DESCRIBED_TOLERANCE * length);
   else
     memcpy(motion.translation, t, sizeof t);
-  name_motion(&motion, length);
+  name_motion(&motion, length, DESCRIBED_TOLERANCE);
   if (dof_map->mesh->component_count > 1)
     snprintf(text, size, "%s of body %d", motion.text, largest + 1);
   else
@@ -250,7 +255,7 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
       for (int k = 0; k < 3; k++)
         motion[i].translation[k] += coefficient[i][j] * shift[j][k];
     largest_positive(motion[i].translation, unused);
-    name_motion(&motion[i], length);
+    name_motion(&motion[i], length, 1e-6);
   }
 
   /* The rotations, orthogonal to the translations: principal axes of
@@ -300,8 +305,8 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
       }
       largest_positive(wi, ti);
       motion[shifts + i].component = component;
-      set_rotation(&motion[shifts + i], centre, ti, wi, length);
-      name_motion(&motion[shifts + i], length);
+      set_rotation(&motion[shifts + i], centre, ti, wi, 1e-9 * length);
+      name_motion(&motion[shifts + i], length, 1e-6);
     }
     first = next;
   }

@@ -4,6 +4,8 @@
 
 #include "check.h"
 
+#include "model/internal.h"
+
 static inline bw_mesh *box_mesh(bw_context *context, double lx, double ly, double lz, int nx,
                                 int ny, int nz, int order) {
   double low[3] = {0, 0, 0}, high[3] = {lx, ly, lz};

@@ -61,6 +61,30 @@ static void free_box_has_six_motions_about_its_principal_axes(void **state) {
   }
 }
 
+/* What is a thousandth of a motion is not named. */
+static void motions_are_described_to_three_digits(void **state) {
+  bw_context *context = check_context(state);
+  const struct {
+    double a[6];
+    const char *text;
+  } of[] = {
+      {{1, 5e-4, 0, 0, 0, 5e-4}, "translation along (1, 0, 0)"},
+      {{0, 0, 1e-4, 0, 0, 1}, "rotation about the axis through (1.5, 1, 0.5) along (0, 0, 1)"},
+      {{0, 0, 0.1, 0, 0, 1},
+       "screw motion about the axis through (1.5, 1, 0.5) along (0, 0, 1), 0.104 m per radian"},
+      {{1, 0, 0, 0, 0, 1}, "rotation about the axis through (1.5, 2.041, 0.5) along (0, 0, 1)"}};
+  bw_mesh *mesh = box_mesh(context, 3, 2, 1, 3, 2, 1, 1);
+  bw_dof_map *dof_map = NULL;
+  check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
+  for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+    char text[300];
+    bwi_describe_motion(dof_map, of[i].a, text, sizeof text);
+    assert_string_equal(text, of[i].text);
+  }
+  bw_release(dof_map);
+  bw_release(mesh);
+}
+
 static void moved_and_turned_box_keeps_its_motions_orthonormal(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = box_mesh(context, 3, 2, 1, 2, 2, 2, 1), *moved = NULL;
@@ -393,6 +417,7 @@ static void failing_allocations_leave_nothing_behind(void **state) {
 }
 
 check_main(check_test(free_box_has_six_motions_about_its_principal_axes),
+           check_test(motions_are_described_to_three_digits),
            check_test(moved_and_turned_box_keeps_its_motions_orthonormal),
            check_test(curved_octant_has_the_centre_of_half_a_ball),
            check_test(cube_takes_global_axes), check_test(three_symmetry_planes_hold_an_octant),
