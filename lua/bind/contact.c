@@ -2,6 +2,7 @@
 /* bw.rigid: rigid surfaces; model:contact, and what it finds. */
 #include "bind.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -306,6 +307,14 @@ static int contact_report(lua_State *L) {
   return 1;
 }
 
+/* A force of a pair; what is rounding beside its pressure is 0. */
+static lbw_text force_text(const bw_contact_state *state, const double force[3]) {
+  double shown[3];
+  for (int k = 0; k < 3; k++)
+    shown[k] = fabs(force[k]) < 1e-9 * state->pressure * state->area ? 0 : force[k];
+  return lbw_triple(shown, 1, "N");
+}
+
 static int contact_tostring(lua_State *L) {
   const bw_contact *contact = self(L);
   luaL_Buffer text;
@@ -331,7 +340,7 @@ static int contact_tostring(lua_State *L) {
     else
       lua_pushfstring(
           L, "\n  pair %d: %s on %s, at most %s at %s, penetrates by up to %s; " LBW_ERROR_UNKNOWN,
-          i + 1, lbw_triple(state->force, 1, "N").text, lbw_quantity(state->area, "m2").text,
+          i + 1, force_text(state, state->force).text, lbw_quantity(state->area, "m2").text,
           lbw_quantity(state->pressure, "Pa").text,
           lbw_point(contact->model->mesh->node + 3 * (int64_t)state->node).text,
           lbw_quantity(state->penetration, "m").text);
@@ -340,7 +349,7 @@ static int contact_tostring(lua_State *L) {
       lua_pushfstring(L,
                       "\n    friction %f: %s of it, sticks on %s, slips by up to %s, took "
                       "%s; " LBW_ERROR_UNKNOWN,
-                      contact->pair[i].friction, lbw_triple(state->friction, 1, "N").text,
+                      contact->pair[i].friction, force_text(state, state->friction).text,
                       lbw_quantity(state->stick_area, "m2").text,
                       lbw_quantity(state->slip, "m").text, lbw_quantity(state->work, "J").text);
       luaL_addvalue(&text);

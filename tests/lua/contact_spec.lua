@@ -70,6 +70,7 @@ describe("contact", function()
     local pairs = {{on = foot, with = floor, friction = 0.5}}
     local part = block {pressure = 2e6}
     local pressed = assert(part:contact(pairs))
+    assert.matches("friction 0.5: %(0, 0, 0%) N of it", tostring(pressed))
     part:load {on = top, traction = {0.4e6, 0, 0}}
     local sheared = assert(part:contact(pairs, {steps = 2, after = pressed}))
     local pair = sheared.pairs[1]
