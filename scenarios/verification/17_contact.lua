@@ -143,6 +143,7 @@ scenario("Cattaneo and Mindlin, a sphere pressed and then sheared", function(t)
   local pair = t:require(moved(0.32 * depth, -depth):contact(pairs, {after = pressed})).pairs[1]
   local P, Q, source = 2 * pair.force[3], 2 * abs(pair.friction[1]), "Johnson 1985, 7.2"
   local whole = (3 * P * radius / (4 * modulus / 2)) ^ (1 / 3)
+  -- 3 %: a fifth of the cells at the border, which is known to within one. 28 cells for 24 give 2.7 %.
   expect(sqrt(2 * pair.area / pi), "radius of the contact", "m")
     :near(whole, {relative = 0.03, source = "Johnson 1985, 4.2"})
   expect(sqrt(2 * pair.stick_area / pi), "radius of the stick", "m")
@@ -223,12 +224,15 @@ scenario("Roller on a block (NAFEMS)", function(t)
       return of_block == (side == 1) and x < 1.2 * fine and abs(z - arc) < 1e-9
     end)
   end
-  local source = "NAFEMS, Konter 2006, benchmark 1"
+  local both_moduli = 1 / (0.91 / 70e9 + 0.91 / 210e9)
+  local a = sqrt(4 * load * radius / (pi * both_moduli)) -- 6.21 mm, under 3585 MPa, as the benchmark has them
+  local source = "Johnson 1985, 4.1; benchmark 1 of Konter 2006"
   local pair = t:require(part:contact {{on = face[2], with = face[1]}}).pairs[1]
-  expect(pair.area / wide, "half-width of the contact", "m"):near(6.21e-3, {relative = 0.03, source = source})
-  expect(pair.pressure, "largest pressure", "Pa"):near(3585.37e6, {relative = 0.03, source = source})
+  expect(pair.area / wide, "half-width of the contact", "m"):near(a, {relative = 0.02, source = source})
+  expect(pair.pressure, "largest pressure", "Pa"):near(2 * load / (pi * a), {relative = 0.02, source = source})
   local rough = t:require(part:contact({{on = face[2], with = face[1], friction = mu}}, {steps = 12})).pairs[1]
   local beta = 0.4 / 1.4 * (210 - 70) / (210 + 70) -- Dundurs's constant: by which pressure drives the sides apart
+  -- 10 %: Spence has half-planes. With a sixteenth of the load and a mesh to match it is 3.4 %.
   expect(rough.stick_area / rough.area, "part that sticks with friction 0.1", "-")
     :near(spence(beta, mu), {relative = 0.1, source = "Spence 1975; Johnson 1985, 5.4"})
 end)
