@@ -433,28 +433,7 @@ static void facing(void **state) {
 }
 
 static void same_bits(void **state) {
-  bw_context *context = check_context(state);
-  bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 6, 5, 3, 2);
-  bw_model *model = model_of(context, mesh);
-  bw_selection *top = plane(context, mesh, 2, 0.1), *foot = plane(context, mesh, 2, 0);
-  bw_rigid_surface *with = NULL;
-  bw_contact *c[2];
-  check_ok(context, bw_model_pressure(context, model, top, 1e7));
-  check_ok(context, bw_rigid_sphere(context, (double[3]){0.15, 0.1, -3}, 3, false, &with));
-  for (int k = 0; k < 2; k++) {
-    check_ok(context, bw_set_threads(context, k ? 3 : 1));
-    c[k] = solved(context, model, foot, with);
-  }
-  assert_memory_equal(c[0]->pressure, c[1]->pressure, (size_t)mesh->node_count * sizeof(double));
-  assert_memory_equal(c[0]->solution->displacement, c[1]->solution->displacement,
-                      3 * (size_t)mesh->node_count * sizeof(double));
-  bw_release(c[0]);
-  bw_release(c[1]);
-  bw_release(with);
-  bw_release(top);
-  bw_release(foot);
-  bw_release(model);
-  bw_release(mesh);
+  check_same_bits(check_context(state), 0, 1);
 }
 
 static void refused(void **state) {
@@ -508,23 +487,7 @@ static void refused(void **state) {
 }
 
 static void memory_failures(void **state) {
-  bw_context *context = check_context(state);
-  bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 2, 1, 1, 1);
-  bw_model *model = model_of(context, mesh);
-  bw_selection *top = plane(context, mesh, 2, 0.1), *foot = plane(context, mesh, 2, 0);
-  bw_rigid_surface *with = NULL;
-  bw_contact *c = NULL;
-  const double origin[3] = {0};
-  check_ok(context, bw_model_pressure(context, model, top, 1e7));
-  check_ok(context, bw_rigid_plane(context, origin, axis[2], &with));
-  bw_contact_pair pair = {.on = foot, .with = with};
-  check_ok(context, bw_set_threads(context, 1));
-  check_allocations(context, c, bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
-  bw_release(with);
-  bw_release(top);
-  bw_release(foot);
-  bw_release(model);
-  bw_release(mesh);
+  check_memory(check_context(state), 0);
 }
 
 int main(void) {

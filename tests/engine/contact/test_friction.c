@@ -317,31 +317,7 @@ static void law(void **state) {
 }
 
 static void same_bits(void **state) {
-  bw_context *context = check_context(state);
-  bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 6, 5, 3, 2);
-  bw_model *model = model_of(context, mesh);
-  bw_selection *foot = plane(context, mesh, 2, 0), *top = plane(context, mesh, 2, 0.1);
-  bw_rigid_surface *with = NULL;
-  bw_contact *c[2];
-  check_ok(context, bw_model_traction(context, model, top, (double[3]){1e6, 0, -1e7}));
-  check_ok(context, bw_rigid_sphere(context, (double[3]){0.15, 0.1, -3}, 3, false, &with));
-  bw_contact_pair pair = {.on = foot, .with = with, .friction = 0.3};
-  for (int k = 0; k < 2; k++) {
-    check_ok(context, bw_set_threads(context, k ? 3 : 1));
-    c[k] = solved(context, model, &pair, 2, NULL);
-    check_law(c[k], 0.3);
-  }
-  assert_memory_equal(c[0]->traction, c[1]->traction,
-                      3 * (size_t)mesh->node_count * sizeof(double));
-  assert_memory_equal(c[0]->solution->displacement, c[1]->solution->displacement,
-                      3 * (size_t)mesh->node_count * sizeof(double));
-  bw_release(c[0]);
-  bw_release(c[1]);
-  bw_release(with);
-  bw_release(foot);
-  bw_release(top);
-  bw_release(model);
-  bw_release(mesh);
+  check_same_bits(check_context(state), 0.3, 2);
 }
 
 static void refused(void **state) {
@@ -390,21 +366,7 @@ static void refused(void **state) {
 }
 
 static void memory_failures(void **state) {
-  bw_context *context = check_context(state);
-  bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 2, 1, 1, 1);
-  bw_model *model = model_of(context, mesh);
-  bw_selection *foot = plane(context, mesh, 2, 0), *top = plane(context, mesh, 2, 0.1);
-  bw_rigid_surface *floor = floor_at(context, 0);
-  bw_contact *c = NULL;
-  check_ok(context, bw_model_traction(context, model, top, (double[3]){1e5, 0, -1e6}));
-  bw_contact_pair pair = {.on = foot, .with = floor, .friction = 0.5};
-  check_ok(context, bw_set_threads(context, 1));
-  check_allocations(context, c, bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
-  bw_release(floor);
-  bw_release(foot);
-  bw_release(top);
-  bw_release(model);
-  bw_release(mesh);
+  check_memory(check_context(state), 0.5);
 }
 
 int main(void) {
