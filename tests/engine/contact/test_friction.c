@@ -49,23 +49,21 @@ static void check_law(const bw_contact *contact, double mu) {
 static void incline(void **state) {
   bw_context *context = check_context(state);
   const double mu = 0.3, angles[] = {0, 0.1, 0.28, 0.29, 0.3, 0.5};
-  bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 6, 4, 2, 2);
-  bw_model *model = model_of(context, mesh);
-  bw_selection *foot = plane(context, mesh, 2, 0);
+  block b = block_of(context, 6, 4, 2, 2);
   bw_rigid_surface *floor = floor_at(context, 0);
-  const double weight = 9.81 * model->material->density * 0.006;
+  const double weight = 9.81 * b.model->material->density * 0.006;
   for (int i = 0; i < 6; i++) {
     double c = cos(angles[i]), s = sin(angles[i]);
-    bw_contact_pair pair = {.on = foot, .with = floor, .friction = mu};
+    bw_contact_pair pair = {.on = b.foot, .with = floor, .friction = mu};
     bw_contact *contact = NULL;
-    bw_model_clear_loads(model);
-    check_ok(context, bw_model_gravity(context, model, (double[3]){9.81 * s, 0, -9.81 * c}));
+    bw_model_clear_loads(b.model);
+    check_ok(context, bw_model_gravity(context, b.model, (double[3]){9.81 * s, 0, -9.81 * c}));
     if (s > mu * c) {
       check_fails(context, BW_UNCONSTRAINED, "nothing stops the translation along (1, 0, 0)",
-                  bw_contact_solve(context, model, 1, &pair, NULL, NULL, &contact));
+                  bw_contact_solve(context, b.model, 1, &pair, NULL, NULL, &contact));
       continue;
     }
-    contact = solved(context, model, &pair, 1, NULL);
+    contact = solved(context, b.model, &pair, 1, NULL);
     check_near(contact->state[0].friction[0], -weight * s, 1e-5 * weight);
     check_near(contact->state[0].force[2], weight * c, 1e-5 * weight);
     assert_int_equal(contact->free_count, 0);
@@ -73,9 +71,7 @@ static void incline(void **state) {
     bw_release(contact);
   }
   bw_release(floor);
-  bw_release(foot);
-  bw_release(model);
-  bw_release(mesh);
+  block_release(&b);
 }
 
 /* A patch: one pressure p and one shear 0.29 p, without lateral strain, on a foot of friction 0.3.
@@ -132,15 +128,13 @@ static void pulled(void **state) {
   bw_context *context = check_context(state);
   const double mu = 0.4, pull[] = {0, 1e-7, 1e-5, 1e-3, -1e-3};
   for (int order = 1; order <= 2; order++) {
-    bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 5, 4, 2, order);
-    bw_model *model = model_of(context, mesh);
-    bw_selection *foot = plane(context, mesh, 2, 0), *top = plane(context, mesh, 2, 0.1);
+    block b = block_of(context, 5, 4, 2, order);
     bw_rigid_surface *floor = floor_at(context, 0);
-    bw_contact_pair pair = {.on = foot, .with = floor, .friction = mu};
+    bw_contact_pair pair = {.on = b.foot, .with = floor, .friction = mu};
     bw_contact *before = NULL;
     for (int i = 0; i < 5; i++) {
-      move(context, model, top, pull[i], -1e-5);
-      bw_contact *contact = solved(context, model, &pair, 1, before);
+      move(context, b.model, b.top, pull[i], -1e-5);
+      bw_contact *contact = solved(context, b.model, &pair, 1, before);
       const bw_contact_state *s = contact->state;
       check_law(contact, mu);
       assert_int_equal(contact->steps, i + 1);
@@ -159,10 +153,7 @@ static void pulled(void **state) {
     }
     bw_release(before);
     bw_release(floor);
-    bw_release(foot);
-    bw_release(top);
-    bw_release(model);
-    bw_release(mesh);
+    block_release(&b);
   }
 }
 
@@ -287,9 +278,7 @@ static void law(void **state) {
   bw_random_seed(&random, 7);
   for (int n = 0; n < 24; n++) {
     double mu = pow(10, -1.5 * bw_random_uniform(&random));
-    bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 4 + n % 4, 3 + n % 3, 2, 1 + n % 2);
-    bw_model *model = model_of(context, mesh);
-    bw_selection *foot = plane(context, mesh, 2, 0), *top = plane(context, mesh, 2, 0.1);
+    block b = block_of(context, 4 + n % 4, 3 + n % 3, 2, 1 + n % 2);
     bw_rigid_surface *with = NULL;
     const double centre[3] = {0.1 + 0.1 * bw_random_uniform(&random), 0.1, -30};
     const double along[3] = {bw_random_uniform(&random), bw_random_uniform(&random), 0};
@@ -299,20 +288,17 @@ static void law(void **state) {
       check_ok(context, bw_rigid_cylinder(context, centre, along, 30, false, &with));
     else
       with = floor_at(context, 0);
-    move(context, model, top, 1e-4 * (2 * bw_random_uniform(&random) - 1),
+    move(context, b.model, b.top, 1e-4 * (2 * bw_random_uniform(&random) - 1),
          -1e-4 * (0.2 + bw_random_uniform(&random)));
-    bw_contact_pair pair = {.on = foot, .with = with, .friction = mu};
+    bw_contact_pair pair = {.on = b.foot, .with = with, .friction = mu};
     for (int steps = 1; steps <= 4; steps += 3) {
-      bw_contact *contact = solved(context, model, &pair, steps, NULL);
+      bw_contact *contact = solved(context, b.model, &pair, steps, NULL);
       check_law(contact, mu);
       assert_true(contact->state[0].active > 0 && contact->state[0].work >= 0);
       bw_release(contact);
     }
     bw_release(with);
-    bw_release(foot);
-    bw_release(top);
-    bw_release(model);
-    bw_release(mesh);
+    block_release(&b);
   }
 }
 
