@@ -94,6 +94,17 @@ static bw_status take_spectrum(bw_context *context, const bw_response_spectrum_o
       piece++;
     r->acceleration[k] = bwi_between(o->frequency + piece, o->acceleration + piece, f);
   }
+  if (r->count == 0 && o->missing_mass)
+    bw_warn(context,
+            "the response spectrum ends at %g Hz, below the first mode at %g Hz: the response is "
+            "the static one under the %g m/s2 of the last point. If the base itself has another "
+            "largest acceleration, give points beyond that mode",
+            last, r->modes->frequency[0], r->base);
+  else if (r->count == 0)
+    bw_warn(context,
+            "the response spectrum ends at %g Hz, below the first mode at %g Hz: without the "
+            "missing mass the response is 0. Give points beyond that mode",
+            last, r->modes->frequency[0]);
   return BW_OK;
 }
 
@@ -111,11 +122,12 @@ static bw_status find_parts(bw_context *context, bw_system *system, bw_response_
   int64_t size = 3 * (int64_t)system->mesh->node_count;
   double *field = BW_NEW0(context, double, 5 * size),
          *along = BW_NEW0(context, double, r->count + 1);
-  double *moved = field + 3 * size, *unit = moved + size, left[3] = {0};
+  double left[3] = {0};
   p->size = BW_NEW0(context, double, r->count + 1);
   p->force = BW_NEW0(context, double, 3 * ((int64_t)r->count + 1));
   p->rigid = BW_NEW(context, double, size);
   BW_TRY_MEMORY(field && along && p->size && p->force && p->rigid);
+  double *moved = field + 3 * size, *unit = moved + size;
   for (int j = 0; j < 3; j++) { /* M times a unit motion along an axis */
     for (int64_t i = 0; i < size; i++)
       unit[i] = i % 3 == j;

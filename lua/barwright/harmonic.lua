@@ -5,6 +5,7 @@ local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local fine_boundary = require "barwright.fine_boundary"
 local members = require "barwright.members"
+local nodal_files = require "barwright.nodal_files"
 local options = require "barwright.options"
 local plot = require "barwright.plot"
 local shown = require "barwright.shown"
@@ -129,23 +130,16 @@ end
 
 --- The largest values and their frequencies as .vtu (or what the ending says).
 function envelope:write(path, given)
-  local opts = options.copied(given)
-  opts.fields = options.copied(opts.fields, "fields")
+  local values = {}
   for _, name in ipairs {"displacement", "von_mises"} do
-    opts.fields["largest_" .. name] = {self[name], on = "nodes"}
-    opts.fields[name .. "_frequency"] = {self[name .. "_frequency"], on = "nodes"}
+    values["largest_" .. name], values[name .. "_frequency"] = self[name], self[name .. "_frequency"]
   end
-  return self.mesh:write(path, opts)
+  return nodal_files.write(self.mesh, values, path, given)
 end
 
 --- The body coloured by the largest von Mises stress; options of bw.picture.
 function envelope:picture(path, given)
-  local opts = options.copied(given)
-  local surface, nodes, details = fine_boundary(self.mesh)
-  if not surface then return nil, nodes, details end
-  opts.values = self.von_mises:gather(nodes)
-  opts.unit, opts.scale = opts.unit or "largest von Mises stress over frequencies, MPa", opts.scale or 1e-6
-  return core.picture(surface, path, opts)
+  return nodal_files.picture(self.mesh, self.von_mises, "largest von Mises stress over frequencies", path, given)
 end
 
 --- A plot of the largest von Mises stress of the body over the frequency, logarithmic upwards.
@@ -185,21 +179,13 @@ end
 
 --- Root mean squares of displacement and von Mises stress, as .vtu (or what the ending says).
 function random:write(path, given)
-  local opts = options.copied(given)
-  opts.fields = options.copied(opts.fields, "fields")
-  opts.fields.rms_displacement = {self.displacement, on = "nodes"}
-  opts.fields.rms_von_mises = {self.von_mises, on = "nodes"}
-  return self.mesh:write(path, opts)
+  return nodal_files.write(self.mesh, {rms_displacement = self.displacement, rms_von_mises = self.von_mises}, path,
+    given)
 end
 
 --- The body coloured by the root mean square of von Mises stress; options of bw.picture.
 function random:picture(path, given)
-  local opts = options.copied(given)
-  local surface, nodes, details = fine_boundary(self.mesh)
-  if not surface then return nil, nodes, details end
-  opts.values = self.von_mises:gather(nodes)
-  opts.unit, opts.scale = opts.unit or "root mean square of von Mises stress, MPa", opts.scale or 1e-6
-  return core.picture(surface, path, opts)
+  return nodal_files.picture(self.mesh, self.von_mises, "root mean square of von Mises stress", path, given)
 end
 
 function random:__tostring()
@@ -219,16 +205,12 @@ arguments.methods("random_response", random, random, {write = "path: string, opt
 
 --- Both parts of the displacement and the stress, and the amplitude of von Mises stress, as .vtu.
 function harmonic:write(path, frequency, given)
-  local opts = options.copied(given)
-  local fields = options.copied(opts.fields, "fields")
-  local real, imaginary, details = self:displacement(frequency)
-  if not real then return nil, imaginary, details end
-  fields.displacement_real, fields.displacement_imaginary = {real, on = "nodes"}, {imaginary, on = "nodes"}
-  real, imaginary = self:stress(frequency)
-  fields.stress_real, fields.stress_imaginary = {real, on = "nodes"}, {imaginary, on = "nodes"}
-  fields.von_mises = {self:von_mises(frequency), on = "nodes"}
-  opts.fields = fields
-  return self.mesh:write(path, opts)
+  local values, details = {}
+  values.displacement_real, values.displacement_imaginary, details = self:displacement(frequency)
+  if not values.displacement_real then return nil, values.displacement_imaginary, details end
+  values.stress_real, values.stress_imaginary = self:stress(frequency)
+  values.von_mises = self:von_mises(frequency)
+  return nodal_files.write(self.mesh, values, path, given)
 end
 
 -- Largest displacement over a period: its real part is largest at this phase, over all nodes together.

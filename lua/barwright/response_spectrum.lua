@@ -2,8 +2,7 @@
 -- Responses to a response spectrum: what print says, files and pictures. docs/theory/dynamics.md
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
-local fine_boundary = require "barwright.fine_boundary"
-local options = require "barwright.options"
+local nodal_files = require "barwright.nodal_files"
 local shown = require "barwright.shown"
 
 local class = core.classes.response_spectrum
@@ -11,21 +10,13 @@ local spectrum = class.methods
 
 --- Largest displacements and von Mises stress, as .vtu (or what the ending says).
 function spectrum:write(path, given)
-  local opts = options.copied(given)
-  opts.fields = options.copied(opts.fields, "fields")
-  opts.fields.largest_displacement = {self.displacement, on = "nodes"}
-  opts.fields.largest_von_mises = {self.von_mises, on = "nodes"}
-  return self.mesh:write(path, opts)
+  return nodal_files.write(self.mesh, {largest_displacement = self.displacement,
+    largest_von_mises = self.von_mises}, path, given)
 end
 
 --- The body coloured by the largest von Mises stress; options of bw.picture.
 function spectrum:picture(path, given)
-  local opts = options.copied(given)
-  local surface, nodes, details = fine_boundary(self.mesh)
-  if not surface then return nil, nodes, details end
-  opts.values = self.von_mises:gather(nodes)
-  opts.unit, opts.scale = opts.unit or "largest von Mises stress, MPa", opts.scale or 1e-6
-  return core.picture(surface, path, opts)
+  return nodal_files.picture(self.mesh, self.von_mises, "largest von Mises stress", path, given)
 end
 
 local combinations = {cqc = "complete quadratic combination (CQC)",

@@ -324,6 +324,9 @@ int lbw_push_indices(lua_State *L, int64_t rows, int64_t columns, const int32_t 
 /* A packed block of doubles (or int32 counted from 0) from an array or a table of rows, in a
  * userdata that is pushed. `columns` 0: any. */
 double *lbw_to_doubles(lua_State *L, int index, const char *what, int64_t columns, int64_t *rows);
+/* Rows of two numbers, at most a million: the first column, and `count` numbers behind it the
+ * second, in a userdata that is pushed. */
+const double *lbw_to_points(lua_State *L, int index, const char *what, int64_t *count);
 int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t columns, int64_t *rows);
 /* The same as they are, one for each of `rows` elements. */
 int32_t *lbw_to_tags(lua_State *L, int index, const char *what, int64_t rows);

@@ -55,6 +55,18 @@ void lbw_damping_option(lua_State *L, int index, const char *function, bw_dampin
     lua_remove(L, table);
 }
 
+const double *lbw_to_points(lua_State *L, int index, const char *what, int64_t *count) {
+  const double *row = lbw_to_doubles(L, index, what, 2, count);
+  if (*count > 1000000)
+    lbw_error(L, "%s: at most 1000000 points expected", what);
+  double *column = (double *)lua_newuserdatauv(L, (size_t)*count * 2 * sizeof(double) + 1, 0);
+  for (int64_t i = 0; i < *count; i++) {
+    column[i] = row[2 * i];
+    column[*count + i] = row[2 * i + 1];
+  }
+  return column;
+}
+
 /* model:harmonic{frequencies or range, modes, residual_vectors, tolerance, damping, base, solver}
  */
 static int model_harmonic(lua_State *L) {
@@ -189,18 +201,10 @@ static int harmonic_random(lua_State *L) {
   const bw_harmonic *h = self(L);
   int64_t nodes = h->model->mesh->node_count, count;
   lua_settop(L, 2);
-  const double *row = lbw_to_doubles(L, 2, "random: option 'psd'", 2, &count);
-  if (count > 1000000)
-    return lbw_error(L, "random: option 'psd': at most 1000000 points expected");
-  double *frequency = (double *)lua_newuserdatauv(L, (size_t)count * 2 * sizeof(double) + 1, 0);
-  double *density = frequency + count, error = 0;
-  for (int64_t i = 0; i < count; i++) {
-    frequency[i] = row[2 * i];
-    density[i] = row[2 * i + 1];
-  }
+  const double *frequency = lbw_to_points(L, 2, "random: option 'psd'", &count);
   double *displacement = (double *)lbw_push_array(L, BW_F64, nodes, 3)->data;
-  double *von_mises = (double *)lbw_push_array(L, BW_F64, nodes, 1)->data;
-  bw_status status = bw_harmonic_random(lbw_enter(L), h, (int)count, frequency, density,
+  double *von_mises = (double *)lbw_push_array(L, BW_F64, nodes, 1)->data, error = 0;
+  bw_status status = bw_harmonic_random(lbw_enter(L), h, (int)count, frequency, frequency + count,
                                         displacement, von_mises, &error);
   lua_pushnumber(L, error);
   return lbw_leave(L, status, 3);

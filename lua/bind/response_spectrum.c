@@ -32,18 +32,9 @@ static int model_response_spectrum(lua_State *L) {
   if (lua_isnil(L, 3))
     return lbw_error(L, "response_spectrum: option 'points' is missing: rows of a frequency in Hz "
                         "and an acceleration in m/s2");
-  const double *row = lbw_to_doubles(L, 3, "response_spectrum: option 'points'", 2, &count);
-  if (count > 1000000)
-    return lbw_error(L, "response_spectrum: option 'points': at most 1000000 points expected");
-  double *frequency = (double *)lua_newuserdatauv(L, (size_t)count * 2 * sizeof(double) + 1, 0);
-  double *acceleration = frequency + count;
-  for (int64_t i = 0; i < count; i++) {
-    frequency[i] = row[2 * i];
-    acceleration[i] = row[2 * i + 1];
-  }
+  options.frequency = lbw_to_points(L, 3, "response_spectrum: option 'points'", &count);
+  options.acceleration = options.frequency + count;
   options.count = (int)count;
-  options.frequency = frequency;
-  options.acceleration = acceleration;
   lbw_box *box = lbw_box_new(L, &lbw_response_spectrum_class);
   bw_system *system = NULL;
   bw_response_spectrum *response = NULL;

@@ -556,7 +556,7 @@ function Model:harmonic(options) end
 ---
 ---Errors: unconstrained (supports leave the part free to move), unsupported (temperatures, prescribed displacements that are not
 ---zero) and those of `modes`. Points that do not ascend or begin above the first mode raise.
----A warning says that the part's loads are not in it.
+---Warnings say that the part's loads are not in it, and where no mode is up to the last point.
 ---
 ---Source: docs/theory/dynamics.md; Wilson, Der Kiureghian, Bayo (1981).
 ---```lua

@@ -169,9 +169,10 @@ typedef struct bw_response_spectrum {
   double *von_mises;      /* (Pa, node_count) by the quadratic form of von Mises stress */
   double base_force[3];   /* (N) on the supports */
 } bw_response_spectrum;
-/* Of a model, whose loads are not in it, as a warning says (docs/theory/dynamics.md). `given` and
- * *system as in bw_modes_of_model. BW_INVALID for options outside their ranges, and where the first
- * mode is below the first point; else those of bw_harmonic_of_model. */
+/* Of a model, whose loads are not in it, as a warning says (docs/theory/dynamics.md). Another one
+ * says where no mode is up to the last point. `given` and *system as in bw_modes_of_model.
+ * BW_INVALID for options outside their ranges, and where the first mode is below the first point;
+ * else those of bw_harmonic_of_model. */
 BW_API bw_status bw_response_spectrum_of_model(bw_context *context, const bw_model *model,
                                                bw_system *given,
                                                const bw_response_spectrum_options *options,

@@ -47,6 +47,7 @@ static void single_mode_and_rigid(void **state) {
   options.missing_mass = false;
   bw_response_spectrum *r = shaken(context, model, &options);
   assert_int_equal(r->count, 1);
+  assert_null(bw_warning_at(context, 0));
   assert_true(r->modes->counted && r->base == 0);
   double expected = 3 * exp(log(4) * log(4) / log(4 * last / f));
   check_near(r->acceleration[0], expected, 1e-9 * expected);
@@ -74,6 +75,8 @@ static void single_mode_and_rigid(void **state) {
     options.combination = (bw_combination)which;
     r = shaken(context, model, &options);
     assert_int_equal(r->count, 0);
+    assert_non_null(bw_warning_at(context, 0));
+    assert_non_null(strstr(bw_warning_at(context, 0), "static one under the 12 m/s2"));
     largest = 0;
     for (int64_t i = 0; i < size; i++)
       largest = fmax(largest, r->displacement[i]);
@@ -86,6 +89,13 @@ static void single_mode_and_rigid(void **state) {
     check_near(r->missing_mass, r->mass, 1e-12 * r->mass);
     bw_release(r);
   }
+  bw_clear_warnings(context);
+  options.missing_mass = false;
+  r = shaken(context, model, &options);
+  assert_non_null(bw_warning_at(context, 0));
+  assert_non_null(strstr(bw_warning_at(context, 0), "the response is 0"));
+  assert_true(r->base_force[2] == 0);
+  bw_release(r);
   free(stress);
   bw_release(solution);
   bw_release(modes);
