@@ -583,7 +583,7 @@ bw_motion_resolution bw_linear_transient_resolution(bw_context *context,
   angle = 2 * asin(fmin(0.5 * sqrt(s->change / swing), 1));
   /* beta = (1 + x)^2 / 4 with x = (1 - rho) / (1 + rho) */
   dissipation = sqrt(4 * s->beta) - 1;
-  lag = 0.375 * dissipation * dissipation;
+  lag = 0.375 * dissipation * dissipation; /* the expansion in docs/theory/transient.md */
   r.steps = 2 * M_PI / angle;
   r.error = 2 * tan(0.5 * angle) / angle - 1 + lag * angle * angle;
   if (r.error > resolution_limit && (double)t->steps < r.steps) /* less than a period: a bound */

@@ -26,6 +26,7 @@ if opts.fixed then part:fix(mesh.boundary:below("z", box.min[3] + box.size[3] / 
 
 local before, processor, seconds = bw.results.peak_memory(), os.clock(), bw.seconds()
 local worst = assert(bw.worst_buckling(part, {force = opts.force, contact = opts.contact}))
+assert(worst.factor, tostring(worst))
 local row = {elements = mesh.element_count, nodes = mesh.node_count, pressures = worst.basis.count,
   factor = worst.factor, error = worst.error, mesh_error = worst.mesh_error, counted = worst.counted,
   loads = #worst.loads, analyses = worst.analyses, seconds = bw.seconds() - seconds,
