@@ -597,9 +597,6 @@ function Model:response_spectrum(options) end
 ---@field stiffness? number (s) b of it. Range: 0 or more. Default: 0
 ---@field loss? number|table<string, number> (-) loss factor h of the stiffness (1 + i h) K, or one by the name of each region, 0 where it has none; not in time. Range: 0 or more. Default: 0
 
----The part in contact with rigid surfaces, or parts of its mesh with each other, without friction or with Coulomb's, for
----small displacements: contact pressure, friction, resultants and the static solution. Supports may leave motions that contact restrains. The factor is that of the part's equations; each candidate that
-
 ---The part falls on a rigid plane and is followed in time: free fall, impacts, bounces. It is linear elastic about its motion as a
 ---rigid body. Its modes and the compliance that they leave out carry the contact, without friction. The mesh shows its attitude
 ---when it touches; positions and times count from then. The model keeps the equations, and `modes` of a former drop
@@ -625,17 +622,17 @@ function Model:response_spectrum(options) end
 ---@return bw.Details? details
 function Model:drop(options) end
 
----The part in contact with rigid surfaces, or parts of its mesh with each other, without friction, for small
----displacements: contact pressure, resultants and the static
----solution. Supports may leave motions that contact restrains. The factor is that of the part's equations; each candidate that
+---The part in contact with rigid surfaces, or parts of its mesh with each other, without friction or with Coulomb's, for
+---small displacements: contact pressure, friction, resultants and the static solution. Supports may leave motions that
+---contact restrains. The factor is that of the part's equations; each candidate that
 ---may touch takes one solution with it.
 ---
 ---A warning names pairs that stay open or penetrate for want of smaller facets, motions that nothing decides, and rotations that
 ---are not small.
 ---
 ---Errors: unconstrained (neither supports nor contact balance the load; `details.motion` says along which motion), convergence
----(the part slides far on a curved surface, or friction finds no equilibrium: the message says where), invalid (supports press the part into a surface), empty (a pair without a facet);
----those of `solve`.
+---(the part slides far on a curved surface, or friction finds no equilibrium: the message says where), invalid (supports
+---press the part into a surface), empty (a pair without a facet); those of `solve`.
 ---
 ---Source: docs/theory/contact.md.
 ---```lua
