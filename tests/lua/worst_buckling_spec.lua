@@ -209,6 +209,7 @@ describe("barwright buckle --worst", function()
     assert.equal(0, status)
     assert.truthy(out:find("heuristic", 1, true))
     assert.truthy(out:find("w.png", 1, true))
+    assert.truthy(out:find("buckles the part first: [%d.]+ N on at least 1 cm2, a load factor of [%d.]+"), out)
     assert(bw.mesh.read(folder .. "w.vtu"))
   end)
 

@@ -31,7 +31,7 @@ local function analyse(opts, loads, out)
 end
 
 local load_words = {positive = "this load", negative = "the reversed load",
-  either = "this load and the reversed one"}
+  either = "this load or the reversed one"}
 
 -- The verdict on the loads of the wanted sign, and its words. The first factor is the smallest in size.
 local function judge(buckling, errors, sign)

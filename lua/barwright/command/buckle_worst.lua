@@ -75,15 +75,20 @@ function buckle_worst.analyse(opts, out)
   return worst
 end
 
---- A picture of the answer, with the force as the option gives it.
-function buckle_worst.picture(worst, opts)
-  return worst:picture(opts.picture, {title = ("Buckles at %s times this load of %s%s; another load may have a "
-    .. "smaller factor"):format(shown.number(worst.factor), core.quantity(opts.worst, "N"),
-    #opts.fix == 0 and " on each side" or "")})
+-- The force at which a load with a factor buckles the part, as --worst counts it.
+local function force_words(factor, opts)
+  return ("%s%s%s"):format(factor < 0 and "a pull of " or "", core.quantity(math.abs(factor) * opts.worst, "N"),
+    #opts.fix == 0 and " on each side" or "")
 end
 
-local words = {buckles = "the part buckles under that load", unsure = "the error leaves open whether it buckles",
-  holds = "no load that was found buckles it"}
+--- A picture of the answer, with the force as the option gives it.
+function buckle_worst.picture(worst, opts)
+  return worst:picture(opts.picture, {title = ("Buckles at %s, %s times this load; another may need less")
+    :format(force_words(worst.factor, opts), shown.number(math.abs(worst.factor)))})
+end
+
+local words = {buckles = "the part buckles under %s", unsure = "the error leaves open whether it buckles under %s",
+  holds = "no load of %s that was found buckles it"}
 
 --- Says what was found; the verdict. `min_error`: what one mesh leaves open at least.
 function buckle_worst.report(worst, opts, min_error, out)
@@ -96,21 +101,24 @@ function buckle_worst.report(worst, opts, min_error, out)
   end
   out:say("")
   if factor then
-    out:say("The load that buckles it first, of those found: %s%s on at least %s, at %s times it.",
-      core.quantity(opts.worst, "N"), factor < 0 and " that pull" or "", core.quantity(opts.contact, "m2"),
-      shown.number(factor))
+    local asked = core.quantity(opts.worst, "N")
+    out:say("Of the loads found, this one buckles the part first: %s on at least %s, a load factor of %s.",
+      force_words(factor, opts), core.quantity(opts.contact, "m2"), shown.number(factor))
+    out:say("At a force of %s its pressures add up to the following%s:", asked,
+      factor < 0 and ", and a pull reverses them" or "")
     for _, arrow in ipairs(worst:arrows()) do
       out:say("  %s at %s, on %s", shown.vector(arrow.force, "N"), core.point(arrow.at),
         core.quantity(arrow.area, "m2"))
     end
-    out:say("The mesh makes the factor about %s too large in size. With that, or %s where that is more, %s.",
-      shown.error(worst.mesh_error), shown.error(min_error), words[verdict])
+    out:say("The mesh makes force and factor about %s too large in size.", shown.error(worst.mesh_error))
+    out:say("With this error, or %s where that is more, %s.", shown.error(min_error), words[verdict]:format(asked))
     out:say(worst.counted and "A count of the load factors confirms that this load has no smaller one."
       or "The load factors of this load are not counted: a smaller one may be missing.")
   else
     out:say "No load was found that buckles the part; one may exist."
   end
   out:say "The search is heuristic: another load may buckle the part sooner."
+  out:say "Whether the material fails at a smaller force is not computed: `barwright worst` answers that."
   out:say "Linear theory: loads keep their directions, and shape and supports are perfect."
   local factors = {}
   for i, load in ipairs(worst.loads) do factors[i] = load.factor end
