@@ -152,7 +152,12 @@ describe("barwright drop", function()
       "d.png", "d.html"} do
       assert.truthy(out:find(text, 1, true), text .. "\n" .. out)
     end
-    for _, name in ipairs {"d.csv", "d.vtu", "d.png", "d.html"} do assert(io.open(folder .. name)):close() end
+    for _, name in ipairs {"d.csv", "d.vtu", "d.png"} do assert(io.open(folder .. name)):close() end
+    local page = check.read(folder .. "d.html")
+    for _, sentence in ipairs {"The impact lasts", "The impulse is", "Verdict: "} do
+      local line = out:match(sentence .. "[^\n]*")
+      assert.truthy(page:find(line, 1, true), line)
+    end
   end)
 
   it("drops at random and leaves the verdict open", function()
@@ -162,6 +167,7 @@ describe("barwright drop", function()
     for _, text in ipairs {"4 drops from 10 mm", "95 %", "Verdict: unsure", "r.png", "r.vtu", "r.html"} do
       assert.truthy(out:find(text, 1, true), text .. "\n" .. out)
     end
+    assert.truthy(check.read(folder .. "r.html"):find(out:match "4 drops from[^\n]*", 1, true))
     local _, object = answer("--drops 4 --height 10m --strength 10kPa " .. rod)
     assert.equal(1, object.value)
     assert.equal("unsure", object.verdict)

@@ -84,8 +84,9 @@ end
 local function measure(drop, down, reach)
   reach = reach or growth.edge_length(drop.mesh, drop.impacts[1].place)
   local near = distances(drop, down):map("a <= h", {h = reach})
-  return {touch = largest(drop, near), rest = largest(drop, near:map "1 - a"), reach = reach,
-    force = drop.impacts[1].force, duration = drop.impacts[1].duration, impulse = drop.impacts[1].impulse}
+  local impact, energy = drop.impacts[1], drop.motion_energy
+  return {touch = largest(drop, near), rest = largest(drop, near:map "1 - a"), reach = reach, force = impact.force,
+    duration = impact.duration, impulse = impact.impulse, motion = energy[#energy] / drop.initial_energy}
 end
 
 -- The relative error of a value by those of the drops on a coarser mesh, with all modes and with half of them.
@@ -131,9 +132,9 @@ local function of_strength(place)
   return place.used and (", %s of the strength"):format(shown.percent(place.used)) or ""
 end
 
-local function state_assumptions(opts, unknown, out)
+local function state_assumptions(opts, unknown, say)
   local damping = opts.damping and ("%s of the critical damping in every mode"):format(shown.percent(opts.damping))
-  out:say("Linear elasticity, rigid plane, no friction, %s. The error of %s is unknown.", damping or "no damping",
+  say("Linear elasticity, rigid plane, no friction, %s. The error of %s is unknown.", damping or "no damping",
     unknown)
 end
 
@@ -150,58 +151,62 @@ local function run_one(opts, given, out)
     local half = same and drop_of(coarser, material, opts, given, math.max(1, count // 2))
     return half and {same = measure(same, given.down, found.reach), half = measure(half, given.down, found.reach)}
   end)
-  local verdict, text = assess(found, coarse, part, read)
+  local verdict, words = assess(found, coarse, part, read)
   local impact, touch, rest = drop.impacts[1], found.touch, found.rest
   local way = coarse and "by a coarser mesh and half the modes" or "error unknown: one mesh"
-  local force_error = coarse and error_of(impact.force, coarse, function(other) return other.force end)
-  local duration_error = coarse
-    and error_of(impact.duration, coarse, function(other) return other.duration end)
-  local impulse_error = coarse and error_of(impact.impulse, coarse, function(other) return other.impulse end)
   local function error_text(error)
     return error and ("estimated error %s, %s"):format(shown.error(error), way) or way
   end
+  local errors, texts = {}, {}
+  for _, name in ipairs {"force", "duration", "impulse", "motion"} do
+    errors[name] = coarse and error_of(found[name], coarse, function(other) return other[name] end)
+    texts[name] = error_text(errors[name])
+  end
   out:say("")
-  out:say("It falls %s along %s and hits at %s, first at %s.", core.quantity(opts.height, "m"),
+  local say, text = out:recorded()
+  say("It falls %s along %s and hits at %s, first at %s.", core.quantity(opts.height, "m"),
     shown.vector(given.down, ""):gsub(" $", ""), core.quantity(drop.speed, "m/s"), core.point(impact.place))
-  out:say("The impact lasts %s (%s).", shown.estimate(impact.duration, "s"), error_text(duration_error))
-  out:say("The largest force is %s (%s).", shown.estimate(impact.force, "N"), error_text(force_error))
-  out:say("The impulse is %s (%s).", shown.estimate(impact.impulse, "N s"), error_text(impulse_error))
-  out:say("The largest principal stress is %s at %s, within an element of what touches%s: %s.",
+  say("The impact lasts %s (%s).", shown.estimate(impact.duration, "s"), texts.duration)
+  say("The largest force is %s (%s).", shown.estimate(impact.force, "N"), texts.force)
+  say("The impulse is %s (%s).", shown.estimate(impact.impulse, "N s"), texts.impulse)
+  say("The largest principal stress is %s at %s, within an element of what touches%s: %s.",
     shown.estimate(touch.stress, "Pa"), core.point(touch.at), of_strength(touch),
     touch.grows and (coarse and "it depends on the mesh" or "it may depend on the mesh")
     or error_text(touch.error))
   if rest.stress > 0 then
-    out:say("Elsewhere it is %s at %s%s (%s).", shown.estimate(rest.stress, "Pa"), core.point(rest.at),
+    say("Elsewhere it is %s at %s%s (%s).", shown.estimate(rest.stress, "Pa"), core.point(rest.at),
       of_strength(rest), coarse and error_text(rest.error) or ("error unknown, taken as %s: one mesh"):format(
       shown.error(rest.error)))
   end
-  if found.singular then out:say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
-  out:say("Verdict: %s.", text)
-  out:say("Of %s at the first touch, %s go on as motion (error unknown); the balance of energy is kept to %.1e.",
-    core.quantity(drop.initial_energy, "J"), shown.percent(drop.motion_energy[#drop.motion_energy]
-    / drop.initial_energy), drop.energy_error)
+  if found.singular then say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
+  say("Verdict: %s.", words)
+  say("Of %s at the first touch, %s go on as motion (%s).", core.quantity(drop.initial_energy, "J"),
+    shown.percent(found.motion), texts.motion)
+  say("The balance of energy is kept to %.1e of the energy at the first touch.", drop.energy_error)
   if impact.turn > 0.1 then
-    out:say("The part turns by %s degrees in the impact: more than the contact allows for.",
+    say("The part turns by %s degrees in the impact: more than the contact allows for.",
       shown.number(math.deg(impact.turn)))
   end
-  state_assumptions(opts, "the stress between samples", out)
+  state_assumptions(opts, "the stress between samples", say)
   local function place_of(place)
     return {stress_pa = place.stress, at_m = place.at, utilisation = place.used, verdict = place.verdict,
       estimated_error = coarse and place.error or nil, depends_on_mesh = place.grows}
   end
   out:json {verdict = verdict, value = drop.peak.stress, quantity = "largest principal stress, Pa",
     at_m = drop.peak.place, time_s = drop.peak.time, touch = place_of(touch), elsewhere = place_of(rest),
-    duration_s = impact.duration, duration_estimated_error = duration_error, force_n = impact.force,
-    force_estimated_error = force_error, impulse_n_s = impact.impulse, impulse_estimated_error = impulse_error,
-    first_touch_m = impact.place,
+    duration_s = impact.duration, duration_estimated_error = errors.duration, force_n = impact.force,
+    force_estimated_error = errors.force, impulse_n_s = impact.impulse,
+    impulse_estimated_error = errors.impulse, first_touch_m = impact.place,
     speed_m_s = drop.speed, height_m = opts.height, down = given.down, spin_rad_s = given.spin,
     energy_j = drop.initial_energy, energy_error = drop.energy_error, modes = drop.modes.count,
     damping_ratio = opts.damping, material = opts.material, singular = found.singular ~= nil}
-  local title = ("%s: dropped from %s; %s"):format(model.name(opts.model), core.quantity(opts.height, "m"), text)
+  local title = ("%s: dropped from %s; %s"):format(model.name(opts.model), core.quantity(opts.height, "m"), words)
   local failed = out:write_files {{opts.csv, function() return drop:write_history(opts.csv) end},
     {opts.vtu, function() return drop:write(opts.vtu) end},
     {opts.picture, function() return drop:picture(opts.picture, {title = title}) end},
-    {opts.report, function() return drop_page.of_drop(drop, opts.report, title) end}}
+    {opts.report, function()
+      return drop_page.of_drop(drop, opts.report, {title = title, answer = table.concat(text, "\n")})
+    end}}
   if failed then return failed end
   return verdict == "holds" and output.DONE or output.NO
 end
@@ -218,20 +223,21 @@ local function run_many(opts, out)
   local element = drops.exceedance:argmax()
   local at = centre_of(mesh, element)
   out:say("")
-  out:say("%s from %s in random attitudes: %s overload the part, with 95 %% confidence %s to %s of such drops.",
+  local say, text = out:recorded()
+  say("%s from %s in random attitudes: %s overload the part, with 95 %% confidence %s to %s of such drops.",
     model.count(drops.drops, "drop"), core.quantity(opts.height, "m"), shown.percent(p), shown.percent(low),
     shown.percent(high))
-  out:say("That is the error of their number. The error of the mesh is unknown: one mesh.")
+  say("That is the error of their number. The error of the mesh is unknown: one mesh.")
   if p > 0 then
-    out:say("Most often overloaded: %s, in %s of the drops. Within an element of a touching node that depends on "
+    say("Most often overloaded: %s, in %s of the drops. Within an element of a touching node that depends on "
       .. "the mesh.", core.point(at), shown.percent(drops.exceedance[element]))
   end
-  out:say("The first impact lasts %s to %s, with a force of at most %s and a principal stress of at most %s.",
+  say("The first impact lasts %s to %s, with a force of at most %s and a principal stress of at most %s.",
     shown.estimate(drops.durations:min(), "s"), shown.estimate(drops.durations:max(), "s"),
     shown.estimate(drops.forces:max(), "N"), shown.estimate(drops.peaks:max(), "Pa"))
-  out:say "Verdict: unsure, since the stress of places that touch depends on the mesh."
-  out:say("The balance of energy is kept to %.1e of the energy at the first touch.", drops.energy_error)
-  state_assumptions(opts, "modes that are left out and of the stress between samples", out)
+  say "Verdict: unsure, since the stress of places that touch depends on the mesh."
+  say("The balance of energy is kept to %.1e of the energy at the first touch.", drops.energy_error)
+  state_assumptions(opts, "modes that are left out and of the stress between samples", say)
   out:json {verdict = "unsure", value = p, quantity = "fraction of random drops that overload the part",
     low = low, high = high, drops = drops.drops, seed = opts.seed, height_m = opts.height,
     at_m = p > 0 and at or nil, largest_exceedance = drops.exceedance[element],
@@ -239,11 +245,13 @@ local function run_many(opts, out)
     shortest_duration_s = drops.durations:min(), longest_duration_s = drops.durations:max(),
     energy_error = drops.energy_error, modes = drops.modes.count, damping_ratio = opts.damping,
     material = opts.material}
-  local title = ("%s: %d random drops from %s overload %s"):format(model.name(opts.model), drops.drops,
-    core.quantity(opts.height, "m"), shown.percent(p))
+  local title = ("%s: overloaded in %s of %s from %s"):format(model.name(opts.model), shown.percent(p),
+    model.count(drops.drops, "random drop"), core.quantity(opts.height, "m"))
   local failed = out:write_files {{opts.vtu, function() return drops:write(opts.vtu) end},
     {opts.picture, function() return drops:picture(opts.picture, {title = title}) end},
-    {opts.report, function() return drop_page.of_random(drops, opts.report, title) end}}
+    {opts.report, function()
+      return drop_page.of_random(drops, opts.report, {title = title, answer = table.concat(text, "\n")})
+    end}}
   return failed or output.NO
 end
 

@@ -1,14 +1,14 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The pages of `barwright drop`: a view of the part, and the sentences that print has of it.
+-- The pages of `barwright drop`: a view of the part, and the sentences that the command says.
 local bw = require "barwright"
 local fine_boundary = require "barwright.fine_boundary"
-local html = require "barwright.html"
 local report = require "barwright.report"
 
 local drop_page = {}
 
--- fields: {name, unit, array over elements, scale} each; moved: displacements of nodes, or nil.
-local function write(result, path, title, fields, moved)
+-- words: {title =, answer = sentences}; fields: {name, unit, array over elements, scale} each;
+-- moved: displacements of nodes, or nil.
+local function write(result, path, words, fields, moved)
   local mesh = result.mesh
   local surface, nodes, details = fine_boundary(mesh)
   if not surface then return nil, nodes, details end
@@ -21,22 +21,21 @@ local function write(result, path, title, fields, moved)
     data.displacements[1] = {name = "at the largest stress", kind = "load",
       values = report.floats(moved:gather(nodes)), field = 0}
   end
-  return report.page(path, {title = title, answer = title .. ".", data = data,
-    body = "<pre>" .. html.escape(tostring(result)) .. "</pre>\n",
+  return report.page(path, {title = words.title, answer = words.answer, data = data, body = "",
     manifest = {version = bw.version(), elements = mesh.element_count, modes = result.modes.count},
-    picture = function(name) return result:picture(name, {title = title}) end})
+    picture = function(name) return result:picture(name, {title = words.title}) end})
 end
 
 --- One drop, a bw.Drop with stresses.
-function drop_page.of_drop(drop, path, title)
+function drop_page.of_drop(drop, path, words)
   local fields = {{"largest principal stress over time", "MPa", drop.max_principal, 1e-6}}
   if drop.utilisation then fields[2] = {"of the strength", "%", drop.utilisation, 100} end
-  return write(drop, path, title, fields, drop.displacement)
+  return write(drop, path, words, fields, drop.displacement)
 end
 
 --- Random drops, a bw.RandomDrops.
-function drop_page.of_random(drops, path, title)
-  return write(drops, path, title, {{"drops that overload", "%", drops.exceedance, 100},
+function drop_page.of_random(drops, path, words)
+  return write(drops, path, words, {{"drops that overload", "%", drops.exceedance, 100},
     {"mean largest principal stress", "MPa", drops.mean_peak, 1e-6}})
 end
 

@@ -41,6 +41,16 @@ function output:say(text, ...)
   write(self, text)
 end
 
+--- A function that says a line, and the list of the lines that it said, for a page: quiet or not.
+function output:recorded()
+  local lines = {}
+  return function(text, ...)
+    if select("#", ...) > 0 then text = text:format(...) end
+    lines[#lines + 1] = text
+    self:say(text)
+  end, lines
+end
+
 --- Fields of the object that --json prints; later ones are added to earlier ones.
 function output:json(fields)
   for key, value in pairs(fields) do self.object[key] = value end

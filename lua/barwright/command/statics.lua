@@ -113,11 +113,7 @@ local function report(static, part, read, loads, opts, accuracy, out)
   end
   local verdict, words = model.verdict(used, judged_error)
   out:say("")
-  local text = {} -- for the page as well
-  local function say(...)
-    text[#text + 1] = string.format(...)
-    out:say(text[#text])
-  end
+  local say, text = out:recorded() -- for the page as well
   say("The largest displacement is %s. The von Mises stress is largest at %s: %s (estimated error %s%s).",
     shown.estimate(max, "m"), core.point(at), shown.estimate(stress, "Pa"), shown.error(estimated),
     (coarse or accuracy) and "" or ", one mesh only")
