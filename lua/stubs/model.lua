@@ -639,8 +639,8 @@ function Model:drop(options) end
 ---local mesh = bw.mesh.box {max = {0.2, 0.05, 0.02}, cells = {20, 4, 2}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.pla}
 ---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("z", 0.02), pressure = 1e4}
----local peg = bw.rigid.cylinder {point = {0.15, 0, -0.01}, axis = {0, 1, 0}, radius = 0.01}
----print(assert(part:contact {{on = mesh.boundary:below("z", 0), with = peg}}))
+---local drum = bw.rigid.cylinder {point = {0.15, 0, -0.1}, axis = {0, 1, 0}, radius = 0.1}
+---print(assert(part:contact {{on = mesh.boundary:below("z", 0), with = drum, friction = 0.3}}))
 ---```
 ---@param pairs bw.ContactPair[] what may touch what
 ---@param options? bw.ContactOptions solver and limits
