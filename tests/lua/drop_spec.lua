@@ -174,11 +174,18 @@ describe("barwright drop", function()
     check.near(1 / (1 + 3.841459 / 4), object.low, 1e-5) -- Wilson's lower end where all fail
   end)
 
+  it("names the options that help where too many nodes touch", function()
+    assert(bw.mesh.box({max = {0.1, 0.1, 0.02}, cells = {32, 32, 1}, order = 2}):write(folder .. "flat.msh"))
+    local status, _, err = check.run("drop " .. folder .. "flat.msh")
+    assert.equal(3, status)
+    assert.truthy(err:find("touch in one impact: give fewer --elements, or tilt the part by --down", 1, true), err)
+  end)
+
   it("refuses what cannot be", function()
     for words, expected in pairs {["--down 0,0,0"] = "a direction expected", ["--down 1,2"] = "three numbers",
       ["--spin 1g,0,0"] = "rad/s", ["--height 1"] = "no unit", ["--height 0m"] = "above 0",
       ["--drops 3 --down 1,0,0"] = "random directions", ["--drops 3 --spin 1,0,0"] = "without spin",
-      ["--drops 3 --csv a.csv"] = "history", ["--damping 1"] = "below 1"} do
+      ["--drops 3 --csv a.csv"] = "history", ["--damping 1"] = "above 0 and below 1"} do
       local status, _, err = check.run(("drop %s %s"):format(words, rod))
       assert.equal(2, status)
       assert.truthy(err:find(expected, 1, true), err)

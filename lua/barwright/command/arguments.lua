@@ -55,7 +55,7 @@ local function range(rule)
   if rule.min then parts[#parts + 1] = ("from %.14g"):format(rule.min) end
   if rule.above then parts[#parts + 1] = ("above %.14g"):format(rule.above) end
   if rule.max then parts[#parts + 1] = ("up to %.14g"):format(rule.max) end
-  if rule.below then parts[#parts + 1] = ("below %.14g"):format(rule.below) end
+  if rule.below then parts[#parts + 1] = ("%sbelow %.14g"):format(#parts > 0 and "and " or "", rule.below) end
   return #parts > 0 and " " .. table.concat(parts, " ") or ""
 end
 

@@ -138,12 +138,17 @@ local function state_assumptions(opts, unknown, say)
     unknown)
 end
 
+-- Ends with a failure; what the engine advises against too many nodes that touch is named as options.
+local function fail(out, message, details, options)
+  return out:fail((message:gsub("(nodes touch in one impact: ).*", "%1" .. options)), details)
+end
+
 local function run_one(opts, given, out)
   local mesh, material, read = body(opts, out)
   if not mesh then return out:fail(material, read) end
   local drop, message, details, part = drop_of(mesh, material, opts, given)
   out:warnings()
-  if not drop then return out:fail(message, details) end
+  if not drop then return fail(out, message, details, "give fewer --elements, or tilt the part by --down") end
   local found = measure(drop, given.down)
   local coarse = model.on_coarser(read, opts, 2, function(coarser)
     local count = drop.modes.count
@@ -218,7 +223,7 @@ local function run_many(opts, out)
   local drops, message, details = model.try(bw.random_drops, part, {drops = opts.drops, seed = opts.seed,
     height = opts.height, damping = damping_of(opts)})
   out:warnings()
-  if not drops then return out:fail(message, details) end
+  if not drops then return fail(out, message, details, "give fewer --elements") end
   local p, low, high = drops:failures()
   local element = drops.exceedance:argmax()
   local at = centre_of(mesh, element)

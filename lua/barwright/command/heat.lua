@@ -225,7 +225,7 @@ local function report(found, given, opts, out)
     both(lowest))
   out:say("The estimated error of both is %.2g K%s.", estimated, found.by_places > 0
     and (", %.2g K of it as facets do not fill the places"):format(found.by_places) or "")
-  if words then out:say("Of the limit of %s: %s.", both(given.limit), words) end
+  if words then out:say("The limit is %s: %s.", both(given.limit), words) end
   local heats, gained = solution.heat_in:totable(), bw.json.list {}
   for i, heat in ipairs(heats) do
     local condition = given[i] or {place = "volume", kind = "volume-power"}
