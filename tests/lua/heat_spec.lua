@@ -352,7 +352,8 @@ describe("barwright heat", function()
       ["--convection min:x=10,-1K"] = "'-1K' is below absolute zero",
       ["--temperature min:x=20"] = "'20' has no unit: write 20C or 20K",
       ["--convection min:x=10"] = "two numbers, COEFFICIENT,TEMPERATURE, expected",
-      ["--radiation min:x=2,300K"] = "emissivity"} do
+      ["--convection min:x=-2,300K"] = "option --convection: coefficient is -2",
+      ["--radiation min:x=2,300K"] = "option --radiation: emissivity is 2"} do
       local status, _, err = check.run(("heat --conductivity 50 %s %s"):format(words, path))
       assert.equal(2, status)
       assert.truthy(err:find(expected, 1, true), err)

@@ -31,13 +31,17 @@ local function number_of(unit)
   end
 end
 
--- "20,293K": a number and a temperature, under these names.
-local function film_of(name)
+-- "20,293K": a number from 0 to `most` and a temperature, under these names.
+local function film_of(name, most)
   return function(text)
     local first, second = text:match "^([^,]*),([^,]*)$"
     local value = first and quantity.read(first)
     if not value then
       return nil, ("two numbers, %s,TEMPERATURE, expected, got '%s'"):format(name:upper(), text)
+    end
+    if not (value >= 0 and value <= most) then
+      return nil, ("%s is %s: it must be 0 or more%s"):format(name, shown.number(value),
+        most < math.huge and (", and at most %g"):format(most) or "")
     end
     local temperature, message = temperature_of(second)
     if not temperature then return nil, message end
@@ -49,10 +53,10 @@ end
 local conditions = {
   {option = "temperature", read = temperature_of, text = function(t) return core.quantity(t, "K") end},
   {option = "power", read = number_of "W", text = function(p) return core.quantity(p, "W") end},
-  {option = "convection", read = film_of "coefficient", text = function(c)
+  {option = "convection", read = film_of("coefficient", math.huge), text = function(c)
     return ("%s to %s"):format(core.quantity(c.coefficient, "W/(m2 K)"), core.quantity(c.temperature, "K"))
   end},
-  {option = "radiation", read = film_of "emissivity", text = function(c)
+  {option = "radiation", read = film_of("emissivity", 1), text = function(c)
     return ("emissivity %s, to %s"):format(shown.number(c.emissivity), core.quantity(c.temperature, "K"))
   end},
 }
