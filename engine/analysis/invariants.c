@@ -1,5 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Numbers of stress tensors, row by row: von Mises, principal stresses, utilisation. */
+#include "analysis/strain.h"
+
 #include "barwright/analysis.h"
 
 #include <math.h>
@@ -57,7 +59,7 @@ static bw_status principal(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-static double largest(const double t[6]) {
+double bwi_max_principal(const double t[6]) {
   double value[3];
   eigenvalues(t, value);
   return fmax(fabs(value[0]), fabs(value[2]));
@@ -67,7 +69,7 @@ static bw_status max_principal(void *data, int64_t begin, int64_t end, int worke
   const field *f = (const field *)data;
   (void)worker;
   for (int64_t i = begin; i < end; i++)
-    f->value[i] = largest(f->stress + 6 * i);
+    f->value[i] = bwi_max_principal(f->stress + 6 * i);
   return BW_OK;
 }
 
@@ -78,7 +80,7 @@ static bw_status utilisation(void *data, int64_t begin, int64_t end, int worker)
     const bw_material *own = bw_material_of(f->material, i);
     const double *strength = own->strength;
     bool same = strength[0] > 0 && strength[0] == strength[1] && strength[1] == strength[2];
-    f->value[i] = same ? largest(f->stress + 6 * i) / strength[0]
+    f->value[i] = same ? bwi_max_principal(f->stress + 6 * i) / strength[0]
                        : bw_material_utilisation(own, f->stress + 6 * i);
   }
   return BW_OK;

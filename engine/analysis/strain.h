@@ -81,6 +81,9 @@ void bwi_rule_make(int order, int degree, bwi_rule *rule);
 void bwi_governing_stress(const bw_stress_points *points, int32_t node_count,
                           const double *of_points, double *stress);
 
+/* invariants.c: the larger of the largest principal stress and the negative smallest one. */
+double bwi_max_principal(const double t[6]);
+
 /* BW_INVALID when there is no displacement or material to work with, or one of another mesh. */
 bw_status bwi_check_stress_input(bw_context *context, const bw_mesh *mesh,
                                  const bw_material *material, const double *displacement,

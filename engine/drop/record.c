@@ -4,12 +4,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "barwright/analysis.h"
+#include "analysis/stress_peaks.h"
 #include "base/dense.h"
 #include "drop/internal.h"
 #include "linear/blas.h"
 
-enum { BATCH = 8 /* states whose displacements are found at once */ };
+enum { BATCH = BWI_PEAK_FIELDS /* states whose stresses are found at once */ };
 
 bwi_drop_energy bwi_drop_energy_of(const bwi_drop_run *run) {
   const bwi_drop_motion *m = &run->motion;
@@ -94,29 +94,32 @@ void bwi_drop_states_empty(bwi_drop_states *states) {
   states->stride = 1;
 }
 
-/* u (count x size) of states first, first + 1, ...: modes and columns. */
+/* u (node_count x 3 x BATCH) of states first, first + 1, ..., 0 behind the last: modes and columns.
+ */
 static bw_status displacements(bw_context *context, const bwi_drop_run *run,
-                               const bwi_drop_states *states, int first, int count, double *u) {
+                               const bwi_drop_states *states, int first, double *u) {
   bw_status status = BW_OK;
   const bwi_drop_touch *t = &run->touch;
   int m = run->motion.modes, size = 3 * run->model->mesh->node_count, last = t->count;
+  const int batch = BATCH, count = states->count - first < BATCH ? states->count - first : BATCH;
   const double one = 1, none = 0;
-  double *factor = BW_NEW(context, double, (int64_t)count *(m > t->count ? m : t->count));
+  double *factor = BW_NEW0(context, double, (int64_t)BATCH *(m > t->count ? m : t->count));
   BW_TRY_MEMORY(factor);
   for (int i = 0; i < count; i++)
     memcpy(factor + (size_t)i * (size_t)m, states->state[first + i].data,
            (size_t)m * sizeof *factor);
   bwi_blas_enter();
-  dgemm_("N", "N", &size, &count, &m, &one, run->modes->shape, &size, factor, &m, &none, u, &size);
+  dgemm_("T", "T", &batch, &size, &m, &one, factor, &m, run->modes->shape, &size, &none, u, &batch);
   for (const bwi_drop_columns *c = t->columns; c; c = c->next) { /* the last ones come first */
     int width = c->count;
     last -= width;
+    memset(factor, 0, (size_t)BATCH * (size_t)width * sizeof *factor);
     for (int i = 0; i < count; i++) {
       const bwi_drop_state *state = &states->state[first + i];
-      for (int j = 0; j < width; j++)
-        factor[i * width + j] = last + j < state->count ? state->data[m + last + j] : 0;
+      for (int j = 0; j < width && last + j < state->count; j++)
+        factor[i * width + j] = state->data[m + last + j];
     }
-    dgemm_("N", "N", &size, &count, &width, &one, c->field, &size, factor, &width, &one, u, &size);
+    dgemm_("T", "T", &batch, &size, &width, &one, factor, &width, c->field, &size, &one, u, &batch);
   }
   bwi_blas_leave();
 done:
@@ -128,44 +131,31 @@ bw_status bwi_drop_states_stress(bw_context *context, const bwi_drop_run *run,
                                  const bwi_drop_states *states, bw_drop *drop) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = run->model->mesh;
-  const bw_material *material = run->model->material;
-  size_t elements = (size_t)mesh->element_count, size = 3 * (size_t)mesh->node_count;
-  double *u = NULL, *stress = NULL, *value = NULL;
+  size_t size = 3 * (size_t)mesh->node_count;
+  double *u = NULL, most[BATCH];
+  int32_t where[BATCH];
   int count = states->count;
   if (count == 0)
     return BW_OK;
   double *time = BW_NEW(context, double, drop->sample_count + count);
   double *largest = BW_NEW(context, double, drop->sample_count + count);
   u = BW_NEW(context, double, BATCH *size);
-  stress = BW_NEW(context, double, 6 * elements);
-  value = BW_NEW(context, double, elements);
-  BW_TRY_MEMORY(time && largest && u && stress && value);
+  BW_TRY_MEMORY(time && largest && u);
   for (int first = 0; first < count; first += BATCH) {
-    int batch = count - first < BATCH ? count - first : BATCH;
     BW_TRY(bw_check_cancel(context));
-    BW_TRY(displacements(context, run, states, first, batch, u));
-    for (int i = 0; i < batch; i++) {
+    BW_TRY(displacements(context, run, states, first, u));
+    BW_TRY(bwi_stress_peaks(context, mesh, run->model->material, u, drop->stress, drop->utilisation,
+                            most, where));
+    for (int i = 0; i < BATCH && first + i < count; i++) {
       int row = drop->sample_count + first + i;
-      int32_t most = 0;
-      BW_TRY(bw_element_stress(context, mesh, material, u + (size_t)i * size, stress));
-      BW_TRY(bw_max_principal_field(context, mesh->element_count, stress, value));
-      for (int32_t e = 0; e < mesh->element_count; e++) {
-        drop->stress[e] = fmax(drop->stress[e], value[e]);
-        if (value[e] > value[most])
-          most = e;
-      }
       time[row] = states->state[first + i].time;
-      largest[row] = value[most];
-      if (drop->peak_element < 0 || value[most] > drop->peak) {
-        drop->peak = value[most];
-        drop->peak_element = most;
+      largest[row] = most[i];
+      if (drop->peak_element < 0 || most[i] > drop->peak) {
+        drop->peak = most[i];
+        drop->peak_element = where[i];
         drop->peak_time = time[row];
-        memcpy(drop->displacement, u + (size_t)i * size, size * sizeof *u);
-      }
-      if (drop->utilisation) {
-        BW_TRY(bw_utilisation_field(context, material, mesh->element_count, stress, value));
-        for (size_t e = 0; e < elements; e++)
-          drop->utilisation[e] = fmax(drop->utilisation[e], value[e]);
+        for (size_t k = 0; k < size; k++)
+          drop->displacement[k] = u[k * BATCH + (size_t)i];
       }
     }
   }
@@ -183,7 +173,5 @@ done:
   bw_free(time);
   bw_free(largest);
   bw_free(u);
-  bw_free(stress);
-  bw_free(value);
   return status;
 }
