@@ -20,6 +20,8 @@ static const double spring = 1e-6;               /* of the stiffness of the moti
 static const double stiffer = 100, softer = 0.1; /* from one try to the next */
 static const double stiffest = 1e8;              /* of the softest springs */
 static const double rounding = 1e-12;            /* of the diagonal of the mesh */
+static const double nearly =
+    0.01; /* of the load, on springs: the next step takes most of it away */
 
 void bw_contact_options_default(bw_contact_options *options) {
   *options = (bw_contact_options){.tolerance = 1e-6, .max_iterations = 30, .steps = 1};
@@ -46,7 +48,9 @@ static void problem_clear(bwi_contact_problem *c) {
   bw_free(c->member);
   bw_free(c->place);
   bw_free(c->active);
-  bw_free(c->column);
+  bw_free(c->s);
+  bw_free(c->pressed);
+  bwi_compliance_close(&c->compliance);
   bw_free(c->h);
 }
 
@@ -83,12 +87,14 @@ static bw_status prepare(bw_context *context, bwi_contact_problem *c, int pair_c
   c->p = BW_NEW0(context, double, rows);
   c->w = BW_NEW0(context, double, rows);
   c->now = BW_NEW(context, double, size);
+  c->pressed = BW_NEW0(context, double, size);
   c->member = BW_NEW(context, int32_t, count);
   c->place = BW_NEW(context, int32_t, count);
   c->active = BW_NEW0(context, uint8_t, count);
   c->row = BW_NEW(context, int32_t, rows);
   BW_TRY_MEMORY(c->base && c->load && c->a && c->h && c->q && c->e && c->p && c->w && c->now &&
-                c->member && c->place && c->active && c->row);
+                c->pressed && c->member && c->place && c->active && c->row);
+  BW_TRY(bwi_compliance_open(context, c->system, &c->compliance));
   memset(c->place, 0xff, (size_t)count * sizeof *c->place);
   if (rows > count) {
     c->before = BW_NEW0(context, double, size);
@@ -241,16 +247,19 @@ static bw_status solve_linearised(bw_context *context, bwi_contact_problem *c) {
   BW_TRY_MEMORY(centre);
   for (int round = 0; round < ROUNDS; round++) {
     memcpy(centre, c->a, (size_t)m * sizeof *centre);
-    if (round == 0 && c->working == 0)
-      for (int r = 0; r < c->rows.row_count; r++)
-        c->w[r] = c->q[r] + bwi_dot(m, c->e + (int64_t)r * m, c->a);
-    else
+    bool solved = c->working > 0 || round > 0;
+    if (solved)
       BW_TRY(solve_on_springs(context, c, centre));
-    BW_TRY(bwi_contact_take_deepest(context, c, &added));
     /* without a candidate, the load is as yet unbalanced */
-    fraction = c->working > 0 || round > 0 ? spring_fraction(c, centre) : m > 0 ? 1 : 0;
-    if (added == 0 && (fraction < 1e-4 * BWI_CONTACT_BALANCED ||
-                       (fraction < BWI_CONTACT_BALANCED && fraction > 0.5 * before)))
+    fraction = solved ? spring_fraction(c, centre) : m > 0 ? 1 : 0;
+    bool balanced = fraction < 1e-4 * BWI_CONTACT_BALANCED ||
+                    (fraction < BWI_CONTACT_BALANCED && fraction > 0.5 * before);
+    added = 0;
+    if (balanced || fraction > nearly || fraction > 0.5 * before) { /* else no look at the others */
+      BW_TRY(bwi_contact_measure_all(context, c));
+      BW_TRY(bwi_contact_take_deepest(context, c, &added));
+    }
+    if (added == 0 && balanced)
       goto done;
     still = added == 0 && fraction > 0.999 * before && c->epsilon <= c->softest ? still + 1 : 0;
     if (fraction > 0.5 * before)
@@ -276,17 +285,11 @@ done:
 }
 
 /* u of the present pressures and motions. */
-static bw_status find_displacement(bw_context *context, bwi_contact_problem *c) {
-  bw_status status = BW_OK;
-  bwi_contact_rows_force(&c->rows, c->p, c->now);
-  BW_TRY(bw_system_solve(context, c->system, 1, c->now, c->now));
-  c->solves++;
+static void find_displacement(bwi_contact_problem *c) {
   for (int64_t i = 0; i < bwi_contact_size(c); i++)
-    c->now[i] += c->base[i];
+    c->now[i] = c->base[i] + c->pressed[i];
   if (c->motions > 0)
     bw_rigid_modes_add(c->system->dof_map, c->a, c->now);
-done:
-  return status;
 }
 
 /* Whether the gaps are those of contact; *worst (m) and *at the candidate that is farthest off. */
@@ -311,7 +314,7 @@ static bw_status solve_step(bw_context *context, bwi_contact_problem *c) {
   int at = 0;
   double *gap = BW_NEW(context, double, c->rows.row_count);
   BW_TRY_MEMORY(gap);
-  bwi_contact_rows_linearise(&c->rows, c->now, gap);
+  BW_TRY(bwi_contact_rows_linearise(context, &c->rows, c->now, gap));
   for (int i = 1; i <= c->options->max_iterations; i++) {
     c->iterations++;
     BW_TRY(linearise(context, c, gap));
@@ -320,8 +323,8 @@ static bw_status solve_step(bw_context *context, bwi_contact_problem *c) {
     else if (c->iterations == 1 && c->motions > 0)
       BW_TRY(find_start(context, c));
     BW_TRY(solve_linearised(context, c));
-    BW_TRY(find_displacement(context, c));
-    bwi_contact_rows_linearise(&c->rows, c->now, gap);
+    find_displacement(c);
+    BW_TRY(bwi_contact_rows_linearise(context, &c->rows, c->now, gap));
     if (!c->curved || has_converged(c, gap, &worst, &at))
       goto done;
   }

@@ -163,6 +163,9 @@ bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int 
   for (int32_t i = 0; i < rows->count; i++)
     rows->first[i + 1] = rows->first[i] + (pair[rows->of[i]].friction > 0 ? 3 : 1);
   rows->row_count = rows->first[rows->count];
+  rows->touching = BW_NEW(context, int64_t, 3 * rows->point_count);
+  rows->start = BW_NEW0(context, int64_t, rows->row_count + 1);
+  BW_TRY_MEMORY(rows->touching && rows->start);
 done:
   bw_free(number);
   return status;
@@ -175,6 +178,10 @@ void bwi_contact_rows_clear(bwi_contact_rows *rows) {
   bw_free(rows->of);
   bw_free(rows->area);
   bw_free(rows->point);
+  bw_free(rows->touching);
+  bw_free(rows->start);
+  bw_free(rows->column);
+  bw_free(rows->value);
 }
 
 /* out += factor times sum shape u over the facet's nodes */
@@ -232,48 +239,9 @@ static void take_tangents(bwi_contact_rows *rows) {
   }
 }
 
-void bwi_contact_rows_linearise(bwi_contact_rows *rows, const double *displacement, double *gap) {
-  memset(gap, 0, (size_t)rows->row_count * sizeof *gap);
-  for (int64_t p = 0; p < rows->point_count; p++) {
-    bwi_contact_point *point = &rows->point[p];
-    const bw_contact_pair *pair = &rows->pair[point->pair];
-    double x[3];
-    at_point(rows->mesh, point, displacement, x);
-    if (pair->with) {
-      add_at(rows->mesh, point->facet, point->shape, 1, rows->mesh->node, x);
-      point->gap = bwi_rigid_gap(pair->with, x, point->normal);
-    } else
-      point->gap = point->apart + bw_dot(point->normal, x);
-    point->gap -= pair->interference;
-    for (int k = 0; k < 3; k++)
-      gap[rows->first[point->candidate[k]]] += point->area * point->hat[k] * point->gap;
-  }
-  if (rows->row_count > rows->count)
-    take_tangents(rows);
-}
-
 /* Rows of candidate i: 1, or 3 with friction. */
 static int width(const bwi_contact_rows *rows, int32_t i) {
   return rows->first[i + 1] - rows->first[i];
-}
-
-void bwi_contact_rows_measure(const bwi_contact_rows *rows, const double *u, double *gap) {
-  memset(gap, 0, (size_t)rows->row_count * sizeof *gap);
-  for (int64_t p = 0; p < rows->point_count; p++) {
-    const bwi_contact_point *point = &rows->point[p];
-    double at[3], along;
-    at_point(rows->mesh, point, u, at);
-    along = bw_dot(point->normal, at);
-    for (int l = 0; l < 3; l++)
-      at[l] -= along * point->normal[l];
-    for (int k = 0; k < 3; k++) {
-      int32_t i = point->candidate[k];
-      double weight = point->area * point->hat[k], *row = gap + rows->first[i];
-      row[0] += weight * along;
-      for (int l = 1; l < width(rows, i); l++)
-        row[l] += weight * bw_dot(rows->tangent + 6 * (int64_t)i + 3 * (l - 1), at);
-    }
-  }
 }
 
 /* out += factor times the direction of row `l` of candidate i at a point: the normal there, or a
@@ -291,61 +259,147 @@ static void add_direction(const bwi_contact_rows *rows, const bwi_contact_point 
   }
 }
 
-/* force += the traction at a point, and the opposite where `both` and the point faces a facet. */
-static void add_force(const bw_mesh *mesh, const bwi_contact_point *point, const double traction[3],
-                      bool both, double *force) {
-  for (int side = 0; side < (both && point->opposite >= 0 ? 2 : 1); side++) {
-    const int32_t *node =
-        mesh->facet + (int64_t)(side ? point->opposite : point->facet) * mesh->nodes_per_facet;
-    const double *shape = side ? point->far : point->shape;
-    double factor = (side ? -1 : 1) * point->area;
-    for (int a = 0; a < mesh->nodes_per_facet; a++)
-      for (int k = 0; k < 3; k++)
-        force[3 * (int64_t)node[a] + k] += factor * shape[a] * traction[k];
-  }
+/* Nodes of a point: of its facet, then of that which it faces. */
+static int nodes_of(const bw_mesh *mesh, const bwi_contact_point *point) {
+  return (point->opposite >= 0 ? 2 : 1) * mesh->nodes_per_facet;
 }
 
-void bwi_contact_rows_columns(const bwi_contact_rows *rows, int columns, const int32_t *which,
-                              double *force) {
-  int64_t size = 3 * (int64_t)rows->mesh->node_count;
-  memset(force, 0, (size_t)(columns * size) * sizeof *force);
-  for (int64_t p = 0; p < rows->point_count; p++) {
-    const bwi_contact_point *point = &rows->point[p];
-    for (int k = 0; k < 3; k++)
-      for (int c = 0; c < columns; c++) {
-        int32_t i = point->candidate[k];
-        double traction[3] = {0};
-        if (which[c] < rows->first[i] || which[c] >= rows->first[i + 1])
-          continue;
-        add_direction(rows, point, i, which[c] - rows->first[i], point->hat[k], traction);
-        add_force(rows->mesh, point, traction, true, force + c * size);
+static int32_t node_of(const bw_mesh *mesh, const bwi_contact_point *point, int a) {
+  int n = mesh->nodes_per_facet;
+  return mesh->facet[(int64_t)(a < n ? point->facet : point->opposite) * n + a % n];
+}
+
+/* The entries of B, candidate by candidate. */
+static bw_status take_entries(bw_context *context, bwi_contact_rows *rows) {
+  bw_status status = BW_OK;
+  const bw_mesh *mesh = rows->mesh;
+  int64_t *first = BW_NEW0(context, int64_t, rows->count + 1);
+  int32_t *place = BW_NEW(context, int32_t, mesh->node_count);
+  BW_TRY_MEMORY(first && place);
+  for (int64_t p = 0; p < 3 * rows->point_count; p++)
+    first[rows->point[p / 3].candidate[p % 3] + 1]++;
+  for (int32_t i = 0; i < rows->count; i++)
+    first[i + 1] += first[i];
+  for (int64_t p = 0; p < 3 * rows->point_count; p++)
+    rows->touching[first[rows->point[p / 3].candidate[p % 3]]++] = p;
+  for (int32_t i = rows->count; i > 0; i--)
+    first[i] = first[i - 1];
+  first[0] = 0;
+  for (int pass = 0; pass < 2; pass++) { /* count, then fill */
+    int64_t count = 0;
+    memset(place, 0xff, (size_t)mesh->node_count * sizeof *place);
+    for (int32_t i = 0; i < rows->count; i++) {
+      int64_t begin = count;
+      int nodes = 0;
+      for (int64_t t = first[i]; t < first[i + 1]; t++) {
+        const bwi_contact_point *point = &rows->point[rows->touching[t] / 3];
+        for (int a = 0; a < nodes_of(mesh, point); a++)
+          if (place[node_of(mesh, point, a)] < 0) {
+            if (pass > 0)
+              rows->column[begin + nodes] = node_of(mesh, point, a);
+            place[node_of(mesh, point, a)] = nodes++;
+          }
       }
+      count += (int64_t)nodes * width(rows, i);
+      if (pass > 0)
+        for (int l = 0; l < width(rows, i); l++) {
+          rows->start[rows->first[i] + l + 1] = begin + (int64_t)(l + 1) * nodes;
+          if (l > 0)
+            memcpy(rows->column + begin + (int64_t)l * nodes, rows->column + begin,
+                   (size_t)nodes * sizeof *rows->column);
+        }
+      for (int64_t t = first[i]; t < first[i + 1]; t++) {
+        const bwi_contact_point *point = &rows->point[rows->touching[t] / 3];
+        for (int l = 0; pass > 0 && l < width(rows, i); l++) {
+          double traction[3] = {0};
+          add_direction(rows, point, i, l, point->area * point->hat[rows->touching[t] % 3],
+                        traction);
+          for (int a = 0; a < nodes_of(mesh, point); a++) {
+            int n = mesh->nodes_per_facet;
+            double shape = a < n ? point->shape[a] : -point->far[a - n];
+            double *value =
+                rows->value + 3 * (begin + (int64_t)l * nodes + place[node_of(mesh, point, a)]);
+            for (int k = 0; k < 3; k++)
+              value[k] += shape * traction[k];
+          }
+        }
+      }
+      for (int64_t t = first[i]; t < first[i + 1]; t++) {
+        const bwi_contact_point *point = &rows->point[rows->touching[t] / 3];
+        for (int a = 0; a < nodes_of(mesh, point); a++)
+          place[node_of(mesh, point, a)] = -1;
+      }
+    }
+    if (pass > 0)
+      break;
+    bw_free(rows->column);
+    bw_free(rows->value);
+    rows->column = BW_NEW(context, int32_t, count);
+    rows->value = BW_NEW0(context, double, 3 * count);
+    BW_TRY_MEMORY(rows->column && rows->value);
+  }
+done:
+  bw_free(first);
+  bw_free(place);
+  return status;
+}
+
+bw_status bwi_contact_rows_linearise(bw_context *context, bwi_contact_rows *rows,
+                                     const double *displacement, double *gap) {
+  memset(gap, 0, (size_t)rows->row_count * sizeof *gap);
+  for (int64_t p = 0; p < rows->point_count; p++) {
+    bwi_contact_point *point = &rows->point[p];
+    const bw_contact_pair *pair = &rows->pair[point->pair];
+    double x[3];
+    at_point(rows->mesh, point, displacement, x);
+    if (pair->with) {
+      add_at(rows->mesh, point->facet, point->shape, 1, rows->mesh->node, x);
+      point->gap = bwi_rigid_gap(pair->with, x, point->normal);
+    } else
+      point->gap = point->apart + bw_dot(point->normal, x);
+    point->gap -= pair->interference;
+    for (int k = 0; k < 3; k++)
+      gap[rows->first[point->candidate[k]]] += point->area * point->hat[k] * point->gap;
+  }
+  if (rows->row_count > rows->count)
+    take_tangents(rows);
+  return take_entries(context, rows);
+}
+
+void bwi_contact_rows_measure(const bwi_contact_rows *rows, const double *u, double *gap) {
+  for (int32_t r = 0; r < rows->row_count; r++) {
+    gap[r] = 0;
+    for (int64_t k = rows->start[r]; k < rows->start[r + 1]; k++)
+      gap[r] += bw_dot(rows->value + 3 * k, u + 3 * (int64_t)rows->column[k]);
   }
 }
 
-static void sum_forces(const bwi_contact_rows *rows, int pair, bool tangential, const double *p,
-                       double *force) {
+void bwi_contact_rows_force(const bwi_contact_rows *rows, const double *p, double *force) {
   memset(force, 0, 3 * (size_t)rows->mesh->node_count * sizeof *force);
+  for (int32_t i = 0; i < rows->count; i++)
+    for (int32_t r = rows->first[i]; p[rows->first[i]] > 0 && r < rows->first[i + 1]; r++)
+      for (int64_t k = rows->start[r]; k < rows->start[r + 1]; k++)
+        for (int c = 0; c < 3; c++)
+          force[3 * (int64_t)rows->column[k] + c] += p[r] * rows->value[3 * k + c];
+}
+
+void bwi_contact_rows_pair_force(const bwi_contact_rows *rows, int pair, bool tangential,
+                                 const double *p, double *force) {
+  const bw_mesh *mesh = rows->mesh;
+  memset(force, 0, 3 * (size_t)mesh->node_count * sizeof *force);
   for (int64_t n = 0; n < rows->point_count; n++) {
     const bwi_contact_point *point = &rows->point[n];
+    const int32_t *node = mesh->facet + (int64_t)point->facet * mesh->nodes_per_facet;
     double traction[3] = {0};
-    if (pair >= 0 && point->pair != pair)
+    if (point->pair != pair)
       continue;
     for (int k = 0; k < 3; k++) {
       int32_t i = point->candidate[k];
       for (int l = tangential; p[rows->first[i]] > 0 && l < width(rows, i); l++)
         add_direction(rows, point, i, l, point->hat[k] * p[rows->first[i] + l], traction);
     }
-    if (traction[0] != 0 || traction[1] != 0 || traction[2] != 0)
-      add_force(rows->mesh, point, traction, pair < 0, force);
+    for (int a = 0; a < mesh->nodes_per_facet; a++)
+      for (int k = 0; k < 3; k++)
+        force[3 * (int64_t)node[a] + k] += point->area * point->shape[a] * traction[k];
   }
-}
-
-void bwi_contact_rows_force(const bwi_contact_rows *rows, const double *p, double *force) {
-  sum_forces(rows, -1, false, p, force);
-}
-
-void bwi_contact_rows_pair_force(const bwi_contact_rows *rows, int pair, bool tangential,
-                                 const double *p, double *force) {
-  sum_forces(rows, pair, tangential, p, force);
 }

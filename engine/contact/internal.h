@@ -7,6 +7,7 @@
 
 #include "barwright/contact.h"
 #include "barwright/statics.h"
+#include "linear/compliance.h"
 
 /* ---- rigid_surface.c ------------------------------------------------------------------------- */
 
@@ -46,19 +47,21 @@ typedef struct bwi_contact_rows {
       *tangent; /* (count x 6) two of each, of length 1 and orthogonal; unused without friction */
   int64_t point_count;
   bwi_contact_point *point;
+  int64_t *touching; /* (3 x point_count) 3 x point + corner, by candidates */
+  int64_t *start;    /* (row_count + 1) entries of each row of B: */
+  int32_t *column;   /* a node, */
+  double *value;     /* (entries x 3) and what B has there */
 } bwi_contact_rows;
 /* BW_INVALID for a selection of another mesh, BW_EMPTY for one without a facet. */
 bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int pair_count,
                                   const bw_contact_pair *pair, bwi_contact_rows *rows);
 void bwi_contact_rows_clear(bwi_contact_rows *rows);
-/* Takes normals and gaps where the displacement brings the points; gap (row_count) are their
- * integrals with the hat functions, 0 along tangents. */
-void bwi_contact_rows_linearise(bwi_contact_rows *rows, const double *displacement, double *gap);
+/* Takes normals and gaps where the displacement brings the points, and B there; gap (row_count) are
+ * their integrals with the hat functions, 0 along tangents. */
+bw_status bwi_contact_rows_linearise(bw_context *context, bwi_contact_rows *rows,
+                                     const double *displacement, double *gap);
 /* gap (row_count) = B u. */
 void bwi_contact_rows_measure(const bwi_contact_rows *rows, const double *u, double *gap);
-/* force (columns x node_count x 3) = the columns B^T e_j of the rows j = which[0], ... */
-void bwi_contact_rows_columns(const bwi_contact_rows *rows, int columns, const int32_t *which,
-                              double *force);
 /* force (node_count x 3) = B^T p for p (row_count). */
 void bwi_contact_rows_force(const bwi_contact_rows *rows, const double *p, double *force);
 /* The same of one pair, on its facets `on` alone, of friction alone or in all. */
@@ -164,6 +167,7 @@ typedef struct bwi_contact_problem {
   double *p;       /* (rows) */
   double *w;       /* (rows) gaps and slip */
   double *now;     /* (node_count x 3) u */
+  double *pressed; /* (node_count x 3) G B^T p */
   double *before;  /* (node_count x 3) u after the step before; NULL without friction */
   double *slip;    /* (count x 3) summed over the steps, in the mean; NULL without friction */
   double *work;    /* (pair_count) of friction, summed over the steps */
@@ -173,8 +177,8 @@ typedef struct bwi_contact_problem {
   uint8_t *active; /* (count) by place: not 0, or with friction bwi_contact_status, */
   int row_count;   /* their rows, */
   int32_t *row;    /* (rows) which, */
-  double *column;  /* (capacity x rows) and their columns of S */
-  int capacity;
+  double *s;       /* (row_count x row_count) and their part of S */
+  bwi_compliance compliance;
   double elastic;          /* the largest mean displacement that pressure causes at a candidate */
   double rounded;          /* (m) of gaps between coordinates */
   double epsilon, softest; /* springs on motions */
@@ -194,13 +198,15 @@ static inline double bwi_contact_small_gap(const bwi_contact_problem *problem) {
 
 /* ---- working_set.c --------------------------------------------------------------------------- */
 
-/* Solves the problem on the working set: pressures, motions, and the gaps of all candidates. */
+/* Solves the problem on the working set: pressures and motions. */
 bw_status bwi_contact_solve_working(bw_context *context, bwi_contact_problem *problem,
                                     const double *centre);
+/* The displacement by the pressures, and the gaps of all candidates. */
+bw_status bwi_contact_measure_all(bw_context *context, bwi_contact_problem *problem);
 /* Takes in the deepest of those outside that penetrate; *added: how many.
  * BW_INVALID where supports prevent a pair from opening, BW_LIMIT for too many candidates. */
 bw_status bwi_contact_take_deepest(bw_context *context, bwi_contact_problem *problem, int *added);
-/* Columns about the present normals, of the candidates with pressure alone. */
+/* S about the present normals, of the candidates with pressure alone. */
 bw_status bwi_contact_renew(bw_context *context, bwi_contact_problem *problem);
 
 /* ---- contact_result.c ------------------------------------------------------------------------ */

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The working set of contact: candidates for which the columns of S = B G B^T are known, and the
- * problem on them (docs/theory/contact.md). */
+/* The working set of contact: candidates between which S = B G B^T is known, and the problem on
+ * them (docs/theory/contact.md). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,32 +9,47 @@
 #include "contact/internal.h"
 
 enum {
-  SIDES = 16,      /* right-hand sides at once */
-  AT_ONCE = 32,    /* candidates that may enter in a round at least */
+  AT_ONCE = 32,    /* candidates that may enter in a round at least, */
+  GROWTH = 3,      /* or this many for each that is there */
   MOST_ROWS = 8000 /* a dense matrix */
 };
 
 static const double held = 1e-8; /* of the compliance of a free surface: supports constrain it */
 
-/* Columns of S from `first` on. */
-static bw_status compute_columns(bw_context *context, bwi_contact_problem *c, int first) {
+/* S from row `first` on. */
+static bw_status take_compliance(bw_context *context, bwi_contact_problem *c, int first) {
   bw_status status = BW_OK;
-  int64_t size = bwi_contact_size(c);
-  double *block = BW_NEW(context, double, SIDES *size);
-  BW_TRY_MEMORY(block);
-  for (; first < c->row_count; first += SIDES) {
-    int part = c->row_count - first < SIDES ? c->row_count - first : SIDES;
-    BW_TRY(bw_check_cancel(context));
-    bw_progress(context, "contact", (double)first / c->row_count);
-    bwi_contact_rows_columns(&c->rows, part, c->row + first, block);
-    BW_TRY(bw_system_solve(context, c->system, part, block, block));
-    c->solves += part;
-    for (int k = 0; k < part; k++)
-      bwi_contact_rows_measure(&c->rows, block + k * size,
-                               c->column + (int64_t)(first + k) * c->rows.row_count);
+  int64_t n = c->row_count, entries = 0;
+  int64_t *start = BW_NEW0(context, int64_t, n + 1);
+  int32_t *node = NULL;
+  double *force = NULL, *larger = BW_NEW(context, double, n *n);
+  BW_TRY_MEMORY(start && larger);
+  for (int k = 0; k < n; k++)
+    start[k + 1] = start[k] + c->rows.start[c->row[k] + 1] - c->rows.start[c->row[k]];
+  entries = start[n];
+  node = BW_NEW(context, int32_t, entries);
+  force = BW_NEW(context, double, 3 * entries);
+  BW_TRY_MEMORY(node && force);
+  for (int k = 0; k < n; k++) {
+    int64_t from = c->rows.start[c->row[k]];
+    size_t count = (size_t)(start[k + 1] - start[k]);
+    memcpy(node + start[k], c->rows.column + from, count * sizeof *node);
+    memcpy(force + 3 * start[k], c->rows.value + 3 * from, 3 * count * sizeof *force);
   }
+  for (int k = 0; k < first; k++)
+    memcpy(larger + k * n, c->s + (int64_t)k * first, (size_t)first * sizeof *larger);
+  bw_free(c->s);
+  c->s = larger;
+  larger = NULL;
+  bw_progress(context, "contact", (double)c->working / c->count);
+  const bwi_nodal_columns columns = {(int)n, start, node, force};
+  BW_TRY(bwi_compliance_of(context, &c->compliance, &columns, first, c->s));
+  c->solves += (int)n - first;
 done:
-  bw_free(block);
+  bw_free(start);
+  bw_free(node);
+  bw_free(force);
+  bw_free(larger);
   return status;
 }
 
@@ -57,27 +72,17 @@ static bw_status extend(bw_context *context, bwi_contact_problem *c, int added,
                    "the corners of facets in contact have more than %d unknowns, one each or three "
                    "with friction: select fewer facets, or make the mesh coarser there",
                    (int)MOST_ROWS));
-  if (rows > c->capacity) {
-    int capacity = rows > 2 * c->capacity ? rows : 2 * c->capacity;
-    double *larger = BW_NEW(context, double, (int64_t)capacity * c->rows.row_count);
-    BW_TRY_MEMORY(larger);
-    if (first > 0)
-      memcpy(larger, c->column, (size_t)first * (size_t)c->rows.row_count * sizeof *larger);
-    bw_free(c->column);
-    c->column = larger;
-    c->capacity = capacity;
-  }
   for (int k = 0; k < added; k++) {
     c->active[c->working] = 1;
     append(c, which[k]);
   }
   c->changes += added;
-  BW_TRY(compute_columns(context, c, first));
+  BW_TRY(take_compliance(context, c, first));
   for (; member < c->working; member++) {
     int32_t i = c->member[member];
     double area = c->rows.area[i], softness = area * sqrt(area) / c->young;
     const double *x = c->rows.mesh->node + 3 * (int64_t)c->rows.node[i];
-    double compliance = c->column[(int64_t)first * c->rows.row_count + c->rows.first[i]];
+    double compliance = c->s[(int64_t)first * c->row_count + first];
     first += c->rows.first[i + 1] - c->rows.first[i];
     if (compliance > held * softness)
       continue;
@@ -107,7 +112,7 @@ static int deeper(const void *a, const void *b) {
 bw_status bwi_contact_take_deepest(bw_context *context, bwi_contact_problem *c, int *added) {
   bw_status status = BW_OK;
   double slack = bwi_contact_small_gap(c);
-  int found = 0, most = c->working > AT_ONCE ? c->working : AT_ONCE;
+  int found = 0, most = GROWTH * c->working > AT_ONCE ? GROWTH * c->working : AT_ONCE;
   deep *list = BW_NEW(context, deep, c->count);
   int32_t *which = BW_NEW(context, int32_t, c->count);
   BW_TRY_MEMORY(list && which);
@@ -138,7 +143,7 @@ bw_status bwi_contact_renew(bw_context *context, bwi_contact_problem *c) {
       append(c, i);
     }
   }
-  return compute_columns(context, c, 0);
+  return take_compliance(context, c, 0);
 }
 
 /* The place of the candidate that keeps contact with friction from an equilibrium, in words. */
@@ -157,17 +162,14 @@ bw_status bwi_contact_solve_working(bw_context *context, bwi_contact_problem *c,
   bw_status status = BW_OK;
   int n = c->row_count, m = c->motions, rows = c->rows.row_count;
   bool friction = c->rows.row_count > c->count;
-  double *s = BW_NEW(context, double, (int64_t)n *n), *q = BW_NEW(context, double, n);
+  double *q = BW_NEW(context, double, n);
   double *e = BW_NEW(context, double, (int64_t)n *m), *slack = BW_NEW(context, double, c->working);
   double *p = BW_NEW(context, double, n), *w = BW_NEW(context, double, n);
   double *coefficient = BW_NEW(context, double, c->working);
   int32_t *first = BW_NEW0(context, int32_t, c->working + 1);
-  BW_TRY_MEMORY(s && q && e && slack && p && w && coefficient && first);
+  BW_TRY_MEMORY(q && e && slack && p && w && coefficient && first);
   for (int k = 0; k < n; k++) {
     int32_t r = c->row[k];
-    for (int l = 0; l < n; l++) /* the mean of the two that rounding tells apart */
-      s[(int64_t)k * n + l] =
-          0.5 * (c->column[(int64_t)k * rows + c->row[l]] + c->column[(int64_t)l * rows + r]);
     q[k] = c->q[r];
     p[k] = c->p[r];
     memcpy(e + (int64_t)k * m, c->e + (int64_t)r * m, (size_t)m * sizeof *e);
@@ -184,7 +186,7 @@ bw_status bwi_contact_solve_working(bw_context *context, bwi_contact_problem *c,
                             .motions = m,
                             .first = first,
                             .friction = coefficient,
-                            .s = s,
+                            .s = c->s,
                             .q = q,
                             .e = e,
                             .load = c->load,
@@ -203,7 +205,7 @@ bw_status bwi_contact_solve_working(bw_context *context, bwi_contact_problem *c,
   } else {
     bwi_complementarity problem = {.count = n,
                                    .motions = m,
-                                   .s = s,
+                                   .s = c->s,
                                    .q = q,
                                    .e = e,
                                    .load = c->load,
@@ -220,19 +222,9 @@ bw_status bwi_contact_solve_working(bw_context *context, bwi_contact_problem *c,
   }
   BW_TRY(status);
   memset(c->p, 0, (size_t)rows * sizeof *c->p);
-  memset(c->w, 0, (size_t)rows * sizeof *c->w);
-  for (int k = 0; k < n; k++) {
+  for (int k = 0; k < n; k++)
     c->p[c->row[k]] = p[k];
-    for (int r = 0; p[k] != 0 && r < rows; r++)
-      c->w[r] += p[k] * c->column[(int64_t)k * rows + r];
-  }
-  c->elastic = 0;
-  for (int i = 0; i < c->count; i++)
-    c->elastic = fmax(c->elastic, fabs(c->w[c->rows.first[i]]) / c->rows.area[i]);
-  for (int r = 0; r < rows; r++)
-    c->w[r] += c->q[r] + bwi_dot(m, c->e + (int64_t)r * m, c->a);
 done:
-  bw_free(s);
   bw_free(q);
   bw_free(e);
   bw_free(slack);
@@ -240,5 +232,22 @@ done:
   bw_free(w);
   bw_free(coefficient);
   bw_free(first);
+  return status;
+}
+
+bw_status bwi_contact_measure_all(bw_context *context, bwi_contact_problem *c) {
+  bw_status status = BW_OK;
+  bwi_contact_rows_force(&c->rows, c->p, c->pressed); /* 0 without a candidate */
+  if (c->working > 0) {
+    BW_TRY(bw_system_solve(context, c->system, 1, c->pressed, c->pressed));
+    c->solves++;
+  }
+  bwi_contact_rows_measure(&c->rows, c->pressed, c->w);
+  c->elastic = 0;
+  for (int i = 0; i < c->count; i++)
+    c->elastic = fmax(c->elastic, fabs(c->w[c->rows.first[i]]) / c->rows.area[i]);
+  for (int r = 0; r < c->rows.row_count; r++)
+    c->w[r] += c->q[r] + bwi_dot(c->motions, c->e + (int64_t)r * c->motions, c->a);
+done:
   return status;
 }

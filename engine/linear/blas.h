@@ -22,6 +22,8 @@ void dsyrk_(const char *, const char *, const int *, const int *, const double *
             const int *, const double *, double *, const int *);
 void ssyrk_(const char *, const char *, const int *, const int *, const float *, const float *,
             const int *, const float *, float *, const int *);
+void dtrsm_(const char *, const char *, const char *, const char *, const int *, const int *,
+            const double *, const double *, const int *, double *, const int *);
 void dpotrf_(const char *, const int *, double *, const int *, int *);
 void spotrf_(const char *, const int *, float *, const int *, int *);
 void dsygv_(const int *, const char *, const char *, const int *, double *, const int *, double *,

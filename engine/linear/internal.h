@@ -94,6 +94,17 @@ static inline int32_t bwi_pivots(const bwi_symbolic *symbolic, int32_t s) {
   const bwi_order *o = symbolic->order;
   return symbolic->first[o->super[s + 1]] - symbolic->first[o->super[s]];
 }
+/* The unknowns of a supernode's rows below its pivots, ascending; how many. */
+static inline int32_t bwi_outer_unknowns(const bwi_symbolic *symbolic, int32_t s,
+                                         int32_t *unknown) {
+  const bwi_order *o = symbolic->order;
+  int32_t count = 0;
+  int64_t begin = o->row_start[s] + o->super[s + 1] - o->super[s];
+  for (int64_t k = begin; k < o->row_start[s + 1]; k++)
+    for (int32_t u = symbolic->first[o->row[k]]; u < symbolic->first[o->row[k] + 1]; u++)
+      unknown[count++] = u;
+  return count;
+}
 
 /* Work of one supernode's front. */
 double bwi_front_flops(const bwi_symbolic *symbolic, int32_t s);

@@ -260,16 +260,6 @@ typedef struct solution {
   int32_t first;
 } solution;
 
-static int32_t list_outer(const bwi_symbolic *symbolic, int32_t s, int32_t *index) {
-  const bwi_order *order = symbolic->order;
-  int32_t count = 0;
-  int64_t begin = order->row_start[s] + order->super[s + 1] - order->super[s];
-  for (int64_t k = begin; k < order->row_start[s + 1]; k++)
-    for (int32_t u = symbolic->first[order->row[k]]; u < symbolic->first[order->row[k] + 1]; u++)
-      index[count++] = u;
-  return count;
-}
-
 static bw_status forward_tasks(void *data, int64_t begin, int64_t end, int worker) {
   solution *solve = data;
   const bwi_symbolic *symbolic = solve->symbolic;
@@ -279,7 +269,7 @@ static bw_status forward_tasks(void *data, int64_t begin, int64_t end, int worke
   for (int64_t t = begin; t < end; t++) {
     const bwi_task *task = &symbolic->plan.task[t];
     int32_t limit = symbolic->first[order->super[task->root + 1]];
-    int32_t outside = list_outer(symbolic, task->root, space->index);
+    int32_t outside = bwi_outer_unknowns(symbolic, task->root, space->index);
     for (int32_t i = 0; i < outside; i++)
       space->slot[space->index[i]] = i;
     real *collector = solve->collector[t];
@@ -289,7 +279,7 @@ static bw_status forward_tasks(void *data, int64_t begin, int64_t end, int worke
       int32_t pivots = bwi_pivots(symbolic, s), rows = symbolic->rows[s];
       real *x = solve->x + (int64_t)symbolic->first[order->super[s]] * width;
       lower_triangle(width, panel, rows, pivots, x);
-      int32_t outer = list_outer(symbolic, s, space->index);
+      int32_t outer = bwi_outer_unknowns(symbolic, s, space->index);
       memset(space->y, 0, (size_t)outer * (size_t)width * sizeof(real));
       forward(width, panel + pivots, rows, outer, pivots, x, space->y);
       for (int32_t i = 0; i < outer; i++) {
@@ -316,7 +306,7 @@ static bw_status backward_tasks(void *data, int64_t begin, int64_t end, int work
       const real *panel = solve->value + symbolic->panel[s];
       int32_t pivots = bwi_pivots(symbolic, s), rows = symbolic->rows[s];
       real *x = solve->x + (int64_t)symbolic->first[order->super[s]] * width;
-      int32_t outer = list_outer(symbolic, s, space->index);
+      int32_t outer = bwi_outer_unknowns(symbolic, s, space->index);
       for (int32_t i = 0; i < outer; i++)
         memcpy(space->y + (int64_t)i * width, solve->x + (int64_t)space->index[i] * width,
                (size_t)width * sizeof(real));
@@ -380,7 +370,7 @@ static int32_t open_top(solution *solve, int32_t s) {
   solve->ld = symbolic->rows[s];
   solve->pivots = bwi_pivots(symbolic, s);
   solve->first = symbolic->first[symbolic->order->super[s]];
-  return list_outer(symbolic, s, solve->space[0].index);
+  return bwi_outer_unknowns(symbolic, s, solve->space[0].index);
 }
 
 static bw_status forward_top(solution *solve, int32_t s) {
@@ -430,7 +420,7 @@ static void collect(solution *solve) {
     int32_t t = symbolic->plan.task_of[s];
     if (t < 0)
       continue;
-    int32_t outer = list_outer(symbolic, s, solve->space[0].index);
+    int32_t outer = bwi_outer_unknowns(symbolic, s, solve->space[0].index);
     const real *from = solve->collector[t];
     for (int32_t i = 0; i < outer; i++) {
       real *to = solve->x + (int64_t)solve->space[0].index[i] * width;
