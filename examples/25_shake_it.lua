@@ -28,4 +28,11 @@ if folder then
   assert(tip:figure():write(folder .. "/tip.svg"))
   assert(response:animate(frequency, folder .. "/shaken.png", {pictures = 8, width = 500, height = 400}))
 end
+-- A sensor of 50 g on the tip, 20 mm above it: its mass rocks, and the frequency falls.
+part:couple {on = mesh.boundary:above("x", 0.2), kind = "rigid", at = {0.2, 0.02, 0.026}, mass = 0.05}
+local loaded = assert(part:harmonic {range = {10, 1500}, base = {0, 0, 9.81}, damping = {ratio = 0.02}})
+local sensor = assert(loaded:curve {coupling = 1})
+print(sensor, sensor.rotation)
+assert(sensor:peak "z" < 0.8 * frequency)
+
 -- Next: loads in place of the base, damping = {loss = 0.01}, or another place of the curve.

@@ -123,29 +123,6 @@ bw_status bw_harmonic_coordinates(bw_context *context, const bw_harmonic *h, dou
   return BW_OK;
 }
 
-/* ---- products -------------------------------------------------------------------------------- */
-
-static void keep_unknowns(const bw_system *system, double *x) {
-  bwi_keep_states(system->dof_map, 1u << BW_DOF_UNKNOWN, x);
-}
-
-static int64_t size_of(const bw_system *system) {
-  return 3 * (int64_t)system->mesh->node_count;
-}
-
-static bw_status multiply_mass(bw_context *context, bw_system *system, const double *x, double *y) {
-  bw_status status = bw_block_multiply(context, system->pattern, system->mass, 1, 3, 1, x, y);
-  keep_unknowns(system, y);
-  return status;
-}
-
-static bw_status multiply_stiffness(bw_context *context, bw_system *system, const double *x,
-                                    double *y) {
-  bw_status status = bwi_system_multiply(context, system, 1, x, y, NULL);
-  keep_unknowns(system, y);
-  return status;
-}
-
 /* ---- residual vectors ------------------------------------------------------------------------ */
 
 /* Lanczos's basis: K-orthonormal vectors and their products with K. */
@@ -171,10 +148,10 @@ static void basis_clear(basis *b) {
   bw_free(b->along);
 }
 
-static bw_status basis_open(bw_context *context, bw_system *system, const bw_modes *modes,
-                            int vectors, basis *b) {
+static bw_status basis_open(bw_context *context, const bwi_equations *equations,
+                            const bw_modes *modes, int vectors, basis *b) {
   bw_status status = BW_OK;
-  int64_t size = size_of(system);
+  int64_t size = equations->size;
   b->shape = modes->shape;
   b->mass_shape = BW_NEW(context, double, modes->count *size);
   b->along = BW_NEW(context, double, modes->count + vectors + 1);
@@ -185,7 +162,8 @@ static bw_status basis_open(bw_context *context, bw_system *system, const bw_mod
   b->work = BW_NEW0(context, double, 4 * vectors + 64);
   BW_TRY_MEMORY(b->mass_shape && b->along && b->alpha && b->beta && b->theta && b->w && b->work);
   for (int k = 0; k < modes->count; k++)
-    BW_TRY(multiply_mass(context, system, modes->shape + k * size, b->mass_shape + k * size));
+    BW_TRY(
+        bwi_equations_mass(context, equations, modes->shape + k * size, b->mass_shape + k * size));
 done:
   return status;
 }
@@ -233,18 +211,18 @@ done:
 
 /* The next vector K^-1 f of the basis: its K-norm in *norm, which is 0 where only rounding of a
  * vector of the K-norm `before` is left; it is kept otherwise. */
-static bw_status take_vector(bw_context *context, bw_system *system, int modes, const double *f,
-                             basis *b, double *norm) {
+static bw_status take_vector(bw_context *context, const bwi_equations *equations, int modes,
+                             const double *f, basis *b, double *norm) {
   bw_status status = BW_OK;
-  int64_t size = size_of(system);
+  int64_t size = equations->size;
   double square, before;
   if (b->count == b->capacity)
     BW_TRY(basis_grow(context, size, b));
   double *x = b->vector + b->count * size, *y = b->product + b->count * size;
-  BW_TRY(bw_system_solve(context, system, 1, f, x));
+  BW_TRY(bwi_equations_solve(context, equations, f, x));
   BW_TRY(bwi_multi_dot(context, size, 1, x, 1, f, &before));
   BW_TRY(orthogonalise(context, size, modes, b, x));
-  BW_TRY(multiply_stiffness(context, system, x, y));
+  BW_TRY(bwi_equations_stiffness(context, equations, x, y));
   BW_TRY(bwi_multi_dot(context, size, 1, x, 1, y, &square));
   *norm = square > rounding * rounding * before ? sqrt(square) : 0;
   if (*norm == 0)
@@ -315,20 +293,20 @@ done:
 }
 
 /* Vectors until the error at all frequencies is below the tolerance. `force` is overwritten. */
-static bw_status add_vectors(bw_context *context, bw_system *system,
+static bw_status add_vectors(bw_context *context, const bwi_equations *equations,
                              const bw_harmonic_options *options, double *force, bw_harmonic *h) {
   bw_status status = BW_OK;
   basis b = {0};
-  int64_t size = size_of(system);
+  int64_t size = equations->size;
   int modes = h->modes->count, n = 0;
   double norm = 0, error = INFINITY;
-  BW_TRY(basis_open(context, system, h->modes, options->vectors, &b));
+  BW_TRY(basis_open(context, equations, h->modes, options->vectors, &b));
   if (modes > 0) {
     BW_TRY(bwi_multi_dot(context, size, modes, h->modes->shape, 1, force, h->load));
     BW_TRY(bwi_multi_combine(context, size, modes, b.mass_shape, 1, h->load, modes, -1, 1, force));
   }
-  if (modes < system->dof_map->unknown_count) {
-    BW_TRY(take_vector(context, system, modes, force, &b, &norm));
+  if (modes < equations->unknown_count) {
+    BW_TRY(take_vector(context, equations, modes, force, &b, &norm));
     h->solves++;
   }
   b.first = norm;
@@ -336,9 +314,9 @@ static bw_status add_vectors(bw_context *context, bw_system *system,
   while (norm > 0 && n < options->vectors && error > options->tolerance) {
     BW_TRY(bw_check_cancel(context));
     const double *last = b.vector + n * size;
-    BW_TRY(multiply_mass(context, system, last, force));
+    BW_TRY(bwi_equations_mass(context, equations, last, force));
     BW_TRY(bwi_multi_dot(context, size, 1, last, 1, force, &b.alpha[n]));
-    BW_TRY(take_vector(context, system, modes, force, &b, &norm));
+    BW_TRY(take_vector(context, equations, modes, force, &b, &norm));
     h->solves++;
     b.beta[n++] = norm;
     BW_TRY(take_pairs(context, &b, n, h));
@@ -480,14 +458,23 @@ bw_status bwi_check_held_model(bw_context *context, const bw_model *model, const
                      what));
   if (!(model->material->density > 0))
     BW_TRY(bw_fail(context, BW_INVALID, "%s needs a mass: give the material a density", what));
-  BW_TRY(bw_dof_map_create(context, model, &dof_map));
+  if (model->cyclic)
+    BW_TRY(bw_model_refuse_joints(context, model));
+  for (int p = 0; p < model->coupling_count; p++)
+    for (int k = 0; k < 6; k++)
+      if (model->coupling[p].point.fixed[k] && model->coupling[p].point.displacement[k] != 0)
+        BW_TRY(bw_fail(context, BW_UNSUPPORTED,
+                       "the remote point of coupling %d has a prescribed motion that is not zero: "
+                       "in %s what is held moves by an acceleration of the base alone",
+                       p + 1, what));
+  BW_TRY(bwi_dof_map_apart(context, model, &dof_map));
   if (dof_map->prescribed)
     BW_TRY(
         bw_fail(context, BW_UNSUPPORTED,
                 "a support prescribes a displacement that is not zero: in %s supports move by an "
                 "acceleration of the base alone",
                 what));
-  if (dof_map->rigid_mode_count > 0) {
+  if (dof_map->rigid_mode_count > 0 && !bw_model_joined(model)) {
     BW_TRY(bw_dof_map_describe_rigid_modes(context, dof_map, &text));
     BW_TRY(bw_fail(context, BW_UNCONSTRAINED,
                    "%s of a body that can move freely is not computed; %s. Add supports that "
@@ -508,10 +495,11 @@ bw_status bwi_modes_up_to(bw_context *context, const bw_model *model, bw_system 
   bw_modes_options_default(&ask);
   ask.count = count ? count : FIRST_MODES;
   ask.solver = solver;
-  *used = bw_retain(given);
+  *used = bw_model_joined(model) ? NULL : bw_retain(given);
   for (;; ask.count *= 2) {
     bw_system *next = NULL;
-    status = bw_modes_of_model(context, model, *used, &ask, &next, modes);
+    status = bw_model_joined(model) ? bw_joined_modes(context, model, &ask, modes)
+                                    : bw_modes_of_model(context, model, *used, &ask, &next, modes);
     if (next) {
       bw_release(*used);
       *used = next;
@@ -528,21 +516,19 @@ done:
 }
 
 /* The amplitude of the forces of unknowns, those of the base too. */
-static bw_status force_of(bw_context *context, const bw_model *model, bw_system *system,
-                          const double base[3], double *force) {
+static bw_status force_of(bw_context *context, const bw_model *model,
+                          const bwi_equations *equations, const double base[3], double *force) {
   bw_status status = BW_OK;
-  int64_t size = size_of(system);
+  int64_t size = equations->size;
   double largest = 0, *moved = BW_NEW(context, double, 2 * size);
   BW_TRY_MEMORY(moved);
-  BW_TRY(bw_model_force_vector(context, model, force));
+  BW_TRY(bwi_equations_force(context, model, force));
   for (int64_t i = 0; i < size; i++)
     moved[i] = base[i % 3];
-  BW_TRY(bw_block_multiply(context, system->pattern, system->mass, 1, 3, 1, moved, moved + size));
+  BW_TRY(bwi_equations_mass(context, equations, moved, moved + size));
   for (int64_t i = 0; i < size; i++)
     force[i] -= moved[size + i];
-  keep_unknowns(system, force);
-  for (int64_t i = 0; i < size; i++)
-    largest = fmax(largest, fabs(force[i]));
+  BW_TRY(bwi_equations_largest(context, equations, force, &largest));
   if (!(largest > 0))
     BW_TRY(bw_fail(context, BW_INVALID,
                    "nothing excites the body: add a load, or an acceleration of the base"));
@@ -574,6 +560,7 @@ bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_sy
   bw_status status = BW_OK;
   bw_system *used = NULL;
   bw_harmonic *h = NULL;
+  bwi_equations equations = {0};
   double *force = NULL, highest = 0, error;
   bwi_blas_enter();
   BW_TRY(check_options(context, model->mesh, options, &highest));
@@ -586,16 +573,16 @@ bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_sy
   memcpy(h->base, options->base, sizeof h->base);
   BW_TRY(bwi_modes_up_to(context, model, given, options->solver, options->modes, beyond * highest,
                          &used, &h->modes));
-  BW_TRY(used->factor ? BW_OK : bw_system_factor(context, used));
-  force = BW_NEW(context, double, size_of(used));
+  BW_TRY(bwi_equations_open(context, model, used, &equations));
+  force = BW_NEW(context, double, equations.size);
   BW_TRY_MEMORY(force);
-  BW_TRY(force_of(context, model, used, h->base, force));
+  BW_TRY(force_of(context, model, &equations, h->base, force));
   BW_TRY(vectors_new(context, options, h));
   if (options->region_loss)
-    BW_TRY(bwi_coupling_create(context, used, options, force, h));
+    BW_TRY(bwi_coupling_create(context, &equations, options, force, h));
   BW_TRY(take_frequencies(context, options, h));
-  BW_TRY(options->region_loss ? bwi_coupling_grow(context, used, options, h)
-                              : add_vectors(context, used, options, force, h));
+  BW_TRY(options->region_loss ? bwi_coupling_grow(context, &equations, options, h)
+                              : add_vectors(context, &equations, options, force, h));
   if (h->coupling)
     BW_TRY(find_errors(context, h, &error));
   *harmonic = h;
@@ -604,6 +591,7 @@ done:
   bwi_blas_leave();
   if (system)
     *system = bw_retain(used);
+  bwi_equations_clear(&equations);
   bw_release(used);
   bw_release(h);
   bw_free(force);

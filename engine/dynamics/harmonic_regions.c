@@ -73,15 +73,8 @@ static double dot(int n, const double *a, const double *b) {
   return sum;
 }
 
-static bw_status multiply(bw_context *context, const bw_system *system, const double *values,
-                          int width, const double *x, double *y) {
-  bw_status status = bw_block_multiply(context, system->pattern, values, width, 3, 1, x, y);
-  bwi_keep_states(system->dof_map, 1u << BW_DOF_UNKNOWN, y);
-  return status;
-}
-
 /* K^-1 f joins Q: its coordinates there. f is overwritten. */
-static bw_status take(bw_context *context, bw_system *system, bwi_coupling *c, double *f,
+static bw_status take(bw_context *context, const bwi_equations *body, bwi_coupling *c, double *f,
                       double *coordinate) {
   bw_status status = BW_OK;
   double before, square = 0, *along = BW_NEW(context, double, c->width);
@@ -91,7 +84,7 @@ static bw_status take(bw_context *context, bw_system *system, bwi_coupling *c, d
   double *x = c->basis + c->span * c->size;
   memset(coordinate, 0, (size_t)c->width * sizeof *coordinate);
   BW_TRY(bw_check_cancel(context));
-  BW_TRY(bw_system_solve(context, system, 1, f, x));
+  BW_TRY(bwi_equations_solve(context, body, f, x));
   BW_TRY(bwi_multi_dot(context, c->size, 1, x, 1, f, &before));
   for (int pass = 0; pass < 2; pass++) { /* f is K x */
     if (c->span > 0) {
@@ -100,7 +93,7 @@ static bw_status take(bw_context *context, bw_system *system, bwi_coupling *c, d
     }
     for (int k = 0; k < c->span; k++)
       coordinate[k] += along[k];
-    BW_TRY(multiply(context, system, system->stiffness, 9, x, f));
+    BW_TRY(bwi_equations_stiffness(context, body, x, f));
   }
   BW_TRY(bwi_multi_dot(context, c->size, 1, x, 1, f, &square));
   if (!(square > rounding * rounding * before))
@@ -135,15 +128,15 @@ static void project_all(bwi_coupling *c) {
 }
 
 /* The next vector, of which `own` has the coordinates: A and D times it join Q. */
-static bw_status take_vector(bw_context *context, bw_system *system, bwi_coupling *c) {
+static bw_status take_vector(bw_context *context, const bwi_equations *body, bwi_coupling *c) {
   bw_status status = BW_OK;
   int64_t at = (int64_t)c->count * c->width;
   double *v = c->field, *f = c->field + c->size;
   BW_TRY(bwi_multi_combine(context, c->size, c->span, c->basis, 1, c->own + at, c->span, 1, 0, v));
-  BW_TRY(multiply(context, system, system->mass, 1, v, f));
-  BW_TRY(take(context, system, c, f, c->mass + at));
-  BW_TRY(multiply(context, system, c->values, 9, v, f));
-  BW_TRY(take(context, system, c, f, c->loss + at));
+  BW_TRY(bwi_equations_mass(context, body, v, f));
+  BW_TRY(take(context, body, c, f, c->mass + at));
+  BW_TRY(bwi_equations_values(context, body, c->values, v, f));
+  BW_TRY(take(context, body, c, f, c->loss + at));
   c->count++;
 done:
   return status;
@@ -151,12 +144,12 @@ done:
 
 /* H: what the stiffness gains where the moduli of regions grow by their losses, scaled so that they
  * at most double. */
-static bw_status make_loss(bw_context *context, bw_system *system, const bw_model *model,
+static bw_status make_loss(bw_context *context, const bwi_equations *body, const bw_model *model,
                            const double *region_loss, bwi_coupling *c) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = model->mesh;
   bw_material *material = NULL;
-  int64_t entries = 9 * system->pattern->block_count;
+  int64_t entries = 9 * body->pattern->block_count;
   double largest = 0, *factor = BW_NEW(context, double, mesh->region_count);
   BW_TRY_MEMORY(factor);
   c->least = INFINITY;
@@ -164,16 +157,18 @@ static bw_status make_loss(bw_context *context, bw_system *system, const bw_mode
     c->least = fmin(c->least, region_loss[r]);
     largest = fmax(largest, region_loss[r]);
   }
+  if (bwi_has_springs(model)) /* they lose nothing */
+    c->least = 0;
   for (int32_t r = 0; r < mesh->region_count; r++)
     factor[r] = 1 + (largest > 0 ? region_loss[r] / largest : 0);
-  BW_TRY(bw_system_stiffness(context, system));
   BW_TRY(bw_material_stiffened(context, model->material, (int32_t)mesh->element_count,
                                mesh->region_count, mesh->region, factor, &material));
   c->values = BW_NEW(context, double, entries);
   BW_TRY_MEMORY(c->values);
-  BW_TRY(bw_stiffness(context, system->pattern, mesh, material, c->values));
+  BW_TRY(bw_stiffness(context, body->pattern, mesh, material, c->values));
+  bwi_add_attachments(model, body->pattern, 9, c->values);
   for (int64_t i = 0; i < entries; i++)
-    c->values[i] = largest * (c->values[i] - system->stiffness[i]);
+    c->values[i] = largest * (c->values[i] - body->stiffness[i]);
 done:
   bw_free(factor);
   bw_release(material);
@@ -181,7 +176,7 @@ done:
 }
 
 /* The modes as vectors, and g. */
-static bw_status take_modes(bw_context *context, bw_system *system, const bw_modes *modes,
+static bw_status take_modes(bw_context *context, const bwi_equations *body, const bw_modes *modes,
                             const double *force, bwi_coupling *c) {
   bw_status status = BW_OK;
   BW_TRY_MEMORY(bw_grow(context, (void **)&c->basis, &c->capacity, 0, (size_t)modes->count + 1,
@@ -196,11 +191,11 @@ static bw_status take_modes(bw_context *context, bw_system *system, const bw_mod
   c->span = modes->count;
   for (int k = 0; k < modes->count; k++) {
     double *f = c->field;
-    BW_TRY(multiply(context, system, c->values, 9, c->basis + k * c->size, f));
-    BW_TRY(take(context, system, c, f, c->loss + (int64_t)k * c->width));
+    BW_TRY(bwi_equations_values(context, body, c->values, c->basis + k * c->size, f));
+    BW_TRY(take(context, body, c, f, c->loss + (int64_t)k * c->width));
   }
   memcpy(c->field, force, (size_t)c->size * sizeof *force);
-  BW_TRY(take(context, system, c, c->field, c->load));
+  BW_TRY(take(context, body, c, c->field, c->load));
   c->count = modes->count;
   project_all(c);
 done:
@@ -212,7 +207,7 @@ static void take_losses(const bwi_coupling *c, bw_harmonic *h) {
     h->loss[k] = h->damping.loss + c->inner_loss[(int64_t)k * c->most + k];
 }
 
-bw_status bwi_coupling_create(bw_context *context, bw_system *system,
+bw_status bwi_coupling_create(bw_context *context, const bwi_equations *body,
                               const bw_harmonic_options *options, const double *force,
                               bw_harmonic *h) {
   bw_status status = BW_OK;
@@ -234,8 +229,8 @@ bw_status bwi_coupling_create(bw_context *context, bw_system *system,
   c->inner_load = BW_NEW0(context, double, most);
   BW_TRY_MEMORY(c->field && c->own && c->mass && c->loss && c->load && c->inner_mass &&
                 c->inner_loss && c->inner_load);
-  BW_TRY(make_loss(context, system, h->model, options->region_loss, c));
-  BW_TRY(take_modes(context, system, h->modes, force, c));
+  BW_TRY(make_loss(context, body, h->model, options->region_loss, c));
+  BW_TRY(take_modes(context, body, h->modes, force, c));
   take_losses(c, h);
   h->coupling = c;
   c = NULL;
@@ -400,8 +395,8 @@ done:
 }
 
 /* A residual's part, of the size `whole` together with the other, becomes a vector. */
-static bw_status add_residual(bw_context *context, bw_system *system, double *part, double whole,
-                              bwi_coupling *c) {
+static bw_status add_residual(bw_context *context, const bwi_equations *body, double *part,
+                              double whole, bwi_coupling *c) {
   double *own = c->own + (int64_t)c->count * c->width, *along = c->field;
   memset(along, 0, (size_t)c->count * sizeof *along);
   project(c, part, along);
@@ -410,7 +405,7 @@ static bw_status add_residual(bw_context *context, bw_system *system, double *pa
     return BW_OK;
   for (int k = 0; k < c->span; k++)
     own[k] = part[k] / size;
-  return take_vector(context, system, c);
+  return take_vector(context, body, c);
 }
 
 /* The vectors themselves, of unit modal mass, and their numbers. */
@@ -439,7 +434,7 @@ done:
   return status;
 }
 
-bw_status bwi_coupling_grow(bw_context *context, bw_system *system,
+bw_status bwi_coupling_grow(bw_context *context, const bwi_equations *body,
                             const bw_harmonic_options *options, bw_harmonic *h) {
   bw_status status = BW_OK;
   bwi_coupling *c = h->coupling;
@@ -452,7 +447,7 @@ bw_status bwi_coupling_grow(bw_context *context, bw_system *system,
       break;
     double whole = sqrt(dot(2 * c->width, residual, residual));
     for (int part = 0; part < 2 && c->count < c->most; part++)
-      BW_TRY(add_residual(context, system, residual + (int64_t)part * c->width, whole, c));
+      BW_TRY(add_residual(context, body, residual + (int64_t)part * c->width, whole, c));
     project_all(c);
     if (c->count == before)
       break;

@@ -200,18 +200,25 @@ done:
   return status;
 }
 
+bw_status bwi_harmonic_covariance(bw_context *context, const bw_harmonic *h, int count,
+                                  const double *frequency, const double *density,
+                                  double *covariance, double *wrong) {
+  spectrum s = {count, frequency, density};
+  bw_status status = check_spectrum(context, h, &s);
+  return status == BW_OK ? integrate(context, h, &s, covariance, wrong) : status;
+}
+
 bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *h, int count,
                              const double *frequency, const double *density, double *displacement,
                              double *von_mises, double *error) {
   bw_status status = BW_OK;
-  spectrum s = {count, frequency, density};
   bw_stress_points points = {0};
   int64_t nodes = h->model->mesh->node_count;
   double *covariance = NULL, *mises = NULL, whole, wrong;
   bwi_blas_enter();
-  BW_TRY(check_spectrum(context, h, &s));
   covariance = BW_NEW0(context, double, (int64_t)h->count * h->count + 1);
   BW_TRY_MEMORY(covariance);
+  BW_TRY(bwi_harmonic_covariance(context, h, count, frequency, density, covariance, &wrong));
   BW_TRY(bw_stress_points_create(context, h->model->mesh, h->model->material, &points));
   if (von_mises) {
     mises = BW_NEW0(context, double, points.count);
@@ -219,7 +226,6 @@ bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *h, int coun
   }
   if (displacement)
     memset(displacement, 0, 3 * (size_t)nodes * sizeof *displacement);
-  BW_TRY(integrate(context, h, &s, covariance, &wrong));
   BW_TRY(sum_fields(context, h, &points, covariance, displacement, mises, &whole));
   for (int64_t i = 0; displacement && i < 3 * nodes; i++)
     displacement[i] = sqrt(displacement[i]);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "barwright/analysis.h"
+#include "dynamics/equations.h"
 #include "dynamics/internal.h"
 #include "linear/blas.h"
 #include "linear/internal.h"
@@ -25,13 +26,16 @@ static void destroy(void *object) {
   bw_free(r->acceleration);
   bw_free(r->displacement);
   bw_free(r->von_mises);
+  bw_free(r->point);
   bw_free(r);
 }
 
 static size_t bytes(const void *object) {
   const bw_response_spectrum *r = object;
   return sizeof *r + bw_bytes(r->modes) +
-         (3 * (size_t)r->count + 4 * (size_t)r->model->mesh->node_count) * sizeof(double);
+         (3 * (size_t)r->count + 4 * (size_t)r->model->mesh->node_count +
+          6 * (size_t)r->model->coupling_count) *
+             sizeof(double);
 }
 
 static const bw_kind spectrum_kind = {"response spectrum", destroy, bytes};
@@ -116,10 +120,10 @@ typedef struct parts {
   double *rigid; /* (node_count x 3) the static displacement of what the modes leave out */
 } parts;
 
-static bw_status find_parts(bw_context *context, bw_system *system, bw_response_spectrum *r,
-                            parts *p) {
+static bw_status find_parts(bw_context *context, const bwi_equations *equations,
+                            bw_response_spectrum *r, parts *p) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)system->mesh->node_count;
+  int64_t size = equations->size;
   double *field = BW_NEW0(context, double, 5 * size),
          *along = BW_NEW0(context, double, r->count + 1);
   double left[3] = {0};
@@ -131,8 +135,7 @@ static bw_status find_parts(bw_context *context, bw_system *system, bw_response_
   for (int j = 0; j < 3; j++) { /* M times a unit motion along an axis */
     for (int64_t i = 0; i < size; i++)
       unit[i] = i % 3 == j;
-    BW_TRY(
-        bw_block_multiply(context, system->pattern, system->mass, 1, 3, 1, unit, field + j * size));
+    BW_TRY(bwi_equations_mass(context, equations, unit, field + j * size));
   }
   for (int64_t i = 0; i < size; i++) {
     unit[i] = r->direction[i % 3];
@@ -162,9 +165,8 @@ static bw_status find_parts(bw_context *context, bw_system *system, bw_response_
   if (r->count > 0)
     BW_TRY(bwi_multi_combine(context, size, r->count, r->modes->shape, 1, r->participation,
                              r->count, -1, 1, unit));
-  BW_TRY(bw_block_multiply(context, system->pattern, system->mass, 1, 3, 1, unit, moved));
-  bwi_keep_states(system->dof_map, 1u << BW_DOF_UNKNOWN, moved);
-  BW_TRY(bw_system_solve(context, system, 1, moved, p->rigid));
+  BW_TRY(bwi_equations_mass(context, equations, unit, moved));
+  BW_TRY(bwi_equations_solve(context, equations, moved, p->rigid));
   p->size[p->count] = r->base;
   for (int j = 0; j < 3; j++)
     p->force[3 * p->count + j] = r->base * left[j];
@@ -229,10 +231,11 @@ static bw_status combine(bw_context *context, const parts *p, const double *colu
   bw_status status = BW_OK;
   const bw_model *model = r->model;
   bool absolute = r->combination == BW_ABSOLUTE;
-  int64_t size = 3 * (int64_t)model->mesh->node_count;
-  double *field = BW_NEW(context, double, size), *weight = BW_NEW(context, double, p->count + 1);
+  int64_t size = 3 * (int64_t)model->mesh->node_count, motions = 6 * (int64_t)model->coupling_count;
+  double *field = BW_NEW(context, double, size), *motion = BW_NEW(context, double, motions);
+  double *weight = BW_NEW(context, double, p->count + 1);
   double *stress = BW_NEW(context, double, 6 * (int64_t)points->count);
-  BW_TRY_MEMORY(field && weight && stress);
+  BW_TRY_MEMORY(field && motion && weight && stress);
   for (int k = 0; k < p->count; k++) {
     double force[3] = {0};
     BW_TRY(bw_check_cancel(context));
@@ -249,6 +252,8 @@ static bw_status combine(bw_context *context, const parts *p, const double *colu
       BW_TRY(bwi_multi_combine(context, size, 1, p->rigid, 1, weight + r->count, 1, 1, 1, field));
     add(absolute, size, field, r->displacement);
     add(absolute, 3, force, r->base_force);
+    bwi_point_motions(model, field, motion);
+    add(absolute, motions, motion, r->point);
     BW_TRY(bw_point_stress(context, model->mesh, model->material, field, points, stress));
     for (int64_t i = 0; i < points->count; i++) {
       double own = bw_von_mises(stress + 6 * i);
@@ -258,25 +263,29 @@ static bw_status combine(bw_context *context, const parts *p, const double *colu
   }
   finish(absolute, size, r->displacement);
   finish(absolute, 3, r->base_force);
+  finish(absolute, motions, r->point);
   finish(absolute, points->count, mises);
 done:
   bw_free(field);
+  bw_free(motion);
   bw_free(weight);
   bw_free(stress);
   return status;
 }
 
-static bw_status respond(bw_context *context, bw_system *system, bw_response_spectrum *r) {
+static bw_status respond(bw_context *context, const bwi_equations *equations,
+                         bw_response_spectrum *r) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = r->model->mesh;
   parts p = {0};
   bw_stress_points points = {0};
   double *column = NULL, *mises = NULL;
-  BW_TRY(find_parts(context, system, r, &p));
+  BW_TRY(find_parts(context, equations, r, &p));
   column = BW_NEW(context, double, (int64_t)p.count *p.count + 1);
   r->displacement = BW_NEW0(context, double, 3 * (int64_t)mesh->node_count);
   r->von_mises = BW_NEW0(context, double, mesh->node_count);
-  BW_TRY_MEMORY(column && r->displacement && r->von_mises);
+  r->point = BW_NEW0(context, double, 6 * (int64_t)r->model->coupling_count);
+  BW_TRY_MEMORY(column && r->displacement && r->von_mises && r->point);
   BW_TRY(find_columns(context, r, p.count, column));
   BW_TRY(bw_stress_points_create(context, mesh, r->model->material, &points));
   mises = BW_NEW0(context, double, points.count);
@@ -295,21 +304,35 @@ done:
   return status;
 }
 
+/* Those of remote points too. */
+static int count_loads(const bw_model *model) {
+  int count = model->load_count;
+  for (int p = 0; p < model->coupling_count; p++) {
+    bool acts = false;
+    for (int k = 0; k < 6; k++)
+      acts = acts || model->coupling[p].point.load[k] != 0;
+    count += acts;
+  }
+  return count;
+}
+
 bw_status bw_response_spectrum_of_model(bw_context *context, const bw_model *model,
                                         bw_system *given,
                                         const bw_response_spectrum_options *options,
                                         bw_system **system, bw_response_spectrum **response) {
   bw_status status = BW_OK;
   bw_system *used = NULL;
+  bwi_equations equations = {0};
   bw_response_spectrum *r = NULL;
   bwi_blas_enter();
   BW_TRY(check(context, options));
   BW_TRY(bwi_check_held_model(context, model, "a response spectrum"));
-  if (model->load_count > 0)
+  int loads = count_loads(model);
+  if (loads > 0)
     bw_warn(context,
             "the loads of the part, %d of them, are not in a response spectrum, which has the "
             "motion of the base alone: add their static stresses to it, of either sign",
-            model->load_count);
+            loads);
   r = BW_NEW0(context, bw_response_spectrum, 1);
   BW_TRY_MEMORY(r);
   bw_object_init(r, &spectrum_kind);
@@ -322,15 +345,16 @@ bw_status bw_response_spectrum_of_model(bw_context *context, const bw_model *mod
   double last = options->frequency[options->count - 1];
   r->base = options->missing_mass ? options->acceleration[options->count - 1] : 0;
   BW_TRY(bwi_modes_up_to(context, model, given, options->solver, 0, last, &used, &r->modes));
-  BW_TRY(used->factor ? BW_OK : bw_system_factor(context, used));
+  BW_TRY(bwi_equations_open(context, model, used, &equations));
   BW_TRY(take_spectrum(context, options, r));
-  BW_TRY(respond(context, used, r));
+  BW_TRY(respond(context, &equations, r));
   *response = r;
   r = NULL;
 done:
   bwi_blas_leave();
   if (system)
     *system = bw_retain(used);
+  bwi_equations_clear(&equations);
   bw_release(used);
   bw_release(r);
   return status;

@@ -24,3 +24,13 @@ void bwi_add_attachments(const bw_model *model, const bw_block_pattern *pattern,
     }
   }
 }
+
+bool bwi_has_springs(const bw_model *model) {
+  for (int a = 0; a < model->attachment_count; a++)
+    if (!(model->attachment[a].mass > 0))
+      return true;
+  for (int p = 0; p < model->coupling_count; p++)
+    if (bwi_point_has_springs(&model->coupling[p].point))
+      return true;
+  return false;
+}

@@ -57,6 +57,8 @@ bw_status bwi_reduce_matrix(bw_context *context, const bwi_reduction *reduction,
  * the pattern has their blocks. */
 void bwi_add_attachments(const bw_model *model, const bw_block_pattern *pattern, int block,
                          double *values);
+/* Whether something attaches the model to the ground by springs. */
+bool bwi_has_springs(const bw_model *model);
 
 /* Moves forces (node_count x 3) at nodes that follow in bonds to the nodes that they follow. */
 void bwi_reduction_move(const bwi_reduction *reduction, double *force);
@@ -88,6 +90,7 @@ bw_status bwi_points_spread(bw_context *context, const bwi_reduction *r, const d
                             const double *x, double *force, bw_coupling_result *result);
 /* The same of rigid ones, after bwi_reduction_move. */
 void bwi_points_gather(const bwi_reduction *r, double *force, bw_coupling_result *result);
+bool bwi_point_has_springs(const bw_remote_point *point);
 /* Whether modes need a density. */
 bool bwi_point_has_mass(const bw_remote_point *point);
 

@@ -14,7 +14,7 @@ enum { MAX_DENSE_NODES = 2000 };
 /* Of a prescribed motion, how far supports and a coupling may differ. */
 static const double same_motion = 1e-9;
 
-static bool has_springs(const bw_remote_point *point) {
+bool bwi_point_has_springs(const bw_remote_point *point) {
   for (int k = 0; k < 6; k++)
     if (point->spring[k] > 0)
       return true;
@@ -108,7 +108,7 @@ bw_status bwi_points_check(bw_context *context, const bw_model *model, const bwi
         return status;
     }
     if (point->kind == BW_DISTRIBUTED && coupling->node_count > MAX_DENSE_NODES &&
-        (has_springs(point) || bwi_point_has_mass(point) || has_fixed(point)))
+        (bwi_point_has_springs(point) || bwi_point_has_mass(point) || has_fixed(point)))
       return bw_fail(context, BW_LIMIT,
                      "the distributed coupling %d has %d nodes, and the spring, mass or prescribed "
                      "motion of its remote point couples each with all others: at most %d are "
@@ -311,7 +311,7 @@ bw_status bwi_points_add(bw_context *context, const bwi_reduction *r, bool sprin
     const bw_remote_point *point = &r->coupling[p].point;
     double s[6][6];
     bw_sparse_matrix *sum = NULL;
-    if (springs ? !has_springs(point) : !bwi_point_has_mass(point))
+    if (springs ? !bwi_point_has_springs(point) : !bwi_point_has_mass(point))
       continue;
     matrix_of(point, springs, s);
     BW_TRY(moves_of(context, r, p, &m));

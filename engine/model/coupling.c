@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Couplings of faces with remote points. A distributed one has the mean motion of its face: with
- * the centroid c and y = x - c,
+/* Couplings of faces with remote points. A distributed one has the mean motion of its face, which
+ * is the motion of a rigid one too: with the centroid c and y = x - c,
  *
  *     q_c = 1/A integral u dA,   theta = J^-1 1/A integral y x u dA,
  *     J = 1/A integral (|y|^2 1 - y y^T) dA,   q = q_c + theta x (at - c).
@@ -229,8 +229,6 @@ static bw_status measure(bw_context *context, bw_coupling *coupling) {
       coupling->reach += arm * arm / coupling->node_count;
     }
   coupling->reach = sqrt(coupling->reach);
-  if (coupling->point.kind == BW_RIGID)
-    return BW_OK;
   s.mean = coupling->mean = BW_NEW0(context, double, 18 * (int64_t)coupling->node_count);
   BW_TRY_MEMORY(s.mean);
   integrate(coupling, add_mean, &s);

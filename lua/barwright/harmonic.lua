@@ -27,12 +27,39 @@ local function nearest_node(mesh, at)
   return map("(a.x - x)^2 + (a.y - y)^2 + (a.z - z)^2", {a = mesh.nodes, x = at[1], y = at[2], z = at[3]}):argmin()
 end
 
---- The response of the node nearest to a point over frequencies: {at = {x, y, z}, frequencies =}.
+--- Columns `first` to `first` + 2 of a response, and `width` behind them, are its real and imaginary parts.
+local function make(response, first, width, made)
+  local real = response:columns(first, first + 2)
+  local imaginary = response:columns(first + width, first + width + 2)
+  made.real, made.imaginary = real, imaginary
+  made.amplitude = map("sqrt(a*a + b*b)", {a = real, b = imaginary})
+  made.phase = map("atan2(b, a) * 57.29577951308232", {a = real, b = imaginary})
+  return setmetatable(made, curve)
+end
+
+local function of_coupling(self, opts)
+  local response, at, details = self:at_coupling(opts.coupling, opts.frequencies)
+  if not response then return nil, at, details end
+  local function part(first, made)
+    made.coupling, made.at, made.frequencies = opts.coupling, at, opts.frequencies
+    return make(response, first, 6, made)
+  end
+  return part(1, {unit = "m", rotation = part(4, {unit = "rad"})})
+end
+
+--- The response of the node nearest to a point, or of a remote point, over frequencies:
+--- {at = {x, y, z} or coupling =, frequencies =}.
 function harmonic:curve(given)
   local opts = options.read("curve", given, {
-    at = {type = "any", needed = true},
+    at = {type = "any"},
+    coupling = {type = "integer", min = 1},
     frequencies = {type = "any"},
   })
+  if (opts.at == nil) == (opts.coupling == nil) then
+    raise("curve: either 'at', a point {x, y, z}, or 'coupling', a number, expected")
+  end
+  opts.frequencies = opts.frequencies and core.array.new(opts.frequencies) or self.frequencies
+  if opts.coupling then return of_coupling(self, opts) end
   if type(opts.at) ~= "table" or #opts.at ~= 3 then
     raise(("curve: option 'at': a point {x, y, z} expected, got %s"):format(core.got(opts.at)))
   end
@@ -44,14 +71,11 @@ function harmonic:curve(given)
   local node = nearest_node(self.mesh, opts.at)
   local response, message, details = self:at_node(node, opts.frequencies)
   if not response then return nil, message, details end
-  local real, imaginary = response:columns(1, 3), response:columns(4, 6)
-  return setmetatable({node = node, at = self.mesh.nodes:rows(node, node):totable()[1], real = real,
-    imaginary = imaginary, frequencies = opts.frequencies and core.array.new(opts.frequencies) or self.frequencies,
-    amplitude = map("sqrt(a*a + b*b)", {a = real, b = imaginary}),
-    phase = map("atan2(b, a) * 57.29577951308232", {a = real, b = imaginary})}, curve)
+  return make(response, 1, 3, {node = node, at = self.mesh.nodes:rows(node, node):totable()[1], unit = "m",
+    frequencies = opts.frequencies})
 end
 
---- The largest amplitude along an axis: its frequency (Hz) and amplitude (m).
+--- The largest amplitude along an axis: its frequency (Hz) and amplitude (m, rad).
 function curve:peak(axis)
   for i, name in ipairs(axes) do
     if name == axis then
@@ -65,7 +89,8 @@ end
 
 --- The curve as CSV: frequency, then amplitude and phase along x, y and z.
 function curve:write(path)
-  local lines = {"frequency_hz,amplitude_x_m,amplitude_y_m,amplitude_z_m,phase_x_deg,phase_y_deg,phase_z_deg"}
+  local head = "frequency_hz,amplitude_x_m,amplitude_y_m,amplitude_z_m,phase_x_deg,phase_y_deg,phase_z_deg"
+  local lines = {(head:gsub("_m,", "_" .. self.unit .. ","))}
   local amplitude, phase = self.amplitude:totable(), self.phase:totable()
   for i, f in ipairs(self.frequencies:totable()) do
     local a, p = amplitude[i], phase[i]
@@ -82,8 +107,8 @@ function curve:figure()
     if values:max() > 0 then series[#series + 1] = {name = name, x = self.frequencies, y = values} end
   end
   return plot.lines {series = series, x = {label = "frequency", unit = "Hz", prefix = false},
-    y = {label = "amplitude", unit = "m", scale = "log"}, title = ("displacement at (%g, %g, %g) m"):format(
-    self.at[1], self.at[2], self.at[3])}
+    y = {label = "amplitude", unit = self.unit, scale = "log"}, title = ("%s at (%g, %g, %g) m"):format(
+    self.unit == "m" and "displacement" or "rotation", self.at[1], self.at[2], self.at[3])}
 end
 
 local function frequencies(count)
@@ -94,9 +119,12 @@ function curve:__tostring()
   local parts = {}
   for i, name in ipairs(axes) do
     local f, a = self:peak(name)
-    parts[i] = ("%s %s at %s Hz"):format(name, core.quantity(a, "m"), shown.number(f))
+    parts[i] = ("%s %s at %s Hz"):format(name, core.quantity(a, self.unit), shown.number(f))
   end
-  return ("displacement of node %d over %s, largest: %s; error of the mesh unknown"):format(self.node,
+  local node, coupling = rawget(self, "node"), rawget(self, "coupling")
+  return ("%s of %s over %s, largest: %s; error of the mesh unknown"):format(
+    self.unit == "m" and "displacement" or "rotation",
+    node and "node " .. node or "the remote point of coupling " .. coupling,
     frequencies(#self.frequencies), table.concat(parts, ", "))
 end
 
@@ -171,10 +199,14 @@ local root_mean_squares = harmonic.random
 --- Root mean squares where what acts is multiplied by a random process: {psd = {{Hz, 1/Hz}, ...}}.
 function harmonic:random(given)
   local opts = options.read("random", given, {psd = {type = "any", needed = true}})
-  local displacement, von_mises, error_or_details = root_mean_squares(self, opts.psd)
-  if not displacement then return nil, von_mises, error_or_details end
-  return setmetatable({displacement = displacement, von_mises = von_mises, error = error_or_details,
-    counted = self.modes.counted, mesh = self.mesh}, random)
+  local displacement, von_mises, motions_or_details, wrong = root_mean_squares(self, opts.psd)
+  if not displacement then return nil, von_mises, motions_or_details end
+  local couplings = {}
+  for p, motion in ipairs(motions_or_details:totable()) do
+    couplings[p] = {displacement = table.move(motion, 1, 3, 1, {}), rotation = table.move(motion, 4, 6, 1, {})}
+  end
+  return setmetatable({displacement = displacement, von_mises = von_mises, error = wrong,
+    counted = self.modes.counted, mesh = self.mesh, couplings = couplings}, random)
 end
 
 --- Root mean squares of displacement and von Mises stress, as .vtu (or what the ending says).

@@ -175,6 +175,19 @@ static int harmonic_at_node(lua_State *L) {
                    1);
 }
 
+/* harmonic:at_coupling(coupling, frequencies): a row for each frequency: displacement and rotation
+ * of the remote point, real then imaginary part; and where it is */
+static int harmonic_at_coupling(lua_State *L) {
+  const bw_harmonic *h = self(L);
+  int64_t coupling = lbw_check_index(L, 2, "coupling", h->model->coupling_count), count;
+  lua_settop(L, 3);
+  const double *frequency = frequencies_of(L, h, "at_coupling: frequencies", &count);
+  double *out = (double *)lbw_push_array(L, BW_F64, count, 12)->data;
+  lbw_push_vector(L, h->model->coupling[coupling].point.at);
+  return lbw_leave(
+      L, bw_harmonic_point_curve(lbw_enter(L), h, (int)coupling, (int)count, frequency, out), 2);
+}
+
 /* harmonic:envelope(of_stress, frequencies): of von Mises stress, else of displacement, the largest
  * at each node and its frequency, and the largest at each frequency and its node */
 static int harmonic_envelope(lua_State *L) {
@@ -196,7 +209,7 @@ static int harmonic_envelope(lua_State *L) {
 }
 
 /* harmonic:random(psd), rows {Hz, density}: root mean squares of displacement and von Mises stress,
- * and the error */
+ * root mean squares of remote points (coupling_count x 6), and the error */
 static int harmonic_random(lua_State *L) {
   const bw_harmonic *h = self(L);
   int64_t nodes = h->model->mesh->node_count, count;
@@ -204,10 +217,15 @@ static int harmonic_random(lua_State *L) {
   const double *frequency = lbw_to_points(L, 2, "random: option 'psd'", &count);
   double *displacement = (double *)lbw_push_array(L, BW_F64, nodes, 3)->data;
   double *von_mises = (double *)lbw_push_array(L, BW_F64, nodes, 1)->data, error = 0;
-  bw_status status = bw_harmonic_random(lbw_enter(L), h, (int)count, frequency, frequency + count,
+  double *motion = (double *)lbw_push_array(L, BW_F64, h->model->coupling_count, 6)->data;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_harmonic_random(context, h, (int)count, frequency, frequency + count,
                                         displacement, von_mises, &error);
+  if (status == BW_OK)
+    status =
+        bw_harmonic_random_points(context, h, (int)count, frequency, frequency + count, motion);
   lua_pushnumber(L, error);
-  return lbw_leave(L, status, 3);
+  return lbw_leave(L, status, 4);
 }
 
 static int harmonic_frequencies(lua_State *L) {
@@ -265,6 +283,7 @@ static const luaL_Reg methods[] = {{"displacement", harmonic_displacement},
                                    {"stress", harmonic_stress},
                                    {"von_mises", harmonic_von_mises},
                                    {"at_node", harmonic_at_node},
+                                   {"at_coupling", harmonic_at_coupling},
                                    {"envelope", harmonic_envelope},
                                    {"random", harmonic_random},
                                    {NULL, NULL}};

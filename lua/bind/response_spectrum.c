@@ -88,6 +88,21 @@ static int spectrum_base_force(lua_State *L) {
   return vector(L, self(L)->base_force);
 }
 
+/* Of remote points: a table for each coupling. */
+static int spectrum_couplings(lua_State *L) {
+  const bw_response_spectrum *r = self(L);
+  lua_createtable(L, r->model->coupling_count, 0);
+  for (int p = 0; p < r->model->coupling_count; p++) {
+    lua_createtable(L, 0, 2);
+    vector(L, r->point + 6 * (size_t)p);
+    lua_setfield(L, -2, "displacement");
+    vector(L, r->point + 6 * (size_t)p + 3);
+    lua_setfield(L, -2, "rotation");
+    lua_rawseti(L, -2, p + 1);
+  }
+  return 1;
+}
+
 static int spectrum_direction(lua_State *L) {
   return vector(L, self(L)->direction);
 }
@@ -130,6 +145,7 @@ static const luaL_Reg properties[] = {{"participation", spectrum_participation},
                                       {"von_mises", spectrum_von_mises},
                                       {"displacement", spectrum_displacement},
                                       {"base_force", spectrum_base_force},
+                                      {"couplings", spectrum_couplings},
                                       {"direction", spectrum_direction},
                                       {"mass", spectrum_mass},
                                       {"missing_mass", spectrum_missing_mass},

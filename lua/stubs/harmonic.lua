@@ -63,9 +63,19 @@ function Harmonic:von_mises(frequency) end
 ---@return bw.Details? details
 function Harmonic:at_node(node, frequencies) end
 
----The frequency response of a place: that of the nearest node.
+---The motion of the remote point of a coupling over frequencies: real parts of its displacement and rotation, then imaginary parts.
 ---
----Errors: those of `displacement`.
+---Errors: those of `displacement`. A coupling that the part does not have raises.
+---@param coupling integer (index from 1) the coupling
+---@param frequencies? number[]|bw.Array (Hz, n × 1) 0 or more each. Default: those of the response
+---@return bw.Array? response (any, n × 12) a row for each frequency, in m and rad
+---@return number[]|string? at (m, 3) where the point is, or the message
+---@return bw.Details? details
+function Harmonic:at_coupling(coupling, frequencies) end
+
+---The frequency response of a place, which is that of the nearest node, or of the remote point of a coupling.
+---
+---Errors: those of `displacement`. A coupling that the part does not have raises.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
@@ -80,9 +90,10 @@ function Harmonic:at_node(node, frequencies) end
 ---@return bw.Details? details
 function Harmonic:curve(options) end
 
----A place and frequencies.
+---A place, or a coupling, and frequencies.
 ---@class bw.HarmonicCurveOptions
----@field at bw.Vector (m) the place
+---@field at? bw.Vector (m) the place
+---@field coupling? integer (index from 1) in its place: the coupling whose remote point is meant
 ---@field frequencies? number[]|bw.Array (Hz, n × 1) 0 or more each. Default: those of the response
 
 ---The largest displacement and von Mises stress of each node over frequencies, each over its period. The stress of each vector of
@@ -171,7 +182,7 @@ function Harmonic:animate(frequency, path, options) end
 ---Releases the response at once.
 function Harmonic:close() end
 
----The displacement of a node over frequencies.
+---The displacement of a node, or the motion of a remote point, over frequencies.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
@@ -180,7 +191,10 @@ function Harmonic:close() end
 ---print(curve.node, curve.amplitude:column(3):max(), curve.phase(1, 3))
 ---```
 ---@class bw.HarmonicCurve
----@field node integer (index from 1) the node
+---@field node integer (index from 1) the node; not of a remote point
+---@field coupling integer (index from 1) the coupling of a remote point; not of a node
+---@field rotation bw.HarmonicCurve of a remote point: its rotation, in rad where the displacement is in m; not of a node
+---@field unit "m"|"rad" of the amplitudes
 ---@field at number[] (m, 3) where it is
 ---@field frequencies bw.Array (Hz, n × 1) the frequencies
 ---@field real bw.Array (m, n × 3) real part along x, y and z
@@ -192,7 +206,7 @@ local HarmonicCurve = {}
 ---The largest amplitude along an axis. The frequencies of a range meet the peaks of modes; those of a list may miss them.
 ---@param axis "x"|"y"|"z" the direction
 ---@return number frequency (Hz) where it is largest
----@return number amplitude (m) the largest
+---@return number amplitude (any) the largest, in m or rad
 function HarmonicCurve:peak(axis) end
 
 ---Writes the curve as a CSV file, with frequency, amplitudes and phases in its columns.
@@ -262,6 +276,11 @@ function HarmonicEnvelope:picture(path, options) end
 ---@return bw.Figure figure the plot
 function HarmonicEnvelope:figure() end
 
+---A motion of a remote point, of size only: each number is 0 or more.
+---@class bw.PointMotion
+---@field displacement number[] (m, 3) along x, y and z
+---@field rotation number[] (rad, 3) about x, y and z
+
 ---Root mean squares of a response to a random process.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
@@ -276,6 +295,7 @@ function HarmonicEnvelope:figure() end
 ---@field error number (-) of the displacement, in energy, over the displacement: a bound on this mesh where the modes are counted, but for the quadrature
 ---@field counted boolean whether no mode is missing for certain
 ---@field mesh bw.Mesh of the model
+---@field couplings bw.PointMotion[] root mean squares of the motion of each coupling's remote point
 local RandomResponse = {}
 
 ---Writes the root mean squares to a .vtu file. Other endings of `mesh:write` work, too.

@@ -144,7 +144,8 @@ function Model:symmetry(selection, kind) end
 function Model:prescribe(selection, displacement) end
 
 ---Bonds two surfaces of the mesh, whose nodes need not match. Side a follows side b where they touch. Make a the side that the
----other one covers. Constant stress passes through a plane bond exactly. A model with bonds gives static solutions, modes and load factors.
+---other one covers. Constant stress passes through a plane bond exactly. A model with bonds gives static solutions, modes, load factors,
+---harmonic responses and response spectra.
 ---What needs its equations otherwise is refused. A side without a facet, and a node on both sides, raise.
 ---
 ---A bond can have a preload across a plane section, as of a bolt: give the force first, then keep the `shortening` that the
@@ -228,8 +229,8 @@ function Model:whole() end
 
 ---Attaches a mass, or springs to the ground, to a selection: exactly one of them. It is spread evenly over the area, or over the
 ---nodes of a node set without a facet. Gravity acts on a mass, and modes move it; it does not stiffen the body. Springs restrain
----rigid-body modes as supports do. A model with attachments gives static solutions, modes and load factors. What needs its equations otherwise
----is refused. A selection without a facet raises, unless it is a node set.
+---rigid-body modes as supports do. A model with attachments gives static solutions, modes, load factors, harmonic
+---responses and response spectra. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}
@@ -261,8 +262,8 @@ function Model:clear_attachments() end
 ---rigid body with the point. A distributed coupling leaves the face free to deform: the point moves as the face does in the mean,
 ---and its force and moment spread over the face as tractions that vary linearly. The point can carry a force, a moment, a mass and
 ---springs to the ground, and its displacement and rotation can be prescribed. `static.couplings` has its motion and reactions.
----Supports on nodes of a rigid coupling must agree with what the point prescribes. A model with couplings gives static solutions
----and modes. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set. Nodes in
+---Supports on nodes of a rigid coupling must agree with what the point prescribes. A model with couplings gives static solutions,
+---modes, harmonic responses, whose `curve` knows remote points, and response spectra. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set. Nodes in
 ---two rigid couplings raise.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}

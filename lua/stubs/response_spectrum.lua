@@ -19,6 +19,7 @@
 ---@field displacement bw.Array (m, node_count × 3, per node) the largest of each component
 ---@field von_mises bw.Array (Pa, node_count × 1, per node) the largest von Mises stress; where materials meet, that of the one with the largest
 ---@field base_force number[] (N, 3) on the supports, the largest along each axis
+---@field couplings bw.PointMotion[] the largest motion of each coupling's remote point, component by component
 ---@field participation bw.Array (any, n × 1) participation factor of each mode, of unit modal mass
 ---@field effective_masses bw.Array (kg, n × 1) effective mass of each mode
 ---@field accelerations bw.Array (m/s2, n × 1) that the spectrum gives each mode

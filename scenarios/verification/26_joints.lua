@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Remote points and a preload beside closed forms of bars.
+-- Remote points and a preload beside closed forms of bars, at rest and shaken.
 local bw = require "barwright"
 
 local scenario, expect = bw.scenario, bw.scenario.expect
@@ -76,4 +76,33 @@ scenario("Bolt and sleeve in parallel, preload and working load", function(t)
     :near(preload + load * bolt / (bolt + sleeve), {relative = 1e-8, source = "joint diagram"})
   expect(moved, "displacement of the ends under the working load", "m")
     :near(load / (bolt + sleeve) - preload / sleeve, {relative = 1e-8, source = "joint diagram"})
+end)
+
+-- A rod of mass density A L with a mass m at its end: with k^2 = omega^2 density / E the amplitude of the end is
+-- F / (E A k cot(k L) - omega^2 m). The base shakes the same mass on a light rod: Miles's equation.
+scenario("Mass at the end of a rod: harmonic response and Miles", function(t)
+  local L, side, mass, force, ratio = 1, 0.1, 50, 1000, 0.05
+  local area, density = side ^ 2, 7800
+  local mesh = bw.mesh.box {max = {L, side, side}, cells = {30, 1, 1}, order = 2}
+  local function rod(of_body)
+    local part = bw.model {mesh = mesh,
+      material = bw.material.isotropic {young = young, poisson = 0, density = of_body}}
+    return part:fix(mesh.boundary:below("x", 0))
+  end
+  local tip, list = mesh.boundary:above("x", L), {200, 700, 1500}
+  local part = rod(density):couple {on = tip, mass = mass, force = {force, 0, 0}}
+  local curve = t:require(t:require(part:harmonic {frequencies = list}):curve {coupling = 1})
+  for i, f in ipairs(list) do
+    local omega = 2 * math.pi * f
+    local k = omega * math.sqrt(density / young)
+    expect(curve.real(i, 1), ("amplitude of the end at %d Hz"):format(f), "m")
+      :near(force / (young * area * k / math.tan(k * L) - omega ^ 2 * mass), {relative = 1e-5, source = "rod"})
+  end
+  local omega = math.sqrt(young * area / L / mass)
+  local last = 20 * omega / (2 * math.pi)
+  part = rod(1):couple {on = tip, mass = mass} -- 10 g
+  local shaken = t:require(part:harmonic {range = {0, last}, base = {1, 0, 0}, damping = {ratio = ratio}})
+  local random = t:require(shaken:random {psd = {{0, 1}, {last, 1}}})
+  expect(random.couplings[1].displacement[1], "root mean square of the mass against its base", "m")
+    :near(math.sqrt(1 / (8 * ratio * omega ^ 3)), {relative = 2e-4, source = "Miles, J. Aeronaut. Sci. 21 (1954)"})
 end)

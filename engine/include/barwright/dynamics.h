@@ -63,14 +63,16 @@ typedef struct bw_harmonic {
                                     independent; they are orthogonal by stiffness alone then, and
                                     `tail` and `remainder` are 0. NULL: none */
 } bw_harmonic;
-/* The harmonic response of a model: its loads are the amplitudes, in one phase, and less M times
- * the base's acceleration. Displacements are relative to the supports. The basis are modes and
- * residual vectors by Lanczos's method on what the modes leave of the load
- * (docs/theory/dynamics.md). `given` and *system as in bw_modes_of_model. BW_UNCONSTRAINED for a
- * body that supports leave free to move, BW_UNSUPPORTED for temperatures, prescribed displacements
- * and SLEPc, BW_INVALID for a body without density, a load of zero, losses of regions on a mesh
- * without regions and options outside their ranges; BW_SINGULAR as bw_harmonic_coordinates; those
- * of bw_modes_of_model and bw_system_factor.
+/* The harmonic response of a model: its loads, those of remote points too, are the amplitudes, in
+ * one phase, and less M times the base's acceleration. The base holds supports, springs, and what
+ * of remote points is prescribed. Displacements are relative to it. Bonds keep the shortening of
+ * their preloads. The basis are modes and residual vectors by Lanczos's method on what the modes
+ * leave of the load (docs/theory/dynamics.md). `given` and *system as in bw_modes_of_model.
+ * BW_UNCONSTRAINED for a body that supports leave free to move, BW_UNSUPPORTED for temperatures,
+ * prescribed displacements, sectors of cyclic symmetry and SLEPc, BW_INVALID for a body without
+ * density, a load of zero, losses of regions on a mesh without regions and options outside their
+ * ranges; BW_SINGULAR as bw_harmonic_coordinates; those of bw_modes_of_model, bw_joined_modes and
+ * bw_system_factor.
  */
 BW_API bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_system *given,
                                       const bw_harmonic_options *options, bw_system **system,
@@ -89,6 +91,12 @@ BW_API bw_status bw_harmonic_displacement(bw_context *context, const bw_harmonic
  * bw_harmonic_coordinates. */
 BW_API bw_status bw_harmonic_curve(bw_context *context, const bw_harmonic *harmonic, int32_t node,
                                    int count, const double *frequency, double *response);
+/* The motion of the remote point of a coupling (index) over frequencies, frequency (Hz, count):
+ * response (m, rad, count x 12), displacement and rotation, real parts then imaginary ones.
+ * BW_INVALID for a coupling that the model does not have; those of bw_harmonic_coordinates. */
+BW_API bw_status bw_harmonic_point_curve(bw_context *context, const bw_harmonic *harmonic,
+                                         int coupling, int count, const double *frequency,
+                                         double *response);
 /* The stress at nodes at a frequency (Hz): real and imaginary (Pa, node_count x 6), and von_mises
  * (Pa, node_count), the largest over a period; where materials meet, that of the material with the
  * largest one. Each may be NULL. Those of bw_harmonic_coordinates. */
@@ -126,6 +134,13 @@ BW_API bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *harm
                                     const double *frequency, const double *density,
                                     double *displacement, double *von_mises, double *error);
 
+/* Root mean squares of the motions of remote points under the process of bw_harmonic_random, given
+ * as there by frequency (Hz, count) and density (any, count), 1/Hz: motion (m, rad, coupling_count
+ * x 6), displacement and rotation. Those of bw_harmonic_random. */
+BW_API bw_status bw_harmonic_random_points(bw_context *context, const bw_harmonic *harmonic,
+                                           int count, const double *frequency,
+                                           const double *density, double *motion);
+
 /* ---- response spectrum ----------------------------------------------------------------------- */
 
 /* How the largest responses of modes, which differ in time, are combined. */
@@ -162,12 +177,13 @@ typedef struct bw_response_spectrum {
   double *participation;  /* (any, count) phi . M r of modes of unit modal mass */
   double *effective_mass; /* (kg, count) its square */
   double *acceleration;   /* (m/s2, count) of the spectrum */
-  double mass;            /* (kg) of the body */
+  double mass;            /* (kg) of the body and what is attached */
   double missing_mass;    /* (kg) which the modes leave out */
   double base;            /* (m/s2) the acceleration that it has; 0: the response lacks it */
   double *displacement;   /* (m, node_count x 3) of each component, relative to the supports */
   double *von_mises;      /* (Pa, node_count) by the quadratic form of von Mises stress */
-  double base_force[3];   /* (N) on the supports */
+  double base_force[3];   /* (N) on the supports and springs */
+  double *point; /* (m, rad, coupling_count x 6) of remote points: displacement, rotation */
 } bw_response_spectrum;
 /* Of a model, whose loads are not in it, as a warning says (docs/theory/dynamics.md). Another one
  * says where no mode is up to the last point. `given` and *system as in bw_modes_of_model.

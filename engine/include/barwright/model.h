@@ -191,8 +191,8 @@ typedef struct bw_coupling {
   double reach;           /* (m) radius of gyration of its nodes about the point */
   int32_t node_count;     /* nodes that are coupled */
   int32_t *node;          /* (index, node_count) these nodes, ascending */
-  double *mean;           /* (-, 1/m, 6 x 3 node_count) of a distributed one: displacement and
-                             rotation of the point from the displacements of the nodes; else NULL */
+  double *mean;           /* (-, 1/m, 6 x 3 node_count) displacement and rotation of the point from
+                             the displacements of the nodes */
 } bw_coupling;
 
 /* The cyclic symmetry of a sector: the whole is `count` of them about an axis

@@ -1,0 +1,90 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+#include "dynamics/equations.h"
+
+#include <math.h>
+#include <string.h>
+
+bw_status bwi_equations_open(bw_context *context, const bw_model *model, bw_system *system,
+                             bwi_equations *e) {
+  bw_status status = BW_OK;
+  *e = (bwi_equations){.size = 3 * (int64_t)model->mesh->node_count};
+  if (!system) {
+    BW_TRY(bwi_joined_fields_open(context, model, 0, &e->joined));
+    e->pattern = e->joined.equations.pattern;
+    e->stiffness = e->joined.equations.stiffness;
+    e->unknown_count = e->joined.equations.reduction.unknown_count;
+    goto done;
+  }
+  e->system = bw_retain(system);
+  BW_TRY(system->factor ? BW_OK : bw_system_factor(context, system));
+  BW_TRY(bwi_system_mass(context, system));
+  BW_TRY(bw_system_stiffness(context, system));
+  e->pattern = system->pattern;
+  e->stiffness = system->stiffness;
+  e->unknown_count = system->dof_map->unknown_count;
+done:
+  return status;
+}
+
+void bwi_equations_clear(bwi_equations *e) {
+  bw_release(e->system);
+  bwi_joined_fields_clear(&e->joined);
+  *e = (bwi_equations){0};
+}
+
+static void keep_unknowns(const bwi_equations *e, double *f) {
+  if (e->system)
+    bwi_keep_states(e->system->dof_map, 1u << BW_DOF_UNKNOWN, f);
+}
+
+bw_status bwi_equations_mass(bw_context *context, const bwi_equations *e, const double *u,
+                             double *f) {
+  return e->system ? bw_block_multiply(context, e->pattern, e->system->mass, 1, 3, 1, u, f)
+                   : bwi_joined_mass(context, &e->joined, u, f);
+}
+
+bw_status bwi_equations_stiffness(bw_context *context, const bwi_equations *e, const double *u,
+                                  double *f) {
+  bw_status status = e->system ? bwi_system_multiply(context, e->system, 1, u, f, NULL)
+                               : bwi_joined_stiffness(context, &e->joined, u, f);
+  keep_unknowns(e, f);
+  return status;
+}
+
+bw_status bwi_equations_values(bw_context *context, const bwi_equations *e, const double *values,
+                               const double *u, double *f) {
+  bw_status status = bw_block_multiply(context, e->pattern, values, 9, 3, 1, u, f);
+  keep_unknowns(e, f);
+  return status;
+}
+
+bw_status bwi_equations_solve(bw_context *context, const bwi_equations *e, const double *f,
+                              double *u) {
+  return e->system ? bw_system_solve(context, e->system, 1, f, u)
+                   : bwi_joined_solve(context, &e->joined, f, u);
+}
+
+bw_status bwi_equations_force(bw_context *context, const bw_model *model, double *f) {
+  bw_status status = bw_model_force_vector(context, model, f);
+  bwi_point_loads(model, f);
+  bwi_point_weights(model, f);
+  return status;
+}
+
+bw_status bwi_equations_largest(bw_context *context, const bwi_equations *e, const double *f,
+                                double *largest) {
+  bw_status status = BW_OK;
+  double *free = NULL;
+  if (!e->system)
+    return bwi_joined_largest(context, &e->joined, f, largest);
+  free = BW_NEW(context, double, e->size);
+  BW_TRY_MEMORY(free);
+  memcpy(free, f, (size_t)e->size * sizeof *free);
+  keep_unknowns(e, free);
+  *largest = 0;
+  for (int64_t i = 0; i < e->size; i++)
+    *largest = fmax(*largest, fabs(free[i]));
+done:
+  bw_free(free);
+  return status;
+}

@@ -1,0 +1,137 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Products and solutions of joined models on fields of their nodes. */
+#include "joint/fields.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "barwright/job.h"
+
+void bwi_joined_fields_clear(bwi_joined_fields *e) {
+  bwi_joined_clear(&e->equations);
+  bw_free(e->mass);
+  bwi_matrix_pair_clear(&e->pair);
+  bw_release(e->factor);
+  bw_free(e->x);
+  *e = (bwi_joined_fields){0};
+}
+
+bw_status bwi_joined_fields_open(bw_context *context, const bw_model *model, double shift,
+                                 bwi_joined_fields *e) {
+  bw_status status = BW_OK;
+  bw_operator *m = NULL;
+  bwi_joined_equations *q = &e->equations;
+  *e = (bwi_joined_fields){.model = model};
+  BW_TRY(bwi_joined_open(context, model, true, q));
+  if (q->rigid_count > 0 && shift == 0)
+    BW_TRY(bwi_joined_fail_free(context, q));
+  e->mass = BW_NEW(context, double, q->pattern->block_count);
+  e->x = BW_NEW(context, double, q->reduction.unknown_count);
+  BW_TRY_MEMORY(e->mass && e->x);
+  BW_TRY(bw_mass(context, q->pattern, model->mesh, model->material, e->mass));
+  bwi_add_attachments(model, q->pattern, 1, e->mass);
+  if (shift > 0)
+    BW_TRY(bwi_joined_operator(context, q, e->mass, 1, "mass of the joined bodies", &m));
+  BW_TRY(bwi_matrix_pair_open(context, q->k->matrix, m ? m->matrix : NULL, &e->pair));
+  BW_TRY(bwi_matrix_pair_factor(context, &e->pair, -shift, NULL, q->k->name.text,
+                                "a coarser mesh needs less", &e->factor));
+done:
+  bw_release(m);
+  return status;
+}
+
+/* ---- remote points --------------------------------------------------------------------------- */
+
+void bwi_point_motions(const bw_model *model, const double *u, double *q) {
+  for (int p = 0; p < model->coupling_count; p++) {
+    const bw_coupling *c = &model->coupling[p];
+    int64_t width = 3 * (int64_t)c->node_count;
+    for (int k = 0; k < 6; k++) {
+      double sum = 0;
+      for (int64_t i = 0; i < width; i++)
+        sum += c->mean[k * width + i] * u[3 * (int64_t)c->node[i / 3] + i % 3];
+      q[6 * p + k] = sum;
+    }
+  }
+}
+
+static void spread(const bw_coupling *c, const double load[6], double *f) {
+  int64_t width = 3 * (int64_t)c->node_count;
+  for (int k = 0; k < 6; k++)
+    for (int64_t i = 0; i < width && load[k] != 0; i++)
+      f[3 * (int64_t)c->node[i / 3] + i % 3] += c->mean[k * width + i] * load[k];
+}
+
+void bwi_point_forces(const bw_model *model, const double *p, double *f) {
+  for (int i = 0; i < model->coupling_count; i++)
+    spread(&model->coupling[i], p + 6 * (int64_t)i, f);
+}
+
+void bwi_point_loads(const bw_model *model, double *f) {
+  for (int i = 0; i < model->coupling_count; i++)
+    spread(&model->coupling[i], model->coupling[i].point.load, f);
+}
+
+void bwi_point_weights(const bw_model *model, double *f) {
+  for (int i = 0; i < model->coupling_count; i++) {
+    double weight[6] = {0};
+    for (int l = 0; l < model->load_count; l++)
+      for (int k = 0; k < 3 && model->load[l].kind == BW_LOAD_GRAVITY; k++)
+        weight[k] += model->coupling[i].point.mass * model->load[l].vector[k];
+    spread(&model->coupling[i], weight, f);
+  }
+}
+
+/* f += D^T S D u with the springs, or the masses, of remote points. */
+static void add_points(const bw_model *model, bool springs, const double *u, double *f) {
+  for (int i = 0; i < model->coupling_count; i++) {
+    const bw_coupling *c = &model->coupling[i];
+    double q[6], load[6] = {0};
+    if (springs ? !bwi_point_has_springs(&c->point) : !bwi_point_has_mass(&c->point))
+      continue;
+    bwi_point_motions(&(bw_model){.coupling = (bw_coupling *)c, .coupling_count = 1}, u, q);
+    for (int k = 0; k < 6; k++)
+      load[k] = springs ? c->point.spring[k] * q[k] : k < 3 ? c->point.mass * q[k] : 0;
+    for (int a = 0; a < 9 && !springs; a++)
+      load[3 + a / 3] += c->point.inertia[a] * q[3 + a % 3];
+    spread(c, load, f);
+  }
+}
+
+/* ---- products -------------------------------------------------------------------------------- */
+
+bw_status bwi_joined_mass(bw_context *context, const bwi_joined_fields *e, const double *u,
+                          double *f) {
+  bw_status status = bw_block_multiply(context, e->equations.pattern, e->mass, 1, 3, 1, u, f);
+  add_points(e->model, false, u, f);
+  return status;
+}
+
+bw_status bwi_joined_stiffness(bw_context *context, const bwi_joined_fields *e, const double *u,
+                               double *f) {
+  const bwi_joined_equations *q = &e->equations;
+  bw_status status = bw_block_multiply(context, q->pattern, q->stiffness, 9, 3, 1, u, f);
+  add_points(e->model, true, u, f);
+  return status;
+}
+
+bw_status bwi_joined_solve(bw_context *context, const bwi_joined_fields *e, const double *f,
+                           double *u) {
+  bw_status status = BW_OK;
+  const bwi_reduction *r = &e->equations.reduction;
+  BW_TRY(bw_sparse_matrix_apply(context, r->transposed, 1, f, e->x));
+  BW_TRY(bwi_solve_fields(context, e->factor, NULL, 1, e->x, e->x));
+  BW_TRY(bw_sparse_matrix_apply(context, r->t, 1, e->x, u));
+done:
+  return status;
+}
+
+bw_status bwi_joined_largest(bw_context *context, const bwi_joined_fields *e, const double *f,
+                             double *largest) {
+  const bwi_reduction *r = &e->equations.reduction;
+  bw_status status = bw_sparse_matrix_apply(context, r->transposed, 1, f, e->x);
+  *largest = 0;
+  for (int32_t i = 0; status == BW_OK && i < r->unknown_count; i++)
+    *largest = fmax(*largest, fabs(e->x[i]));
+  return status;
+}

@@ -1,0 +1,124 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Responses of a joined model: motions of its remote points, equal bits and failing allocations. */
+#include "bodies.h"
+
+#include "barwright/dynamics.h"
+#include "barwright/joint.h"
+
+static const double along[2] = {20, 400}, density[2] = {1, 1};
+
+/* A bar along x that is fixed at x = 0, with a mass on a lever at its other end, and one around. */
+static bw_model *loaded(bw_context *context, int order, bw_coupling_kind kind) {
+  const double normal[3] = {1, 0, 0}, zero[3] = {0}, end[3] = {0.3, 0, 0};
+  bw_mesh *mesh = body_box(context, 0.3, 0.1, 0.05, 3, 1, 1, order);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  bw_selection *held = NULL, *tip = NULL;
+  bw_remote_point point = {.kind = kind, .at = {0.4, 0.02, 0.03}, .mass = 2};
+  point.load[2] = 10;
+  for (int k = 0; k < 3; k++)
+    point.inertia[4 * k] = 1e-3 * (k + 1);
+  check_ok(context, bw_select_plane(context, mesh, zero, normal, 1e-9, &held));
+  check_ok(context, bw_select_plane(context, mesh, end, normal, 1e-9, &tip));
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_model_fix(context, model, held));
+  check_ok(context, bw_model_couple(context, model, tip, &point));
+  check_ok(context, bw_model_attach_mass(context, model, tip, 0.5));
+  bw_release(held);
+  bw_release(tip);
+  bw_release(material);
+  bw_release(mesh);
+  return model;
+}
+
+static bw_harmonic_options ways(void) {
+  bw_harmonic_options options;
+  bw_harmonic_options_default(&options);
+  options.to = 500;
+  options.damping.ratio = 0.05;
+  options.modes = 4;
+  options.base[1] = 3;
+  return options;
+}
+
+/* The nodes of a rigid face move as its point does. */
+static void face_follows_point(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = loaded(context, 2, BW_RIGID);
+  const bw_coupling *c = &model->coupling[0];
+  bw_harmonic_options options = ways();
+  bw_harmonic *h = NULL;
+  double q[24], u[12];
+  check_ok(context, bw_harmonic_of_model(context, model, NULL, &options, NULL, &h));
+  check_ok(context, bw_harmonic_point_curve(context, h, 0, 2, along, q));
+  for (int32_t i = 0; i < c->node_count; i++) {
+    const double *x = model->mesh->node + 3 * (int64_t)c->node[i];
+    check_ok(context, bw_harmonic_curve(context, h, c->node[i], 2, along, u));
+    for (int part = 0; part < 4; part++) {
+      const double *own = q + 6 * part, *turn = own + 3;
+      double r[3], size = 0;
+      for (int k = 0; k < 3; k++) {
+        r[k] = x[k] - c->point.at[k];
+        size = fmax(size, fabs(own[k]));
+      }
+      for (int k = 0; k < 3; k++)
+        check_near(u[3 * part + k],
+                   own[k] + turn[(k + 1) % 3] * r[(k + 2) % 3] - turn[(k + 2) % 3] * r[(k + 1) % 3],
+                   1e-12 * size);
+    }
+  }
+  bw_release(h);
+  bw_release(model);
+}
+
+static void same_bits(void **state) {
+  bw_context *context = check_context(state);
+  for (int kind = 0; kind < 2; kind++) {
+    bw_model *model = loaded(context, 2, kind ? BW_DISTRIBUTED : BW_RIGID);
+    bw_harmonic_options options = ways();
+    double q[2][24], rms[2][6];
+    for (int k = 0; k < 2; k++) {
+      bw_harmonic *h = NULL;
+      check_ok(context, bw_set_threads(context, k ? 3 : 1));
+      check_ok(context, bw_harmonic_of_model(context, model, NULL, &options, NULL, &h));
+      check_ok(context, bw_harmonic_point_curve(context, h, 0, 2, along, q[k]));
+      check_ok(context, bw_harmonic_random_points(context, h, 2, along, density, rms[k]));
+      bw_release(h);
+    }
+    assert_memory_equal(q[0], q[1], sizeof q[0]);
+    assert_memory_equal(rms[0], rms[1], sizeof rms[0]);
+    bw_release(model);
+  }
+}
+
+static void memory_failures(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = loaded(context, 1, BW_DISTRIBUTED);
+  bw_harmonic_options options = ways();
+  bw_response_spectrum_options spectrum;
+  const double points[2] = {1, 1e5}, size[2] = {1, 1};
+  bw_harmonic *h = NULL;
+  bw_response_spectrum *r = NULL;
+  double q[24];
+  void *none = NULL;
+  bw_response_spectrum_options_default(&spectrum);
+  spectrum.count = 2;
+  spectrum.frequency = points;
+  spectrum.acceleration = size;
+  spectrum.direction[1] = 1;
+  check_ok(context, bw_set_threads(context, 1));
+  check_allocations(context, h, bw_harmonic_of_model(context, model, NULL, &options, NULL, &h));
+  check_allocations(context, r,
+                    bw_response_spectrum_of_model(context, model, NULL, &spectrum, NULL, &r));
+  check_ok(context, bw_harmonic_of_model(context, model, NULL, &options, NULL, &h));
+  check_allocations(context, none, bw_harmonic_point_curve(context, h, 0, 2, along, q));
+  check_allocations(context, none, bw_harmonic_random_points(context, h, 2, along, density, q));
+  bw_release(h);
+  bw_release(model);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(face_follows_point), check_test(same_bits),
+                                     check_test(memory_failures)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
