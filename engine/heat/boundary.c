@@ -9,6 +9,10 @@ bool bwi_heat_is_film(const bw_heat_condition *condition) {
   return condition->kind == BW_HEAT_CONVECTION || condition->kind == BW_HEAT_RADIATION;
 }
 
+bool bwi_heat_joins(const bw_heat_condition *condition) {
+  return condition->kind == BW_HEAT_CONTACT || condition->kind == BW_HEAT_BOND;
+}
+
 /* The flux into the body at a temperature of the surface, and how it falls for each kelvin. */
 static double flux_at(const bw_heat_condition *c, double t, double *fall) {
   double s = BW_STEFAN_BOLTZMANN * c->coefficient, a = c->about, v = c->value;

@@ -11,7 +11,7 @@ static void heat_destroy(void *object) {
     bw_release(heat->condition[i].on);
     bw_release(heat->condition[i].with);
     bw_release(heat->condition[i].nodal);
-    bw_free(heat->condition[i].pair);
+    bwi_heat_unpair(&heat->condition[i]);
   }
   bw_free(heat->condition);
   bw_release(heat->mesh);
@@ -22,10 +22,10 @@ static void heat_destroy(void *object) {
 static size_t heat_bytes(const void *object) {
   const bw_heat *heat = object;
   size_t bytes = sizeof *heat + (size_t)heat->condition_count * sizeof *heat->condition;
-  for (int i = 0; i < heat->condition_count; i++)
-    if (heat->condition[i].pair)
-      bytes += (size_t)heat->condition[i].on->facet_count * (size_t)heat->mesh->nodes_per_facet *
-               sizeof *heat->condition[i].pair;
+  for (int i = 0; i < heat->condition_count; i++) {
+    const bw_heat_condition *c = &heat->condition[i];
+    bytes += bw_bytes(c->joint) + (c->bond ? bw_bytes(c->bond->follows) : 0);
+  }
   return bytes;
 }
 
@@ -60,7 +60,8 @@ static const char *const kind_word[] = {"a prescribed temperature",
                                         "a source",
                                         "convection",
                                         "radiation",
-                                        "contact"};
+                                        "contact",
+                                        "a bond"};
 
 static bw_status check_value(bw_context *context, const bw_heat_condition *c, double value) {
   if (!isfinite(value))
@@ -84,18 +85,21 @@ static bw_status check_selection(bw_context *context, const bw_heat *heat,
   if (c->kind == BW_HEAT_SOURCE)
     return bw_fail(context, BW_INVALID,
                    "a source acts in the whole body: leave the selection out, or give a flux");
-  if (c->kind == BW_HEAT_CONTACT && !c->with)
-    return bw_fail(context, BW_INVALID, "contact needs the selection that it is with");
+  if (bwi_heat_joins(c) && !c->with)
+    return bw_fail(context, BW_INVALID, "%s needs the selection that it is with", what);
   if (c->on->mesh != heat->mesh || (c->with && c->with->mesh != heat->mesh))
     return bw_fail(context, BW_INVALID,
                    "%s is given on a selection of another mesh: select on the body's own mesh",
                    what);
   bool points = c->kind == BW_HEAT_TEMPERATURE && c->on->node_set && c->on->node_count > 0;
-  if (c->on->facet_count == 0 && !points)
-    return bw_fail(context, BW_EMPTY,
-                   "%s acts on area, but the selection has %d nodes and no whole facet: give a "
-                   "larger tolerance, or select the face",
-                   what, c->on->node_count);
+  for (int k = 0; k < (c->with ? 2 : 1); k++) {
+    const bw_selection *side = k ? c->with : c->on;
+    if (side->facet_count == 0 && !points)
+      return bw_fail(context, BW_EMPTY,
+                     "%s acts on area, but the selection has %d nodes and no whole facet: give a "
+                     "larger tolerance, or select the face",
+                     what, side->node_count);
+  }
   return BW_OK;
 }
 
@@ -121,10 +125,11 @@ bw_status bw_heat_add(bw_context *context, bw_heat *heat, const bw_heat_conditio
   bw_heat_condition c = *condition;
   bw_array *copy = NULL;
   c.nodal = NULL;
-  c.pair = NULL;
-  if (c.kind != BW_HEAT_CONTACT)
+  c.joint = NULL;
+  c.bond = NULL;
+  if (!bwi_heat_joins(&c))
     c.with = NULL;
-  if ((unsigned)c.kind > BW_HEAT_CONTACT)
+  if ((unsigned)c.kind > BW_HEAT_BOND)
     return bw_fail(context, BW_INVALID, "there is no condition of heat with the number %d",
                    (int)c.kind);
   BW_TRY(check_selection(context, heat, &c));
@@ -142,7 +147,12 @@ bw_status bw_heat_add(bw_context *context, bw_heat *heat, const bw_heat_conditio
   if (!isfinite(c.about) || c.about < 0)
     BW_TRY(bw_fail(context, BW_INVALID,
                    "radiation is linearised about a temperature above 0 K, not %g", c.about));
-  if (c.kind == BW_HEAT_CONTACT) {
+  if (!isfinite(c.gap) || c.gap < 0)
+    BW_TRY(bw_fail(context, BW_INVALID, "the gap of %s is %g m; it must be above 0",
+                   kind_word[c.kind], c.gap));
+  if (c.kind == BW_HEAT_BOND)
+    BW_TRY(bwi_heat_bond(context, heat, &c));
+  else if (c.kind == BW_HEAT_CONTACT) {
     BW_TRY(check_conductance(context, heat, &c));
     BW_TRY(bwi_heat_pair(context, heat->mesh, &c));
   } else if (c.on)
@@ -178,10 +188,11 @@ bw_status bw_heat_add(bw_context *context, bw_heat *heat, const bw_heat_conditio
   c.with = bw_retain(c.with);
   c.nodal = bw_retain(copy);
   list[heat->condition_count++] = c;
-  c.pair = NULL;
   heat->object.revision++;
+  bw_release(copy);
+  return BW_OK;
 done:
-  bw_free(c.pair);
+  bwi_heat_unpair(&c);
   bw_release(copy);
   return status;
 }
@@ -190,9 +201,9 @@ bw_status bw_heat_set_value(bw_context *context, bw_heat *heat, int index, doubl
   if (index < 0 || index >= heat->condition_count)
     return bw_fail(context, BW_INVALID, "there is no condition %d: there are %d", index + 1,
                    heat->condition_count);
-  if (heat->condition[index].kind == BW_HEAT_CONTACT)
-    return bw_fail(context, BW_INVALID, "condition %d is contact, which has no value to change",
-                   index + 1);
+  if (bwi_heat_joins(&heat->condition[index]))
+    return bw_fail(context, BW_INVALID, "condition %d is %s, which has no value to change",
+                   index + 1, kind_word[heat->condition[index].kind]);
   bw_status status = check_value(context, &heat->condition[index], value);
   if (status == BW_OK)
     heat->condition[index].value = value;

@@ -46,7 +46,7 @@ void bwi_heat_balance(const bwi_heat_system *system, const double *remainder,
                       bw_heat_solution *solution) {
   solution->throughput = fmax(-solution->stored, 0);
   for (int c = 0; c < solution->condition_count; c++)
-    if (system->heat->condition[c].kind != BW_HEAT_CONTACT) /* it goes out again */
+    if (!bwi_heat_joins(&system->heat->condition[c])) /* it goes out again */
       solution->throughput += fmax(solution->heat_in[c], 0);
   for (int32_t i = 0; i < solution->mesh->node_count; i++) {
     int32_t by = system->prescribe[i];
@@ -57,7 +57,9 @@ void bwi_heat_balance(const bwi_heat_system *system, const double *remainder,
   }
   solution->imbalance = -solution->stored;
   for (int c = 0; c < solution->condition_count; c++)
-    if (system->heat->condition[c].kind != BW_HEAT_CONTACT)
+    if (bwi_heat_joins(&system->heat->condition[c]))
+      solution->heat_in[c] += system->through[c];
+    else
       solution->imbalance += solution->heat_in[c];
 }
 

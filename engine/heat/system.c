@@ -42,12 +42,46 @@ static bw_status number_unknowns(bw_context *context, bwi_heat_system *s) {
   if (twice)
     bw_warn(context, "%lld nodes have two prescribed temperatures: the later one counts",
             (long long)twice);
-  for (int32_t i = 0; i < mesh->node_count; i++) {
-    s->unknown[i] = s->prescribe[i] < 0 ? s->unknowns : -1;
-    if (s->prescribe[i] < 0)
-      s->node[s->unknowns++] = i;
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    s->unknown[i] = s->prescribe[i] < 0 ? 0 : -1;
+  for (int c = 0; c < s->heat->condition_count; c++) {
+    const bw_bond *bond = s->heat->condition[c].bond;
+    for (int32_t i = 0; bond && i < bond->node_count; i++)
+      s->unknown[bond->node[i]] = -1;
   }
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (s->unknown[i] == 0) {
+      s->unknown[i] = s->unknowns;
+      s->node[s->unknowns++] = i;
+    }
   return BW_OK;
+}
+
+/* A node that follows others and has a prescribed temperature follows none. */
+static bw_status make_expand(bw_context *context, bwi_heat_system *s) {
+  bw_status status = BW_OK;
+  int32_t n = s->heat->mesh->node_count;
+  bwi_entries entries = {0};
+  bool joined = false;
+  for (int c = 0; c < s->heat->condition_count; c++) {
+    const bw_bond *bond = s->heat->condition[c].bond;
+    joined = joined || bwi_heat_joins(&s->heat->condition[c]);
+    for (int32_t i = 0; bond && i < bond->node_count; i++)
+      for (int64_t e = bond->follows->start[i]; e < bond->follows->start[i + 1]; e++) {
+        int32_t unknown = s->unknown[bond->follows->column[e]];
+        if (s->prescribe[bond->node[i]] < 0 && unknown >= 0)
+          BW_TRY(
+              bwi_entries_add(context, &entries, bond->node[i], unknown, bond->follows->value[e]));
+      }
+  }
+  if (!joined)
+    goto done;
+  for (int32_t r = 0; r < s->unknowns; r++)
+    BW_TRY(bwi_entries_add(context, &entries, s->node[r], r, 1));
+  BW_TRY(bwi_entries_matrix(context, &entries, n, s->unknowns, &s->expand));
+done:
+  bwi_entries_clear(&entries);
+  return status;
 }
 
 /* Every body needs a temperature to which it tends. */
@@ -68,22 +102,18 @@ static bw_status check_steady(bw_context *context, const bwi_heat_system *s) {
           [mesh->component[mesh->facet[(int64_t)condition->on->facet[f] * mesh->nodes_per_facet]]] =
               1;
   }
-  for (bool found = true; found;) { /* through contacts to other bodies */
+  for (bool found = true; found;) { /* through contacts and bonds to other bodies */
     found = false;
     for (int c = 0; c < s->heat->condition_count; c++) {
-      const bw_heat_condition *condition = &s->heat->condition[c];
-      for (int64_t k = 0;
-           condition->pair && k < (int64_t)condition->on->facet_count * mesh->nodes_per_facet;
-           k += mesh->nodes_per_facet) {
-        int32_t facet = condition->on->facet[k / mesh->nodes_per_facet];
-        if (condition->pair[k] < 0)
-          continue;
-        uint8_t *one =
-            &steady[mesh->component[mesh->facet[(int64_t)facet * mesh->nodes_per_facet]]];
-        uint8_t *other = &steady[mesh->component[condition->pair[k]]];
-        found = found || *one != *other;
-        *one = *other = *one | *other;
-      }
+      const bw_bond *bond = s->heat->condition[c].bond;
+      const bw_sparse_matrix *joint = bond ? bond->follows : s->heat->condition[c].joint;
+      for (int32_t i = 0; joint && i < joint->rows; i++)
+        for (int64_t e = joint->start[i]; e < joint->start[i + 1]; e++) {
+          uint8_t *one = &steady[mesh->component[bond ? bond->node[i] : i]];
+          uint8_t *other = &steady[mesh->component[joint->column[e]]];
+          found = found || *one != *other;
+          *one = *other = *one | *other;
+        }
     }
   }
   for (int32_t b = 0; b < mesh->component_count; b++)
@@ -91,7 +121,7 @@ static bw_status check_steady(bw_context *context, const bwi_heat_system *s) {
       status =
           bw_fail(context, BW_UNCONSTRAINED,
                   "body %d of %d has no steady temperature: prescribe one, or give convection, "
-                  "radiation, or contact with a body that has one",
+                  "radiation, or contact or a bond with a body that has one",
                   b + 1, mesh->component_count);
       bw_detail_number(context, "body", b + 1);
       goto done;
@@ -200,6 +230,9 @@ bw_status bwi_heat_system_open(bw_context *context, const bw_heat *heat,
   if (!transient)
     BW_TRY(check_steady(context, s));
   BW_TRY(choose_solver(context, s));
+  BW_TRY(make_expand(context, s));
+  s->through = BW_NEW0(context, double, heat->condition_count);
+  BW_TRY_MEMORY(s->through);
   BW_TRY(bw_block_pattern_create(context, mesh, &s->pattern));
   s->by_temperature = bwi_heat_varies(material);
   s->conduction = BW_NEW0(context, double, s->pattern->block_count);
@@ -211,13 +244,13 @@ bw_status bwi_heat_system_open(bw_context *context, const bw_heat *heat,
     volumes += !condition->on;
     if (condition->kind == BW_HEAT_RADIATION && !(condition->about > 0))
       s->radiates = true;
-    if (condition->kind != BW_HEAT_CONVECTION && condition->kind != BW_HEAT_CONTACT)
+    if (condition->kind != BW_HEAT_CONVECTION && !condition->joint)
       continue;
     if (!s->films)
       s->films = BW_NEW0(context, double, s->pattern->block_count);
     BW_TRY_MEMORY(s->films);
-    if (condition->kind == BW_HEAT_CONTACT)
-      BW_TRY(bwi_heat_join(context, s->pattern, mesh, condition, s->films, &s->cross));
+    if (condition->joint)
+      BW_TRY(bwi_heat_join(context, s->pattern, condition, s->films, &s->cross));
     else
       bwi_heat_film(s->pattern, mesh, condition, NULL, s->films);
   }
@@ -243,9 +276,43 @@ void bwi_heat_system_close(bwi_heat_system *s) {
   bw_free(s->node);
   bw_free(s->conduction);
   bw_free(s->films);
-  bwi_heat_cross_clear(&s->cross);
+  bwi_entries_clear(&s->cross);
+  bw_release(s->expand);
+  bw_free(s->through);
   bw_free(s->capacity);
   bw_free(s->volume);
+}
+
+/* The temperatures of nodes that follow others. */
+static void follow(const bwi_heat_system *s, double *temperature) {
+  for (int c = 0; c < s->heat->condition_count; c++) {
+    const bw_bond *bond = s->heat->condition[c].bond;
+    for (int32_t i = 0; bond && i < bond->node_count; i++) {
+      if (s->prescribe[bond->node[i]] >= 0)
+        continue;
+      double sum = 0;
+      for (int64_t e = bond->follows->start[i]; e < bond->follows->start[i + 1]; e++)
+        sum += bond->follows->value[e] * temperature[bond->follows->column[e]];
+      temperature[bond->node[i]] = sum;
+    }
+  }
+}
+
+/* Moves heat from nodes that follow others to these. */
+static void gather(bwi_heat_system *s, double *heat) {
+  for (int c = 0; c < s->heat->condition_count; c++) {
+    const bw_bond *bond = s->heat->condition[c].bond;
+    s->through[c] = 0;
+    for (int32_t i = 0; bond && i < bond->node_count; i++) {
+      double *own = &heat[bond->node[i]];
+      if (s->prescribe[bond->node[i]] >= 0)
+        continue;
+      for (int64_t e = bond->follows->start[i]; e < bond->follows->start[i + 1]; e++)
+        heat[bond->follows->column[e]] += bond->follows->value[e] * *own;
+      s->through[c] += *own;
+      *own = 0;
+    }
+  }
 }
 
 void bwi_heat_prescribe(const bwi_heat_system *s, double *temperature) {
@@ -254,6 +321,7 @@ void bwi_heat_prescribe(const bwi_heat_system *s, double *temperature) {
       const bw_heat_condition *by = &s->heat->condition[s->prescribe[i]];
       temperature[i] = by->value * (by->nodal ? bw_array_get(by->nodal, i, 0) : 1);
     }
+  follow(s, temperature);
 }
 
 bw_status bwi_heat_inflow(bw_context *context, bwi_heat_system *s, const double *temperature,
@@ -281,9 +349,9 @@ bw_status bwi_heat_inflow(bw_context *context, bwi_heat_system *s, const double 
         heat_in[c] += size * volume[i];
       }
       volume += n;
-    } else if (condition->kind == BW_HEAT_CONTACT)
-      bwi_heat_contact(mesh, condition, temperature, q, &heat_in[c]);
-    else if (condition->kind != BW_HEAT_TEMPERATURE)
+    } else if (condition->joint)
+      bwi_heat_contact(condition, temperature, q, &heat_in[c]);
+    else if (condition->kind != BW_HEAT_TEMPERATURE && !condition->bond)
       BW_TRY(bwi_heat_boundary(context, mesh, condition, temperature, q, &heat_in[c]));
   }
 done:
@@ -305,43 +373,13 @@ static void make_values(bwi_heat_system *s, const bwi_heat_task *task, const dou
     values[k] = task->part * values[k] + (task->rate > 0 ? task->rate * s->capacity[k] : 0);
 }
 
-/* Adds what joins the sides of contacts, `part` of it. */
-static bw_status join(bw_context *context, const bwi_heat_system *s, double part,
-                      bw_sparse_matrix **matrix) {
-  const bw_sparse_matrix *apart = *matrix;
-  const bwi_heat_cross *cross = &s->cross;
-  bw_status status = BW_OK;
-  bw_sparse_matrix *made = NULL;
-  int64_t used = 0, most = apart->start[s->unknowns] + cross->count;
-  int32_t *row = BW_NEW(context, int32_t, most), *column = BW_NEW(context, int32_t, most);
-  double *value = BW_NEW(context, double, most);
-  BW_TRY_MEMORY(row && column && value);
-  for (int32_t r = 0; r < s->unknowns; r++)
-    for (int64_t k = apart->start[r]; k < apart->start[r + 1]; k++, used++)
-      row[used] = r, column[used] = apart->column[k], value[used] = apart->value[k];
-  for (int64_t k = 0; k < cross->count; k++) {
-    int32_t i = s->unknown[cross->row[k]], j = s->unknown[cross->column[k]];
-    if (i < 0 || j < 0)
-      continue;
-    row[used] = i, column[used] = j, value[used++] = part * cross->value[k];
-  }
-  BW_TRY(
-      bw_sparse_matrix_create(context, s->unknowns, s->unknowns, used, row, column, value, &made));
-  bw_release(*matrix);
-  *matrix = made;
-done:
-  bw_free(row);
-  bw_free(column);
-  bw_free(value);
-  return status;
-}
-
-/* The rows and columns of the unknowns, both triangles. */
-static bw_status reduce(bw_context *context, const bwi_heat_system *s, const double *values,
+/* The rows and columns of `count` nodes, node (count), each of which has its place in the matrix in
+ * `place` (node_count), or -1: both triangles. */
+static bw_status reduce(bw_context *context, const bw_block_pattern *p, int32_t count,
+                        const int32_t *node, const int32_t *place, const double *values,
                         bw_sparse_matrix **matrix) {
-  const bw_block_pattern *p = s->pattern;
   bw_status status = BW_OK;
-  int64_t *start = BW_NEW0(context, int64_t, (size_t)s->unknowns + 1), used = 0;
+  int64_t *start = BW_NEW0(context, int64_t, (size_t)count + 1), used = 0;
   int32_t *column = NULL;
   double *value = NULL;
   BW_TRY_MEMORY(start);
@@ -352,25 +390,25 @@ static bw_status reduce(bw_context *context, const bwi_heat_system *s, const dou
       BW_TRY_MEMORY(column && value);
     }
     used = 0;
-    for (int32_t r = 0; r < s->unknowns; r++) {
-      int32_t i = s->node[r];
+    for (int32_t r = 0; r < count; r++) {
+      int32_t i = node[r];
       start[r] = used;
       for (int64_t k = p->start[i]; k < p->start[i + 1]; k++)
-        if (s->unknown[p->column[k]] >= 0) {
+        if (place[p->column[k]] >= 0) {
           if (pass)
-            column[used] = s->unknown[p->column[k]], value[used] = values[k];
+            column[used] = place[p->column[k]], value[used] = values[k];
           used++;
         }
       for (int64_t u = p->upper_start[i]; u < p->upper_start[i + 1]; u++)
-        if (s->unknown[p->upper_row[u]] >= 0) {
+        if (place[p->upper_row[u]] >= 0) {
           if (pass)
-            column[used] = s->unknown[p->upper_row[u]], value[used] = values[bw_upper_block(p, u)];
+            column[used] = place[p->upper_row[u]], value[used] = values[bw_upper_block(p, u)];
           used++;
         }
     }
-    start[s->unknowns] = used;
+    start[count] = used;
   }
-  BW_TRY(bw_sparse_matrix_adopt(context, s->unknowns, s->unknowns, start, column, value, matrix));
+  BW_TRY(bw_sparse_matrix_adopt(context, count, count, start, column, value, matrix));
   return BW_OK;
 done:
   bw_free(start);
@@ -379,14 +417,56 @@ done:
   return status;
 }
 
-static bw_status make_inverse(bw_context *context, bwi_heat_system *s, const double *values,
-                              double part, const bw_sparse_matrix *matrix) {
+/* The matrix of all nodes, with `part` of what joins the sides of contacts. */
+static bw_status join(bw_context *context, const bwi_heat_system *s, const double *values,
+                      double part, bw_sparse_matrix **matrix) {
+  bw_status status = BW_OK;
+  const bw_block_pattern *p = s->pattern;
+  const bwi_entries *cross = &s->cross;
+  int64_t used = 0, most = 2 * p->block_count + (int64_t)cross->count;
+  int32_t *row = BW_NEW(context, int32_t, most), *column = BW_NEW(context, int32_t, most);
+  double *value = BW_NEW(context, double, most);
+  BW_TRY_MEMORY(row && column && value);
+  for (int32_t i = 0; i < p->node_count; i++)
+    for (int64_t k = p->start[i]; k < p->start[i + 1]; k++) {
+      int32_t j = p->column[k];
+      row[used] = i, column[used] = j, value[used++] = values[k];
+      if (i != j)
+        row[used] = j, column[used] = i, value[used++] = values[k];
+    }
+  for (size_t k = 0; k < cross->count; k++)
+    row[used] = cross->row[k], column[used] = cross->column[k],
+    value[used++] = part * cross->value[k];
+  BW_TRY(bw_sparse_matrix_create(context, p->node_count, p->node_count, used, row, column, value,
+                                 matrix));
+done:
+  bw_free(row);
+  bw_free(column);
+  bw_free(value);
+  return status;
+}
+
+/* The matrix of the unknowns. */
+static bw_status make_matrix(bw_context *context, const bwi_heat_system *s, const double *values,
+                             double part, bw_sparse_matrix **matrix) {
+  bw_sparse_matrix *joined = NULL;
+  if (!s->expand)
+    return reduce(context, s->pattern, s->unknowns, s->node, s->unknown, values, matrix);
+  bw_status status = join(context, s, values, part, &joined);
+  if (status == BW_OK)
+    status = bwi_galerkin(context, joined, s->expand, matrix);
+  bw_release(joined);
+  return status;
+}
+
+static bw_status make_inverse(bw_context *context, bwi_heat_system *s,
+                              const bw_sparse_matrix *matrix) {
   const bw_solver *way = s->solver->options.preconditioner;
   bw_release(s->inverse); /* before the next one takes memory */
   s->inverse = NULL;
   s->served = 0;
   return way->options.kind == BW_SOLVER_TWO_LEVEL
-             ? bwi_heat_two_level(context, s, values, part, &s->inverse)
+             ? bwi_heat_two_level(context, s, matrix, &s->inverse)
              : bw_operator_inverse(context, matrix, way, &s->inverse);
 }
 
@@ -421,13 +501,11 @@ static bw_status solve_linear(bw_context *context, bwi_heat_system *s, const dou
   double start = bw_seconds();
   options.preconditioner = NULL; /* it is the inverse that is kept */
   BW_TRY(bw_solver_create(context, &options, &pcg));
-  BW_TRY(reduce(context, s, values, &matrix));
-  if (s->cross.count)
-    BW_TRY(join(context, s, part, &matrix));
+  BW_TRY(make_matrix(context, s, values, part, &matrix));
   BW_TRY(bw_operator_of_matrix(context, matrix, "the matrix of heat", &a));
   for (;;) {
     if (fresh)
-      BW_TRY(make_inverse(context, s, values, part, matrix));
+      BW_TRY(make_inverse(context, s, matrix));
     const bw_linear_solve_options by = {.solver = pcg, .preconditioner = s->inverse};
     status = bw_linear_solve(context, a, &by, 1, b, x, &report);
     if (status != BW_CONVERGENCE || fresh)
@@ -471,6 +549,7 @@ static bw_status find_remainder(bw_context *context, bwi_heat_system *s, const b
     *stored += remainder[i];
     remainder[i] -= task->part * q[i] + (task->rest ? task->rest[i] : 0);
   }
+  gather(s, remainder);
 done:
   return status;
 }
@@ -485,6 +564,7 @@ static double correct(const bwi_heat_system *s, const double *x, double *tempera
     most = fmax(most, fabs(next - *t));
     *t = next;
   }
+  follow(s, temperature);
   for (int32_t i = 0; i < s->heat->mesh->node_count; i++)
     largest = fmax(largest, fabs(temperature[i]));
   return largest > 0 ? most / largest : 0;

@@ -5,6 +5,7 @@
 
 #include "barwright/element.h"
 #include "barwright/model.h"
+#include "base/box_tree.h"
 
 /* ---- model.c --------------------------------------------------------------------------------- */
 
@@ -208,6 +209,40 @@ double bwi_boundary_nearest(const bw_mesh *mesh, int32_t facet, const double *p,
  * joins". */
 bw_status bwi_check_sides(bw_context *context, const bw_selection *a, const bw_selection *b,
                           const char *what);
+
+/* ---- overlap.c ------------------------------------------------------------------------------ */
+
+/* Where facets of two surfaces lie on each other. */
+typedef struct bwi_overlaps {
+  bw_context *context;
+  const bw_mesh *mesh;
+  const bw_selection *a;
+  double gap;     /* (m) up to which facets overlap */
+  double largest; /* (m) the largest gap that was found */
+  double area;    /* (m2) of the plane of the facet that was looked at last */
+  bwi_box_tree tree;
+  size_t near_count, capacity;
+  int32_t *near; /* facets of side b near that facet */
+  int points;
+  double point[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS];
+} bwi_overlaps;
+/* A point of an overlap; products of two functions of facets are exact on plane ones. */
+typedef struct bwi_overlap_point {
+  int32_t facet;             /* of side b */
+  double at[3], other_at[3]; /* barycentric, of the facets of side a and b */
+  double weight;             /* (m2) in the plane of the facet of side a */
+} bwi_overlap_point;
+typedef bw_status bwi_overlap_function(void *data, const bwi_overlap_point *point);
+/* `gap`: below 0 a twentieth of the mean edge; `what`: as in bwi_check_sides. Clear the result with
+ * bwi_overlaps_clear, also on failure. */
+bw_status bwi_overlaps_open(bw_context *context, const bw_selection *a, const bw_selection *b,
+                            double gap, const char *what, bwi_overlaps *overlaps);
+void bwi_overlaps_clear(bwi_overlaps *overlaps);
+/* Visits the overlaps of a facet of side a, those with one facet of side b one after the other. */
+bw_status bwi_overlaps_of(bwi_overlaps *overlaps, int32_t facet, bwi_overlap_function *visit,
+                          void *data);
+/* BW_GEOMETRY: that the sides of `what` do not touch, and how far they are from each other. */
+bw_status bwi_overlaps_fail_apart(bwi_overlaps *overlaps, const char *what);
 
 /* Integration points of a facet: at most BW_QUADRATURE_POINTS. */
 typedef struct bwi_boundary_point {

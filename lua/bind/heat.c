@@ -71,11 +71,19 @@ static void read_film(lua_State *L, const char *key, const char *coefficient,
   lua_settop(L, top);
 }
 
-/* The option contact = {with, conductance}. */
+/* An option gap, which is 0 or left out for the default. */
+static void check_gap(lua_State *L, int table, const char *function, double gap) {
+  if (lbw_option_get(L, table, "gap") != LUA_TNIL && !(gap > 0))
+    lbw_error(L, "%s: option 'gap': a number above 0 expected", function);
+  lua_pop(L, 1);
+}
+
+/* The option contact = {with, conductance, gap}. */
 static void read_contact(lua_State *L, bw_heat_condition *condition) {
   static const lbw_option list[] = {
       {"with", LBW_OTHER, 0},
       {"conductance", LBW_REAL, offsetof(bw_heat_condition, coefficient)},
+      {"gap", LBW_REAL, offsetof(bw_heat_condition, gap)},
       {NULL, LBW_OTHER, 0}};
   int top = lua_gettop(L);
   if (lbw_option_get(L, 2, "contact") != LUA_TTABLE)
@@ -83,6 +91,7 @@ static void read_contact(lua_State *L, bw_heat_condition *condition) {
   lbw_options(L, top + 1, "load: contact", list, condition);
   if (lbw_option_get(L, top + 1, "conductance") == LUA_TNIL)
     lbw_option_missing(L, "load: contact", "conductance", "");
+  check_gap(L, top + 1, "load: contact", condition->gap);
   condition->with = (const bw_selection *)lbw_object_option(
       L, top + 1, "load: contact", "with", &lbw_selection_class, "an open selection");
   if (!condition->with)
@@ -91,7 +100,7 @@ static void read_contact(lua_State *L, bw_heat_condition *condition) {
 }
 
 /* heat:load{on, heat_flux = | power = | source = | convection = {coefficient, temperature} |
- * radiation = {emissivity, temperature, about} | contact = {with, conductance}} */
+ * radiation = {emissivity, temperature, about} | contact = {with, conductance, gap}} */
 static int heat_load(lua_State *L) {
   static const char *const kinds[] = {NULL,         "heat_flux", "power",  "source",
                                       "convection", "radiation", "contact"};
@@ -134,6 +143,27 @@ static int heat_load(lua_State *L) {
     if (!condition.nodal)
       return lbw_option_refused(L, "load", "source", "a number or an array over nodes");
   }
+  return leave_self(L, bw_heat_add(lbw_enter(L), heat, &condition));
+}
+
+/* heat:bond{a, b, gap} */
+static int heat_bond(lua_State *L) {
+  static const lbw_option list[] = {{"a", LBW_OTHER, 0},
+                                    {"b", LBW_OTHER, 0},
+                                    {"gap", LBW_REAL, offsetof(bw_heat_condition, gap)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_heat *heat = self(L);
+  bw_heat_condition condition = {.kind = BW_HEAT_BOND};
+  lbw_check_type(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  lbw_options(L, 2, "bond", list, &condition);
+  check_gap(L, 2, "bond", condition.gap);
+  condition.on = (const bw_selection *)lbw_object_option(L, 2, "bond", "a", &lbw_selection_class,
+                                                         "an open selection");
+  condition.with = (const bw_selection *)lbw_object_option(L, 2, "bond", "b", &lbw_selection_class,
+                                                           "an open selection");
+  if (!condition.on || !condition.with)
+    return lbw_option_missing(L, "bond", condition.on ? "b" : "a", "");
   return leave_self(L, bw_heat_add(lbw_enter(L), heat, &condition));
 }
 
@@ -206,8 +236,14 @@ LBW_PUSH(heat_mesh, lbw_push(L, &lbw_mesh_class, self(L)->mesh))
 LBW_PUSH(heat_material, lbw_push(L, &lbw_material_class, self(L)->material))
 LBW_PUSH(heat_conditions, lua_pushinteger(L, self(L)->condition_count))
 
-static const char *const spoken[] = {
-    "prescribed temperature", "heat flux", "power", "source", "convection", "radiation", "contact"};
+static const char *const spoken[] = {"prescribed temperature",
+                                     "heat flux",
+                                     "power",
+                                     "source",
+                                     "convection",
+                                     "radiation",
+                                     "contact",
+                                     "bond"};
 static const char *const unit[] = {"K", "W/m2", "W", "W/m3", "K", "K", "W/(m2 K)"};
 
 static int heat_tostring(lua_State *L) {
@@ -220,12 +256,15 @@ static int heat_tostring(lua_State *L) {
   luaL_addstring(&buffer, text);
   for (int i = 0; i < heat->condition_count; i++) {
     const bw_heat_condition *c = &heat->condition[i];
-    snprintf(
-        text, sizeof text, "\n  %d: %s %s%s on %s", i + 1, spoken[c->kind],
-        lbw_quantity(c->kind == BW_HEAT_CONTACT ? c->coefficient : c->value, unit[c->kind]).text,
-        c->nodal ? " times a field" : "", lbw_quantity(c->size, c->on ? "m2" : "m3").text);
+    lbw_text value =
+        c->kind == BW_HEAT_BOND
+            ? (lbw_text){""}
+            : lbw_quantity(c->kind == BW_HEAT_CONTACT ? c->coefficient : c->value, unit[c->kind]);
+    snprintf(text, sizeof text, "\n  %d: %s%s%s%s on %s", i + 1, spoken[c->kind],
+             value.text[0] ? " " : "", value.text, c->nodal ? " times a field" : "",
+             lbw_quantity(c->size, c->on ? "m2" : "m3").text);
     luaL_addstring(&buffer, text);
-    if (c->kind == BW_HEAT_CONTACT) {
+    if (c->with) {
       snprintf(text, sizeof text, " of %s", lbw_quantity(bw_selection_area(c->on), "m2").text);
       luaL_addstring(&buffer, text);
     }
@@ -240,9 +279,13 @@ static int heat_tostring(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {
-    {"prescribe", heat_prescribe}, {"load", heat_load},           {"set", heat_set},
-    {"solve", heat_solve},         {"transient", heat_transient}, {NULL, NULL}};
+static const luaL_Reg methods[] = {{"prescribe", heat_prescribe},
+                                   {"load", heat_load},
+                                   {"bond", heat_bond},
+                                   {"set", heat_set},
+                                   {"solve", heat_solve},
+                                   {"transient", heat_transient},
+                                   {NULL, NULL}};
 static const luaL_Reg properties[] = {{"mesh", heat_mesh},
                                       {"material", heat_material},
                                       {"condition_count", heat_conditions},

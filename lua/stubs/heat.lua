@@ -57,9 +57,9 @@ function Heat:prescribe(selection, temperature) end
 
 ---Adds a condition.
 ---
----Errors: `geometry` for facets without area. A selection without a facet raises. So does contact where no facets match node
----by node, where one is in both selections, or with a conductance above 1e9 conductivities over the length of a facet. Facets
----that nearly match have no contact, and a warning tells their area.
+---Errors: `geometry` for facets without area, and for contact of surfaces that do not touch, with the distance. A selection
+---without a facet raises. So does contact with a node on both sides, or with a conductance above 1e9 conductivities over the
+---length of a facet.
 ---@param options bw.HeatLoad one of its kinds
 ---@return bw.Heat? heat itself
 ---@return string? message
@@ -87,17 +87,46 @@ function Heat:load(options) end
 ---@field temperature number (K) of what is around, 0 or more
 ---@field about? number (K) about which it is linearised; 0: it is not. Default: 0
 
----Contact that resists heat, a flux conductance (T' − T) from the other surface, where it is T'. Facets of the two surfaces lie
----on each other node by node, as `mesh:separated` makes them; those without a partner have no contact. `tostring(heat)` tells
----the area in contact. The contact of forces, `Model:contact`, is another thing: pressures do not change the conductance.
+---Contact that resists heat, a flux conductance (T' − T) from the other surface, where it is T'. Each surface has nodes of its
+---own, as `mesh:separated` or two parts have them, which need not match. Facets are in contact where they overlap, the
+---others are not. `tostring(heat)` tells the area in contact. The contact of forces, `Model:contact`, is another thing: pressures do
+---not change the conductance.
 ---@class bw.HeatContact
----@field with bw.Selection the other surface, without a facet of `on`
+---@field with bw.Selection the other surface, without a node of `on`
 ---@field conductance number (W/(m2 K)) the reciprocal of the thermal resistance of an area. Range: above 0, to 1e9 conductivities over the length of a facet.
+---@field gap? number (m) up to which facets that face each other are in contact. Range: above 0. Default: a twentieth of the mean edge.
+
+---Joins two surfaces that have the same temperature and whose nodes need not match, as `Model:bond` does. Side a follows side b
+---where they touch. Make a the side that the other one covers. Linear temperatures pass a plane bond exactly. A
+---prescribed temperature of a node on side a wins over the bond. The bond is a condition, whose `heat_in` is from b to a.
+---```lua
+---local mesh = bw.mesh.box({max = {0.1, 0.01, 0.01}, cells = {10, 1, 1}}):split({max = {0.05, 1, 1}}, "left"):separated "left"
+---local heat, boundary = bw.heat {mesh = mesh, material = bw.material.steel}, mesh.boundary
+---heat:prescribe(boundary:below("x", 0), 300):load {on = boundary:above("x", 0.1), power = 2}
+---heat:bond {a = boundary:region "left", b = boundary:region "rest"}
+---print(assert(heat:solve()).heat_in[3])
+---```
+---
+---Errors: `geometry` for sides that do not touch, with the distance, and for facets of side a that side b hardly covers. A side
+---without a facet, a node on both sides, and a node that follows others in two bonds, or follows nodes that follow others, raise.
+---
+---Source: Popp, Wohlmuth, Gee, Wall, SIAM J. Sci. Comput. 34 (2012); docs/theory/heat.md.
+---@param options bw.HeatBondOptions the two sides
+---@return bw.Heat? heat itself
+---@return string? message
+---@return bw.Details? details
+function Heat:bond(options) end
+
+---The sides of a bond that conducts heat.
+---@class bw.HeatBondOptions
+---@field a bw.Selection the side that follows
+---@field b bw.Selection the side that it follows, without a node of `a`
+---@field gap? number (m) up to which facets that face each other are bonded. Range: above 0. Default: a twentieth of the mean edge.
 
 ---Gives a condition another value: its temperature, flux, power or source, or the temperature of fluid or surroundings. A
 ---field of an array is multiplied by it.
 ---
----Errors: none; a number that is outside its range raises, and so does contact, which has no value.
+---Errors: none; a number that is outside its range raises, and so do contact and bonds, which have no value.
 ---@param condition integer (index from 1) in the order in which they were added
 ---@param value number (any) in the unit of the condition
 ---@return bw.Heat? heat itself
@@ -107,7 +136,7 @@ function Heat:set(condition, value) end
 
 ---The steady state.
 ---
----Errors: `unconstrained` for a body with neither prescribed temperature nor convection nor radiation nor contact with one that has; `convergence` where the
+---Errors: `unconstrained` for a body with neither prescribed temperature nor convection nor radiation nor contact or a bond with one that has; `convergence` where the
 ---iterations do not reach their tolerance; `unsupported` for a solver that does not serve; `memory` for a factor larger than what
 ---is free; `geometry` for an inverted element; `singular` where the matrix is not
 ---positive definite.
@@ -158,7 +187,7 @@ function Heat:transient(options) end
 ---@field flux bw.Array (W/m2, n × 3, per node) means over the elements around each, of one material; on an interface the larger one of its sides
 ---@field element_flux bw.Array (W/m2, n × 3, per element) means over each
 ---@field reaction bw.Array (W, n, per node) heat into the body where temperatures are prescribed
----@field heat_in bw.Array (W, n, per condition) heat into the body, of contact from the other surface, which is no part of the balance; in time its mean over the last step
+---@field heat_in bw.Array (W, n, per condition) heat into the body, of contact and bonds from the other surface, which is no part of the balance; in time its mean over the last step
 ---@field stored number (W) that the body takes up; 0 of a steady state
 ---@field imbalance number (W) what goes in, less what is stored: rounding, or the tolerance of the solver
 ---@field iterations integer (count) of radiation and conductivity; 1 of a linear problem

@@ -163,6 +163,56 @@ scenario("Slab between two films", function(t)
 end)
 
 -- T = r + z is what a source of -k / r keeps: it is prescribed where no symmetry is.
+-- Two boxes in one mesh, the second behind the first along x, whose cells do not match.
+local function two_boxes(length, side, cells)
+  local nodes, elements = {}, {}
+  for n = 1, 2 do
+    local from = n == 1 and 0 or length[1]
+    local one = bw.mesh.box {min = {from, 0, 0}, max = {from + length[n], side, side}, cells = cells[n], order = 2}
+    local before = #nodes
+    for _, x in ipairs(one.nodes:totable()) do nodes[#nodes + 1] = x end
+    for _, row in ipairs(one.elements:totable()) do
+      for a = 1, 10 do row[a] = row[a] + before end
+      elements[#elements + 1] = row
+    end
+  end
+  return bw.mesh.new {nodes = nodes, elements = elements, order = 2}
+end
+
+for _, conductance in ipairs {300, false} do
+  scenario("Wall of two layers whose meshes do not match, " .. (conductance and "contact" or "bond")
+    .. ", tet10", function(t)
+    local length, side, k, film = {0.03, 0.05}, 0.02, {20, 3}, {h = 40, T = 290}
+    local mesh = two_boxes(length, side, {{3, 2, 2}, {4, 3, 3}}):split({max = {length[1], 1, 1}}, "first")
+    local heat = bw.heat {mesh = mesh, materials = {first = conductor(k[1]), rest = conductor(k[2])}}
+    local boundary = mesh.boundary
+    local middle = boundary:plane({length[1], 0, 0}, {1, 0, 0}, 1e-9)
+    local a, b = middle & boundary:region "rest", middle & boundary:region "first"
+    heat:prescribe(boundary:below("x", 0), 400)
+    heat:load {on = boundary:above("x", length[1] + length[2] - 1e-9),
+      convection = {coefficient = film.h, temperature = film.T}}
+    if conductance then
+      heat:load {on = a, contact = {with = b, conductance = conductance}}
+    else
+      heat:bond {a = a, b = b}
+    end
+    local solution = t:require(heat:solve())
+    local resistance = conductance and 1 / conductance or 0
+    local flux = (400 - film.T) / (length[1] / k[1] + resistance + length[2] / k[2] + 1 / film.h)
+    local by = {relative = 1e-8, source = "resistances in series"}
+    expect(solution.heat_in[3], "heat from layer to layer", "W"):near(flux * side ^ 2, by)
+    local low, high = math.huge, -math.huge -- on both sides of the interface
+    for i, x in ipairs(mesh.nodes:totable()) do
+      if math.abs(x[1] - length[1]) < 1e-9 then
+        low, high = math.min(low, solution.temperature[i]), math.max(high, solution.temperature[i])
+      end
+    end
+    expect(high, "highest temperature at the interface", "K"):near(400 - flux * length[1] / k[1], by)
+    expect(low, "lowest temperature at the interface", "K")
+      :near(400 - flux * (length[1] / k[1] + resistance), by)
+  end)
+end
+
 scenario("NAFEMS LE11, cylinder, taper and sphere, from its own heat, tet10", function(t)
   local grid, part = le11 {16, 2, 48}
   local mesh, given, source = grid.mesh, {}, {}

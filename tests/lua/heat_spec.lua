@@ -127,36 +127,57 @@ describe("heat", function()
     local solution = assert(heat:solve())
     check.near(1 / (50 * 1e-4) + 300 + 0.1 / 35 / 1e-4, solution.temperature:max(), 1e-6)
     check.near(-1, solution.heat_in[2], 1e-9)
-    check.raises("lies node by node on a facet of the other", heat.load, heat, {on = high, contact = contact})
+    check.fails("geometry", "do not touch: they are 0.04 m apart", heat:load {on = high, contact = contact})
     check.raises("join the regions instead", heat.load, heat, {on = boundary:region "cover",
       contact = {with = boundary:region "rest", conductance = 1e20}})
-    check.raises("is in both selections", heat.load, heat, {on = boundary, contact = contact})
+    check.raises("on both sides of contact", heat.load, heat, {on = boundary, contact = contact})
     heat, boundary = body(mesh) -- one body, whose regions share their nodes
     contact.with = boundary:region "rest"
     local cover = boundary:region "cover"
-    check.raises("lies node by node", heat.load, heat, {on = cover, contact = contact})
+    check.raises("no node in common", heat.load, heat, {on = cover, contact = contact})
     check.raises("must be above 0", heat.load, heat, {on = boundary, contact = {with = boundary, conductance = 0}})
     check.raises("'with'", heat.load, heat, {on = boundary, contact = {conductance = 1}})
     check.raises("'conductance'", heat.load, heat, {on = boundary, contact = {with = boundary}})
+    check.raises("'gap': a number above 0", heat.load, heat, {on = cover,
+      contact = {with = cover, conductance = 1, gap = 0}})
+    check.raises("option 'b'", heat.bond, heat, {a = cover})
     local separated = mesh:separated "cover"
     assert.equal(separated.node_count, separated:separated("cover").node_count)
   end)
 
-  it("tells which facets nearly match and have no contact", function()
-    local mesh = bw.mesh.box({max = {1, 1, 1}, cells = {2, 2, 2}})
-      :split({min = {0.5, -1, -1}, max = {2, 2, 2}}, "cover"):separated "cover"
+  it("a bond of separated regions gives what one mesh gives, and contact needs no matching nodes", function()
+    local joined = bw.mesh.box({max = {1, 1, 1}, cells = {2, 2, 2}, order = 2})
+      :split({min = {0.5, -1, -1}, max = {2, 2, 2}}, "cover")
+    local mesh = joined:separated "cover"
+    local function solution(of, join)
+      local heat = bw.heat {mesh = of, material = metal}
+      heat:prescribe(of.boundary:below("x", 0), 300):load {source = 2e3}
+      heat:load {on = of.boundary:above("y", 1), convection = {coefficient = 20, temperature = 280}}
+      join(heat, of.boundary)
+      return assert(heat:solve()), heat
+    end
+    local one = solution(joined, function() end)
+    local other, heat = solution(mesh, function(body, boundary)
+      body:bond {a = boundary:region "cover", b = boundary:region "rest"}
+    end)
+    check.near(one.temperature:max(), other.temperature:max(), 1e-9)
+    check.near(one.heat_in[1], other.heat_in[1], 1e-8)
+    assert.is_true(math.abs(other.heat_in[4]) > 1)
+    assert.matches("bond on 1 m2 of 4 m2", tostring(heat))
+    check.raises("condition 4 is a bond, which has no value", heat.set, heat, 4, 1)
     local nodes, moved = mesh.nodes:totable(), false
     for _, i in ipairs(mesh.boundary:region("cover").nodes:totable()) do
       local p = nodes[i]
-      if p[1] == 0.5 and p[2] == 0 and p[3] == 0 then p[2], moved = 2e-6, true end
+      if p[1] == 0.5 and p[2] == 0 and p[3] == 0 then p[2], moved = 1e-4, true end
     end
     assert.is_true(moved)
-    mesh = mesh:moved(bw.array.new(nodes))
-    local heat = bw.heat {mesh = mesh, material = metal}
-    bw.warnings()
-    heat:load {on = mesh.boundary:region "rest", contact = {with = mesh.boundary:region "cover", conductance = 50}}
-    assert.matches("facets of %S+ m2 have no contact", table.concat(bw.warnings(), "\n"))
-    assert.matches("on %d+ cm2 of 4 m2", tostring(heat))
+    local shifted = mesh:moved(bw.array.new(nodes))
+    local function contact(body, boundary)
+      body:load {on = boundary:region "rest", contact = {with = boundary:region "cover", conductance = 50}}
+    end
+    local matching, nearly = solution(mesh, contact), solution(shifted, contact)
+    check.near(matching.temperature:max(), nearly.temperature:max(), 1e-3)
+    check.near(matching.heat_in[4], nearly.heat_in[4], 1e-2)
   end)
 
   it("contact that hardly resists is none, where three jagged regions meet", function()
@@ -191,7 +212,7 @@ describe("heat", function()
       check.near(one.temperature:max(), other.temperature:max(), 2e-8)
       check.near(one.temperature:min(), other.temperature:min(), 2e-8)
       check.near(one.heat_in[1], other.heat_in[1], 1e-8)
-      assert.is_true(math.abs(other.imbalance) < 1e-4) -- rounding of 1e10 W/K
+      assert.is_true(math.abs(other.imbalance) < 1e-3) -- rounding of 1e10 W/K
     end
   end)
 

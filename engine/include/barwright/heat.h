@@ -17,8 +17,9 @@ typedef enum bw_heat_kind {
   BW_HEAT_CONVECTION,  /* a flux coefficient (value - T) into the body: value (K) of the ambient */
   BW_HEAT_RADIATION,   /* a flux emissivity sigma (value^4 - T^4): value (K) of what is around, from
                           absolute zero, as all temperatures of such a body */
-  BW_HEAT_CONTACT /* a flux coefficient (T' - T) from the surface `with` at the same place, where
-                     it is T': no value */
+  BW_HEAT_CONTACT, /* a flux coefficient (T' - T) from the surface `with` at the same place, where
+                      it is T': no value */
+  BW_HEAT_BOND     /* the same temperature as the surface `with` at the same place has: no value */
 } bw_heat_kind;
 /* The constant of Stefan and Boltzmann (W/(m2 K4)), exact by the SI of 2019. */
 #define BW_STEFAN_BOLTZMANN 5.670374419e-8
@@ -28,18 +29,21 @@ typedef struct bw_heat_condition {
   bw_heat_kind kind;        /* by which the others are read */
   const bw_selection *on;   /* retained; NULL, the whole volume, of a source or power */
   double value;             /* (any) in the unit of the kind */
-  const bw_selection *with; /* of contact, retained: facets that lie on those of `on`, node by node,
-                               as bw_mesh_separate makes them; others of either have no contact */
+  const bw_selection *with; /* of contact and bonds, retained: a surface without a node of `on`,
+                               whose facets lie on those of `on`; nodes need not match. Of a bond
+                               the side that is followed */
   double coefficient; /* (W/(m2 K)) of convection, 0 or more; of contact its conductance, above 0;
                          (-) the emissivity, 0 to 1 */
   double about;       /* (K) radiation is linearised about it; default 0: it is not */
   const bw_array *nodal; /* node_count x 1 (-), a copy: by which the value of a temperature or a
                             source is multiplied at each node; or NULL: 1 */
-  double size; /* (m2) of the selection, of its part in contact, or (m3) of the volume; set when it
-                  is added */
-  int32_t *pair; /* (index, on->facet_count x nodes_per_facet) of contact: the node of `with` at the
-                    place of each node of a facet, -1 first without contact; set when it is
-                    added, lives as long as the body */
+  double size; /* (m2) of the selection, of its part in contact or bonded, or (m3) of the volume;
+                  set when it is added */
+  double gap;  /* (m) between facets that contact or a bond joins, 0 or more; default 0: up to a
+                  twentieth of the mean edge */
+  bw_sparse_matrix *joint; /* (m2, node_count x node_count) of contact: the integral of the square
+                              of the jump; set when it is added, lives as long as the body */
+  bw_bond *bond;           /* of a bond; set when it is added, lives as long as the body */
 } bw_heat_condition;
 
 /* A mesh with a material and conditions of heat. Mutable: its object's revision grows with each
@@ -56,14 +60,15 @@ typedef struct bw_heat {
 BW_API bw_status bw_heat_create(bw_context *context, const bw_mesh *mesh,
                                 const bw_material *material, bw_heat **heat);
 /* Adds a condition. Where several prescribe the temperature of a node, the last one counts.
- * BW_INVALID for numbers outside their ranges, for a facet on both sides of contact, and for a
- * conductance of contact above 1e9 conductivities over the length of a facet; BW_EMPTY
- * for a selection without a facet, but for a temperature on a node set, and for contact of surfaces
- * without facets at the same places; BW_GEOMETRY for facets without area. */
+ * BW_INVALID for numbers outside their ranges, for a node on both sides of contact or a bond, for a
+ * conductance of contact above 1e9 conductivities over the length of a facet, and for a node that
+ * follows others in two bonds, or follows nodes that follow others; BW_EMPTY for a selection
+ * without a facet, but for a temperature on a node set; BW_GEOMETRY for facets without area, for
+ * surfaces that do not touch, and for facets of `on` that `with` hardly covers in a bond. */
 BW_API bw_status bw_heat_add(bw_context *context, bw_heat *heat,
                              const bw_heat_condition *condition);
 /* Gives condition `index` another value (any). BW_INVALID for one that is not finite,
- * and for contact. */
+ * and for contact and bonds. */
 BW_API bw_status bw_heat_set_value(bw_context *context, bw_heat *heat, int index, double value);
 
 /* How the equations are solved. */
@@ -88,8 +93,8 @@ typedef struct bw_heat_solution {
   double *temperature;         /* (K, node_count) */
   double *reaction; /* (W, node_count) heat into the body where temperatures are prescribed */
   int condition_count;
-  double *heat_in;  /* (W, condition_count) into the body by each condition; by contact from `with`
-                       to `on`, which the balance leaves out */
+  double *heat_in;  /* (W, condition_count) into the body by each condition; by contact and bonds
+                       from `with` to `on`, which the balance leaves out */
   double stored;    /* (W) that the body takes up; 0 of a steady one */
   double imbalance; /* (W) what goes in, less what is stored */
   double
@@ -99,7 +104,7 @@ typedef struct bw_heat_solution {
   bw_solver_report report; /* of the linear systems */
 } bw_heat_solution;
 /* The steady state. BW_UNCONSTRAINED where a body has neither a prescribed temperature nor
- * convection nor radiation nor contact with a body that has one; BW_CONVERGENCE where the
+ * convection nor radiation nor contact or a bond with a body that has one; BW_CONVERGENCE where the
  * iterations do not reach their tolerance; BW_UNSUPPORTED for a solver that does not serve,
  * BW_INVALID for temperatures below absolute zero with radiation, BW_GEOMETRY for an inverted
  * element; those of bw_linear_solve. `options` may be NULL. */

@@ -132,6 +132,9 @@ add {
     return {a = p.Selection, b = p:variant("bw.Selection", 2), gap = r:one_of {0, 1e-3},
       preload = r:chance(0.3) and 10 or nil}
   end,
+  ["Heat:bond"] = function(p, r)
+    return {a = p.Selection, b = p:variant("bw.Selection", 2), gap = r:one_of {1e-3, 1}}
+  end,
   ["Model:attach"] = function(p, r)
     local on = p:variant("bw.Selection", 2)
     return r:one_of {{on = on, mass = 0.1}, {on = on, spring = {1e3, 0, 1e6}}}

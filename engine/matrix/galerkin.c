@@ -1,0 +1,136 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Products P^T A P by rows (Gustavson 1978): the lower triangle is summed, the upper one is its
+ * mirror. */
+#include "matrix/sparse.h"
+
+#include <assert.h>
+#include <string.h>
+
+typedef struct lower {
+  int64_t *start;
+  size_t count, column_capacity, value_capacity;
+  int32_t *column;
+  double *value;
+} lower;
+
+/* Which rows of P have each column, and with what value. */
+static bw_status transpose(bw_context *context, const bw_sparse_matrix *p, bw_sparse_matrix **t) {
+  bw_status status = BW_OK;
+  int64_t entries = p->start[p->rows];
+  int64_t *start = BW_NEW0(context, int64_t, (size_t)p->columns + 1);
+  int32_t *column = BW_NEW(context, int32_t, entries);
+  double *value = BW_NEW(context, double, entries);
+  BW_TRY_MEMORY(start && column && value);
+  for (int64_t k = 0; k < entries; k++)
+    start[p->column[k] + 1]++;
+  for (int32_t c = 0; c < p->columns; c++)
+    start[c + 1] += start[c];
+  for (int32_t r = 0; r < p->rows; r++)
+    for (int64_t k = p->start[r]; k < p->start[r + 1]; k++) {
+      int64_t at = start[p->column[k]]++;
+      column[at] = r;
+      value[at] = p->value[k];
+    }
+  memmove(start + 1, start, (size_t)p->columns * sizeof *start);
+  start[0] = 0;
+  BW_TRY(bw_sparse_matrix_adopt(context, p->columns, p->rows, start, column, value, t));
+  return BW_OK;
+done:
+  bw_free(start);
+  bw_free(column);
+  bw_free(value);
+  return status;
+}
+
+/* Row r of the lower triangle. `place`: of each column in the row, or -1. */
+static bw_status sum_row(bw_context *context, const bw_sparse_matrix *a, const bw_sparse_matrix *p,
+                         const bw_sparse_matrix *t, int32_t r, int64_t *place, lower *l) {
+  size_t first = l->count;
+  for (int64_t i = t->start[r]; i < t->start[r + 1]; i++)
+    for (int64_t j = a->start[t->column[i]]; j < a->start[t->column[i] + 1]; j++)
+      for (int64_t k = p->start[a->column[j]]; k < p->start[a->column[j] + 1]; k++) {
+        int32_t c = p->column[k];
+        if (c > r)
+          continue;
+        if (place[c] < 0) {
+          if (!bw_grow(context, (void **)&l->column, &l->column_capacity, l->count, 1,
+                       sizeof *l->column) ||
+              !bw_grow(context, (void **)&l->value, &l->value_capacity, l->count, 1,
+                       sizeof *l->value))
+            return BW_MEMORY;
+          place[c] = (int64_t)l->count;
+          l->column[l->count] = c;
+          l->value[l->count++] = 0;
+        }
+        l->value[place[c]] += t->value[i] * a->value[j] * p->value[k];
+      }
+  for (size_t k = first; k < l->count; k++)
+    place[l->column[k]] = -1;
+  l->start[r + 1] = (int64_t)l->count;
+  return BW_OK;
+}
+
+static bw_status mirror(bw_context *context, int32_t rows, const lower *l,
+                        bw_sparse_matrix **product) {
+  bw_status status = BW_OK;
+  int64_t *start = BW_NEW0(context, int64_t, (size_t)rows + 1);
+  int64_t *next = BW_NEW(context, int64_t, rows);
+  int32_t *column = BW_NEW(context, int32_t, 2 * l->count);
+  double *value = BW_NEW(context, double, 2 * l->count);
+  BW_TRY_MEMORY(start && next && column && value);
+  for (int32_t r = 0; r < rows; r++)
+    for (int64_t k = l->start[r]; k < l->start[r + 1]; k++) {
+      start[r + 1]++;
+      if (l->column[k] != r)
+        start[l->column[k] + 1]++;
+    }
+  for (int32_t r = 0; r < rows; r++) {
+    start[r + 1] += start[r];
+    next[r] = start[r];
+  }
+  for (int32_t r = 0; r < rows; r++)
+    for (int64_t k = l->start[r]; k < l->start[r + 1]; k++) {
+      int32_t c = l->column[k];
+      column[next[r]] = c;
+      value[next[r]++] = l->value[k];
+      if (c == r)
+        continue;
+      column[next[c]] = r;
+      value[next[c]++] = l->value[k];
+    }
+  BW_TRY(bw_sparse_matrix_adopt(context, rows, rows, start, column, value, product));
+  bw_free(next);
+  return BW_OK;
+done:
+  bw_free(start);
+  bw_free(next);
+  bw_free(column);
+  bw_free(value);
+  return status;
+}
+
+bw_status bwi_galerkin(bw_context *context, const bw_sparse_matrix *a, const bw_sparse_matrix *p,
+                       bw_sparse_matrix **product) {
+  bw_status status = BW_OK;
+  bw_sparse_matrix *t = NULL;
+  lower l = {.start = BW_NEW0(context, int64_t, (size_t)p->columns + 1)};
+  int64_t *place = BW_NEW(context, int64_t, p->columns);
+  assert(a->rows == a->columns && a->rows == p->rows);
+  BW_TRY_MEMORY(l.start && place);
+  for (int32_t c = 0; c < p->columns; c++)
+    place[c] = -1;
+  BW_TRY(transpose(context, p, &t));
+  for (int32_t r = 0; r < p->columns; r++) {
+    if (r % 4096 == 0)
+      BW_TRY(bw_check_cancel(context));
+    BW_TRY(sum_row(context, a, p, t, r, place, &l));
+  }
+  BW_TRY(mirror(context, p->columns, &l, product));
+done:
+  bw_release(t);
+  bw_free(l.start);
+  bw_free(l.column);
+  bw_free(l.value);
+  bw_free(place);
+  return status;
+}
