@@ -13,7 +13,8 @@
 typedef struct product {
   const bw_mesh *mesh;
   const bw_material *material;
-  const double *displacement[2], *recovered[2];
+  const double *displacement[2], *recovered[2]; /* recovered at points */
+  bw_stress_points points;
   double *element;
   bwi_rule rule;
 } product;
@@ -21,14 +22,16 @@ typedef struct product {
 /* N sigma* - sigma at point q of an element. */
 static double stress_error(const product *p, int which, const bwi_element_state *state, int64_t e,
                            int q, double error[6]) {
-  const int32_t *node = p->mesh->element + e * state->nodes;
   double strain[6], v = bwi_strain_at(state, p->rule.by_l[q], p->rule.l[q], strain);
   bwi_stress_of(state, bw_material_elasticity(p->material, e), strain, error);
   for (int c = 0; c < 6; c++)
     error[c] = -error[c];
-  for (int a = 0; a < state->nodes; a++)
+  for (int a = 0; a < state->nodes; a++) {
+    const double *own =
+        p->recovered[which] + 6 * (int64_t)bw_stress_point_of(&p->points, p->mesh, e, a);
     for (int c = 0; c < 6; c++)
-      error[c] += p->rule.value[q][a] * p->recovered[which][6 * (int64_t)node[a] + c];
+      error[c] += p->rule.value[q][a] * own[c];
+  }
   return v;
 }
 
@@ -56,20 +59,23 @@ bw_status bw_error_product(bw_context *context, const bw_mesh *mesh, const bw_ma
                            const double *primal, const double *dual, double *element) {
   bw_status status = BW_OK;
   product p = {.mesh = mesh, .material = material, .element = element};
-  size_t numbers = 6 * (size_t)mesh->node_count;
-  double *recovered = BW_NEW(context, double, 2 * numbers);
-  if (!recovered)
-    return BW_MEMORY;
+  double *recovered = NULL;
+  BW_TRY(bw_stress_points_create(context, mesh, material, &p.points));
+  int64_t numbers = 6 * (int64_t)p.points.count;
+  recovered = BW_NEW(context, double, 2 * numbers);
+  BW_TRY_MEMORY(recovered);
   p.displacement[0] = primal;
   p.displacement[1] = dual;
   p.recovered[0] = recovered;
   p.recovered[1] = primal == dual ? recovered : recovered + numbers;
-  BW_TRY(bw_recovered_stress(context, mesh, material, primal, recovered));
+  BW_TRY(bwi_recovered_point_stress(context, mesh, material, primal, &p.points, recovered));
   if (primal != dual)
-    BW_TRY(bw_recovered_stress(context, mesh, material, dual, recovered + numbers));
+    BW_TRY(
+        bwi_recovered_point_stress(context, mesh, material, dual, &p.points, recovered + numbers));
   bwi_rule_make(mesh->order, mesh->order == 1 ? 2 : BWI_CURVED_DEGREE, &p.rule);
   BW_TRY(bw_parallel(context, mesh->element_count, 256, product_of_elements, &p));
 done:
+  bw_stress_points_clear(&p.points);
   bw_free(recovered);
   return status;
 }
@@ -108,8 +114,10 @@ bw_status bw_stress_functional(bw_context *context, const bw_mesh *mesh,
       if (bw_material_unrotated(material, around.element[k]) !=
           bw_material_unrotated(material, around.element[around.start[node[i]]]))
         BW_TRY(bw_fail(context, BW_UNSUPPORTED,
-                       "node %d lies between two materials, where the stress has two values",
-                       node[i] + 1));
+                       "node %d at (%g, %g, %g) m lies between two materials, where the stress has "
+                       "two values: give a place inside a region, or another quantity",
+                       node[i] + 1, mesh->node[3 * (int64_t)node[i]],
+                       mesh->node[3 * (int64_t)node[i] + 1], mesh->node[3 * (int64_t)node[i] + 2]));
     }
     for (int64_t k = around.start[node[i]]; k < around.start[node[i] + 1]; k++) {
       int64_t e = around.element[k];

@@ -6,7 +6,10 @@
  *
  * Patches at the boundary are one-sided and may be small: they grow across faces until they have
  * ENOUGH elements. Invariant: a stress that is a polynomial of that order is recovered exactly
- * wherever the fit is regular; elsewhere the order of the fit falls to 1 and to 0, the mean. */
+ * wherever the fit is regular; elsewhere the order of the fit falls to 1 and to 0, the mean.
+ *
+ * The stress jumps where materials meet: a patch has elements of one material, and a node on an
+ * interface has a stress point for each. */
 #include "analysis/strain.h"
 #include "base/dense.h"
 
@@ -21,9 +24,10 @@ typedef struct recovery {
   const bw_mesh *mesh;
   const bw_material *material;
   const double *displacement;
+  const bw_stress_points *points;
   bwi_incidence around;
   bwi_rule rule;
-  int32_t *corner; /* corner_count nodes */
+  int32_t *corner; /* corner_count points */
   double *fit;     /* corner_count x TERMS x 6 */
   double *scale;   /* corner_count */
 } recovery;
@@ -54,16 +58,18 @@ static bool solve_normal(int n, double a[TERMS][TERMS], double b[TERMS][6], doub
 }
 
 /* The elements of a corner's patch, its own first. */
-static int patch_of(const recovery *r, int32_t node, int32_t *patch) {
+static int patch_of(const recovery *r, int32_t point, int32_t *patch) {
+  int32_t node = bw_stress_point_node(r->points, point);
   int count = 0;
   for (int64_t k = r->around.start[node]; k < r->around.start[node + 1] && count < MAX_PATCH; k++)
-    patch[count++] = r->around.element[k];
+    if (bw_stress_point_has(r->points, point, r->material, r->around.element[k]))
+      patch[count++] = r->around.element[k];
   for (int growth = 0; growth < GROWTHS && count < ENOUGH; growth++) {
     int before = count;
     for (int i = 0; i < before; i++)
       for (int f = 0; f < 4 && count < MAX_PATCH; f++) {
         int32_t next = r->mesh->neighbour[4 * (int64_t)patch[i] + f];
-        bool known = next < 0;
+        bool known = next < 0 || !bw_stress_point_has(r->points, point, r->material, next);
         for (int j = 0; j < count && !known; j++)
           known = patch[j] == next;
         if (!known)
@@ -106,9 +112,10 @@ static bw_status fit_corners(void *data, int64_t begin, int64_t end, int worker)
   static const int terms[3] = {TERMS, 4, 1};
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
-    int32_t patch[MAX_PATCH], node = r->corner[i];
-    int count = patch_of(r, node, patch);
-    const double *centre = r->mesh->node + 3 * (int64_t)node;
+    int32_t patch[MAX_PATCH];
+    int count = patch_of(r, r->corner[i], patch);
+    const double *centre =
+        r->mesh->node + 3 * (int64_t)bw_stress_point_node(r->points, r->corner[i]);
     double volume = 0, scale, (*fit)[6] = (double(*)[6])(r->fit + 6 * TERMS * i);
     for (int k = 0; k < count; k++)
       volume += r->mesh->volume[patch[k]];
@@ -127,7 +134,8 @@ static bw_status fit_corners(void *data, int64_t begin, int64_t end, int worker)
 /* stress += fraction of the polynomial of corner i at x */
 static void add_fit(const recovery *r, int64_t i, const double x[3], double fraction,
                     double *stress) {
-  const double *centre = r->mesh->node + 3 * (int64_t)r->corner[i], *fit = r->fit + 6 * TERMS * i;
+  int64_t node = bw_stress_point_node(r->points, r->corner[i]);
+  const double *centre = r->mesh->node + 3 * node, *fit = r->fit + 6 * TERMS * i;
   double y[3], p[TERMS];
   for (int k = 0; k < 3; k++)
     y[k] = (x[k] - centre[k]) / r->scale[i];
@@ -137,43 +145,47 @@ static void add_fit(const recovery *r, int64_t i, const double x[3], double frac
       stress[c] += fraction * p[t] * fit[6 * t + c];
 }
 
-bw_status bw_recovered_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                              const double *displacement, double *stress) {
+/* A place in the incidence of an element of the point's material. */
+static int64_t first_around(const recovery *r, int32_t point) {
+  int64_t k = r->around.start[bw_stress_point_node(r->points, point)];
+  while (!bw_stress_point_has(r->points, point, r->material, r->around.element[k]))
+    k++;
+  return k;
+}
+
+bw_status bwi_recovered_point_stress(bw_context *context, const bw_mesh *mesh,
+                                     const bw_material *material, const double *displacement,
+                                     const bw_stress_points *points, double *stress) {
   bw_status status;
-  recovery r = {.mesh = mesh, .material = material, .displacement = displacement};
+  recovery r = {.mesh = mesh, .material = material, .displacement = displacement, .points = points};
   int32_t corners = 0, *number = NULL;
-  int width = mesh->nodes_per_element;
   BW_TRY(bwi_check_stress_input(context, mesh, material, displacement, "a stress field"));
-  if (bw_material_mixed(material))
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "stresses are recovered by patches in bodies of one material; this one has "
-                   "several (%s)",
-                   material->name);
   BW_TRY(bwi_incidence_create(context, mesh, &r.around));
   bwi_rule_make(mesh->order, mesh->order == 2 ? 2 : 1, &r.rule);
-  number = BW_NEW(context, int32_t, mesh->node_count);
-  r.corner = BW_NEW(context, int32_t, mesh->node_count);
-  r.scale = BW_NEW(context, double, mesh->node_count);
+  number = BW_NEW(context, int32_t, points->count);
+  r.corner = BW_NEW(context, int32_t, points->count);
+  r.scale = BW_NEW(context, double, points->count);
   BW_TRY_MEMORY(number && r.corner && r.scale);
-  for (int32_t i = 0; i < mesh->node_count; i++) {
-    number[i] = r.around.local[r.around.start[i]] < 4 ? corners : -1;
+  for (int32_t i = 0; i < points->count; i++) {
+    number[i] = r.around.local[first_around(&r, i)] < 4 ? corners : -1;
     if (number[i] >= 0)
       r.corner[corners++] = i;
   }
   r.fit = BW_NEW(context, double, 6 * TERMS * (int64_t)corners);
   BW_TRY_MEMORY(r.fit);
   BW_TRY(bw_parallel(context, corners, CORNERS_PER_CHUNK, fit_corners, &r));
-  memset(stress, 0, 6 * (size_t)mesh->node_count * sizeof *stress);
-  for (int32_t i = 0; i < mesh->node_count; i++) {
-    const double *x = mesh->node + 3 * (int64_t)i;
+  memset(stress, 0, 6 * (size_t)points->count * sizeof *stress);
+  for (int32_t i = 0; i < points->count; i++) {
+    const double *x = mesh->node + 3 * (int64_t)bw_stress_point_node(points, i);
     if (number[i] >= 0) {
       add_fit(&r, number[i], x, 1, stress + 6 * (int64_t)i);
       continue;
     }
-    const int32_t *own = mesh->element + (int64_t)width * r.around.element[r.around.start[i]];
-    const int *end = bw_tet_edge[r.around.local[r.around.start[i]] - 4];
+    int64_t at = first_around(&r, i);
+    const int *end = bw_tet_edge[r.around.local[at] - 4];
     for (int k = 0; k < 2; k++)
-      add_fit(&r, number[own[end[k]]], x, 0.5, stress + 6 * (int64_t)i);
+      add_fit(&r, number[bw_stress_point_of(points, mesh, r.around.element[at], end[k])], x, 0.5,
+              stress + 6 * (int64_t)i);
   }
 done:
   bwi_incidence_clear(&r.around);
@@ -181,5 +193,22 @@ done:
   bw_free(r.corner);
   bw_free(r.scale);
   bw_free(r.fit);
+  return status;
+}
+
+bw_status bw_recovered_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                              const double *displacement, double *stress) {
+  bw_status status;
+  bw_stress_points points = {0};
+  double *all = NULL;
+  BW_TRY(bwi_check_stress_input(context, mesh, material, displacement, "a stress field"));
+  BW_TRY(bw_stress_points_create(context, mesh, material, &points));
+  all = BW_NEW(context, double, 6 * (int64_t)points.count);
+  BW_TRY_MEMORY(all);
+  BW_TRY(bwi_recovered_point_stress(context, mesh, material, displacement, &points, all));
+  bwi_governing_stress(&points, mesh->node_count, all, stress);
+done:
+  bw_free(all);
+  bw_stress_points_clear(&points);
   return status;
 }

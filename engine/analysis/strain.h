@@ -84,6 +84,12 @@ void bwi_governing_stress(const bw_stress_points *points, int32_t node_count,
 /* invariants.c: the larger of the largest principal stress and the negative smallest one. */
 double bwi_max_principal(const double t[6]);
 
+/* recovery.c: recovered stresses at points (points->count x 6), from elements of their materials.
+ */
+bw_status bwi_recovered_point_stress(bw_context *context, const bw_mesh *mesh,
+                                     const bw_material *material, const double *displacement,
+                                     const bw_stress_points *points, double *stress);
+
 /* BW_INVALID when there is no displacement or material to work with, or one of another mesh. */
 bw_status bwi_check_stress_input(bw_context *context, const bw_mesh *mesh,
                                  const bw_material *material, const double *displacement,

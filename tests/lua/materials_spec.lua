@@ -2,6 +2,7 @@
 -- Models whose regions are of different materials.
 local bw = require "barwright"
 local check = require "check"
+local core = require "barwright.core"
 
 local soft = bw.material.isotropic {name = "soft", young = 1e9, density = 1000, strength = 1e6, expansion = 1e-4}
 local stiff = bw.material.isotropic {name = "stiff", young = 100e9, density = 8000, strength = 4e8,
@@ -73,7 +74,41 @@ describe("materials by region", function()
       end
       local relative = static:error_estimate()
       assert.is_true(relative < 1e-8)
+      local u = static.displacement
+      assert.is_true(core.error_product(mesh, part.material, u, u):sum() < 1e-16 * static.energy)
+      local recovered = assert(core.recovered_stress(mesh, part.material, u))
+      assert.is_true((recovered - static.stress):norm() < 1e-8 * static.stress:norm())
     end
+  end)
+
+  it("estimates errors of load factors and modes, and refines for a goal", function()
+    local function column(n)
+      local mesh = bw.mesh.box {max = {1, 0.1, 0.08}, cells = {10 * n, 2 * n, n}, order = 2}
+      mesh = assert(mesh:split("y < 0.05", "low"))
+      local part = bw.model {mesh = mesh, materials = {low = bw.material.steel, rest = bw.material.pla}}
+      part:fix(mesh.boundary:below("x", 0))
+      return part:load {on = mesh.boundary:above("x", 1), force = {-1000, 0, -100}}
+    end
+    local one = assert(column(1):buckling {count = 2, sign = "positive"})
+    local two = assert(column(2):buckling {count = 2, sign = "positive"})
+    local fine = assert(column(3):buckling {count = 2, sign = "positive"})
+    assert.matches("the shapes' mesh makes them too large by about 1%.7 %%", tostring(one))
+    local estimates = {one:error_estimate(), two:error_estimate()}
+    for k = 1, 2 do -- against the factor of the finest mesh, less its own error
+      local exact = fine.factors[k] * (1 - fine:error_estimate()[k])
+      check.near(one.factors[k] / exact - 1, estimates[1][k], 0.3)
+      check.near(two.factors[k] / exact - 1, estimates[2][k], 0.4)
+    end
+    local _, accuracy = assert(column(1):modes {count = 1, error = 0.005})
+    assert.is_true(accuracy.converged)
+    _, accuracy = assert(column(1):solve {error = 0.01, of = {at = {1, 0.05, 0.04}, field = "uz"}})
+    assert.is_true(accuracy.converged)
+    local free = bw.model {mesh = column(1).mesh, materials = {low = bw.material.steel, rest = bw.material.pla}}
+    free:fix(free.mesh.boundary:below("x", 0))
+    local worst = assert(bw.worst_buckling(free, {force = 100, contact = 1e-3}))
+    assert.is_true(worst.mesh_error > 0.005 and worst.mesh_error < 0.05)
+    check.fails("unsupported", "give a place inside a region", column(1):solve {error = 0.1,
+      of = {at = {0.5, 0.05, 0.08}}})
   end)
 
   it("expands each element as its material does", function()

@@ -83,15 +83,16 @@ BW_API bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh,
 
 /* Superconvergent patch recovery (Zienkiewicz and Zhu 1992): at every corner a polynomial of the
  * elements' order fits the stresses inside of the elements around it; mid-edge nodes take the mean
- * of both ends. Under displacement (m, node_count x 3): stress (Pa, node_count x 6). BW_UNSUPPORTED
- * in a body of several materials. */
+ * of both ends. Under displacement (m, node_count x 3): stress (Pa, node_count x 6). Where
+ * materials meet, elements of each are fitted by themselves, and the one with the largest von Mises
+ * stress counts. BW_INVALID and BW_LIMIT as bw_stress_points_create. */
 BW_API bw_status bw_recovered_stress(bw_context *context, const bw_mesh *mesh,
                                      const bw_material *material, const double *displacement,
                                      double *stress);
 /* The recovered error in a goal: the integral over every element, element (any, element_count), of
  * e_u . D^-1 e_z with e = N sigma* - sigma of a primal and a dual displacement, primal (m,
- * node_count x 3) and dual (any, node_count x 3), sigma* as bw_recovered_stress. Their sum
- * estimates J(u) - J(u_h) for the functional J that z is the dual of
+ * node_count x 3) and dual (any, node_count x 3), sigma* as bw_recovered_stress, by the element's
+ * material. Their sum estimates J(u) - J(u_h) for the functional J that z is the dual of
  * (docs/theory/error_control.md). */
 BW_API bw_status bw_error_product(bw_context *context, const bw_mesh *mesh,
                                   const bw_material *material, const double *primal,
