@@ -11,8 +11,18 @@
 
 /* ---- rigid_surface.c ------------------------------------------------------------------------- */
 
+/* A copy. */
+bw_status bwi_rigid_create(bw_context *context, const bw_rigid_surface *like,
+                           bw_rigid_surface **surface);
 /* The gap at x, negative inside of the obstacle, and the outward normal of the nearest point. */
 double bwi_rigid_gap(const bw_rigid_surface *surface, const double x[3], double normal[3]);
+/* How far x goes along a direction of length 1 until it meets the surface from outside, of any
+ * sign; infinite where it misses. */
+double bwi_rigid_travel(const bw_rigid_surface *surface, const double x[3], const double way[3]);
+/* How deep a triangle reaches into a sphere or cylinder, negative outside of it; 0 of a plane. With
+ * a way (or NULL): as seen along it. */
+double bwi_rigid_depth(const bw_rigid_surface *surface, const double *const corner[3],
+                       const double *way);
 
 /* ---- contact_rows.c -------------------------------------------------------------------------- */
 

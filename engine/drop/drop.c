@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A body that falls on a rigid plane: impacts in steps that keep the energy, and flight between
+/* A body that falls on a rigid obstacle: impacts in steps that keep the energy, and flight between
  * them (docs/theory/drop.md).
  *
  * A step is half a kick by the forces of contact, free motion, and the other half (Stoermer and
@@ -18,6 +18,7 @@ enum { MODES = 40, ROWS = 2048, WIDTH = 7, MOST_IMPACTS = 10000, HALVINGS = 8 };
 static const int64_t most_steps = 4000000; /* of an impact */
 static const double first_fraction = 0.2;  /* step times the highest frequency */
 static const double far_turn = 0.1;        /* (rad) of a warning */
+static const double least_slope = 1e-3;    /* sine between a fall and the obstacle */
 
 void bw_drop_options_default(bw_drop_options *options) {
   *options = (bw_drop_options){.height = 1,
@@ -32,6 +33,7 @@ static void drop_destroy(void *object) {
   bw_drop *d = object;
   bw_release(d->model);
   bw_release(d->modes);
+  bw_release(d->onto);
   double *all[] = {d->time,          d->force,     d->motion,      d->vibration,
                    d->strain,        d->potential, d->damped,      d->sample,
                    d->sample_stress, d->stress,    d->utilisation, d->displacement};
@@ -57,6 +59,21 @@ static const bw_kind drop_kind = {"drop", drop_destroy, drop_bytes};
 
 static bool finite3(const double *x) {
   return isfinite(x[0]) && isfinite(x[1]) && isfinite(x[2]);
+}
+
+static bw_status check_obstacle(bw_context *context, const bw_drop_options *o) {
+  double cosine = bw_dot(o->onto->direction, o->down) / bw_norm(o->down);
+  if (o->onto->inside)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "a body falls on the outside of a sphere or cylinder: leave out `inside`");
+  if (o->onto->kind == BW_RIGID_PLANE && !(cosine < -least_slope))
+    return bw_fail(context, BW_INVALID,
+                   "the body does not fall towards the plane: its normal must point against "
+                   "`down`");
+  if (o->onto->kind == BW_RIGID_CYLINDER && !(1 - cosine * cosine > least_slope * least_slope))
+    return bw_fail(context, BW_INVALID,
+                   "the body falls along the cylinder: its axis must point across `down`");
+  return BW_OK;
 }
 
 static bw_status check_options(bw_context *context, const bw_drop_options *o) {
@@ -96,13 +113,7 @@ static bw_status check_options(bw_context *context, const bw_drop_options *o) {
                    "damping by a ratio of %g and %g s of the stiffness: 0 to below 1, and 0 or "
                    "more expected",
                    o->damping.ratio, o->damping.stiffness);
-  if (o->onto && o->onto->kind != BW_RIGID_PLANE)
-    return bw_fail(context, BW_UNSUPPORTED, "a drop is onto a plane: take bw.rigid.plane");
-  if (o->onto && !(bw_dot(o->onto->direction, o->down) < -1e-3 * bw_norm(o->down)))
-    return bw_fail(context, BW_INVALID,
-                   "the body does not fall towards the plane: its normal must point against "
-                   "`down`");
-  return BW_OK;
+  return o->onto ? check_obstacle(context, o) : BW_OK;
 }
 
 static bw_status check_model(bw_context *context, const bw_model *model) {
@@ -157,22 +168,35 @@ done:
 
 /* ---- the body -------------------------------------------------------------------------------- */
 
-/* Mass, centre and inertia by the mass matrix, so that modes have no part of rigid motion. */
-static bw_status weigh(bw_context *context, bwi_drop_run *run) {
+/* Mass, centre and inertia by the mass matrix, so that modes have no part of rigid motion. It is
+ * that of `given` where it has the model's. */
+static bw_status weigh(bw_context *context, bwi_drop_run *run, const bw_system *given) {
   bw_status status = BW_OK;
-  const bw_mesh *mesh = run->model->mesh;
+  const bw_model *model = run->model;
+  bool has =
+      given && given->mass && given->mesh == model->mesh && given->material == model->material;
+  bw_block_pattern *pattern = NULL;
+  double *mass = NULL;
+  const bw_mesh *mesh = model->mesh;
   bwi_drop_motion *m = &run->motion;
   int64_t count = mesh->node_count;
   double low[3], high[3], first[3] = {0}, second[9] = {0};
   double *x = BW_NEW(context, double, 6 * count), *y = BW_NEW(context, double, 6 * count);
   BW_TRY_MEMORY(x && y);
+  if (!has) {
+    BW_TRY(bw_block_pattern_create(context, mesh, &pattern));
+    mass = BW_NEW(context, double, pattern->block_count);
+    BW_TRY_MEMORY(mass);
+    BW_TRY(bw_mass(context, pattern, mesh, model->material, mass));
+  }
   bw_mesh_box(mesh, low, high); /* moments about a point nearby lose fewer digits */
   for (int64_t i = 0; i < count; i++)
     for (int k = 0; k < 3; k++) {
       x[3 * i + k] = mesh->node[3 * i + k] - low[k];
       x[3 * (count + i) + k] = 1;
     }
-  BW_TRY(bw_block_multiply(context, run->system->pattern, run->system->mass, 1, 3, 2, x, y));
+  BW_TRY(bw_block_multiply(context, has ? given->pattern : pattern, has ? given->mass : mass, 1, 3,
+                           2, x, y));
   for (int64_t i = 0; i < count; i++) {
     m->mass += y[3 * (count + i)];
     for (int k = 0; k < 3; k++) {
@@ -193,42 +217,31 @@ static bw_status weigh(bw_context *context, bwi_drop_run *run) {
   for (int k = 0; k < 3; k++)
     run->origin[k] += low[k];
 done:
+  bw_release(pattern);
+  bw_free(mass);
   bw_free(x);
   bw_free(y);
   return status;
 }
 
-/* Where it touches, and how it moves then. */
-static void place(bwi_drop_run *run, bw_drop *drop) {
+/* How it moves when it touches. */
+static bw_status begin(bw_context *context, bwi_drop_run *run, bw_drop *drop) {
   bwi_drop_motion *m = &run->motion;
   const bw_drop_options *o = &run->options;
-  double length = bw_norm(o->down), spin[3];
+  double length = bw_norm(o->down);
   memcpy(m->centre, run->origin, sizeof m->centre);
   for (int k = 0; k < 9; k++)
     m->turn[k] = k % 4 == 0;
-  run->onto.kind = BW_RIGID_PLANE;
-  for (int k = 0; k < 3; k++) {
-    run->onto.direction[k] = o->onto ? o->onto->direction[k] : -o->down[k] / length;
-    run->onto.point[k] = o->onto ? o->onto->point[k] : run->origin[k];
-  }
-  double gap = bwi_drop_rigid_gap(run);
-  if (o->onto) {
-    double along = bw_dot(run->onto.direction, o->down) / length;
-    for (int k = 0; k < 3; k++)
-      run->offset[k] = -gap / along * o->down[k] / length;
-  } else
-    for (int k = 0; k < 3; k++)
-      run->onto.point[k] += gap * run->onto.direction[k];
   drop->speed = o->speed > 0 ? o->speed : sqrt(2 * o->gravity * o->height);
-  memcpy(spin, o->spin, sizeof spin);
   for (int k = 0; k < 3; k++) {
-    m->centre[k] += run->offset[k];
     m->velocity[k] = drop->speed * o->down[k] / length;
     m->gravity[k] = o->gravity * o->down[k] / length;
-    m->momentum[k] = bw_dot(m->inertia + 3 * k, spin);
+    m->momentum[k] = bw_dot(m->inertia + 3 * k, o->spin);
   }
   drop->mass = m->mass;
   drop->energy = bwi_drop_energy_of(run).motion;
+  drop->depth = run->depth;
+  return bwi_rigid_create(context, &run->onto, &drop->onto);
 }
 
 /* ---- impacts --------------------------------------------------------------------------------- */
@@ -261,10 +274,9 @@ static double total_of(const bwi_drop_run *run, const bwi_drop_energy *e) {
 }
 
 static double force_of(const bwi_drop_run *run) {
-  double sum = 0;
-  for (int j = 0; j < run->touch.count; j++)
-    sum += run->touch.force[j];
-  return sum;
+  double force[3];
+  bwi_drop_force(run, force);
+  return bw_norm(force);
 }
 
 /* A row of the present state; returns the sum of its energies. */
@@ -283,13 +295,6 @@ static double note(const bwi_drop_run *run, bwi_drop_rows *rows) {
   return total_of(run, &e);
 }
 
-static double angle_between(const double a[9], const double b[9]) {
-  double trace = 0;
-  for (int i = 0; i < 9; i++)
-    trace += a[i] * b[i];
-  return acos(fmin(1, fmax(-1, (trace - 1) / 2)));
-}
-
 static double area_of(const bwi_drop_run *run) {
   double sum = 0;
   for (int j = 0; j < run->touch.count; j++)
@@ -300,7 +305,7 @@ static double area_of(const bwi_drop_run *run) {
 }
 
 /* The first touched place, and what the present forces add to the impact. */
-static void regard(const bwi_drop_run *run, double force, bw_drop_impact *impact, double turn[9]) {
+static void regard(const bwi_drop_run *run, double force, bw_drop_impact *impact) {
   const bwi_drop_motion *m = &run->motion;
   const bwi_drop_touch *t = &run->touch;
   if (impact->contacts == 0) {
@@ -310,11 +315,10 @@ static void regard(const bwi_drop_run *run, double force, bw_drop_impact *impact
     impact->time = m->time;
     memcpy(impact->place, run->model->mesh->node + 3 * (int64_t)run->points.node[t->point[first]],
            sizeof impact->place);
-    memcpy(turn, m->turn, sizeof m->turn);
     impact->contacts = 1;
   }
   impact->duration = m->time - impact->time;
-  impact->turn = fmax(impact->turn, angle_between(turn, m->turn));
+  impact->turn = fmax(impact->turn, bwi_drop_turn(run));
   impact->area = fmax(impact->area, area_of(run));
   if (force > impact->force) {
     impact->force = force;
@@ -354,7 +358,7 @@ static bw_status follow_impact(bw_context *context, follow *f, bw_drop_impact *i
   bw_status status = BW_OK;
   bwi_drop_run *run = f->run;
   bwi_drop_motion *m = &run->motion;
-  double start = 0, quiet = m->time, turn[9] = {0}, last = 0;
+  double start = 0, quiet = m->time, last = 0, push[3], impulse[3] = {0};
   double until = run->options.time > 0 ? run->options.time : INFINITY;
   f->error = f->changed = 0;
   f->over = false;
@@ -368,7 +372,7 @@ static bw_status follow_impact(bw_context *context, follow *f, bw_drop_impact *i
     f->error = fmax(f->error, fabs(total - start));
     f->changed = fmax(f->changed, fabs(total - f->begin));
     if (force > 0) {
-      regard(run, force, impact, turn);
+      regard(run, force, impact);
       quiet = m->time;
     }
     f->over = m->time >= until;
@@ -379,11 +383,17 @@ static bw_status follow_impact(bw_context *context, follow *f, bw_drop_impact *i
                      "the body still touches %g s after the impact began: give a time at which "
                      "the drop ends",
                      m->time - impact->time));
-    BW_TRY(one_step(context, run, h));
-    impact->impulse += 0.5 * h * (force + force_of(run));
+    for (int half = 0; half < 2; half++) {
+      if (half == 1)
+        BW_TRY(one_step(context, run, h));
+      bwi_drop_force(run, push);
+      for (int k = 0; k < 3; k++)
+        impulse[k] += 0.5 * h * push[k];
+    }
     last = h;
     f->drop->steps++;
   }
+  impact->impulse = bw_norm(impulse);
   if (last > 0)
     f->drop->step = f->drop->step > 0 ? fmin(f->drop->step, last) : last;
 done:
@@ -433,8 +443,8 @@ static bw_status impact_of(bw_context *context, follow *f, history *h) {
     drop->impact[drop->impact_count++] = impact;
     if (impact.turn > far_turn)
       bw_warn(context,
-              "the body turns by %.2g degrees while it touches: the compliance of the contact is "
-              "that of the first touch",
+              "a normal of the contact turns by %.2g degrees in the body while it touches: the "
+              "compliance of the contact is that of the first touch",
               impact.turn * 180 / M_PI);
     if (drop->stress)
       BW_TRY(bwi_drop_states_stress(context, run, &states, drop));
@@ -450,23 +460,34 @@ done:
 
 /* ---- flight ---------------------------------------------------------------------------------- */
 
-/* How long nothing can touch, at least; infinite where the body leaves for ever. */
-static double safe_time(const bwi_drop_run *run) {
-  const bwi_drop_motion *m = &run->motion;
-  const double *normal = run->onto.direction;
-  double spin[3], pull = -bw_dot(m->gravity, normal);
-  bwi_drop_spin(m, spin);
-  double distance = bwi_drop_rigid_gap(run) - bwi_drop_reach(run);
-  double away = bw_dot(m->velocity, normal), whirl = bw_norm(spin) * run->points.radius;
+/* How long it takes at least from a distance at a speed of closing and a pull; infinite where it is
+ * never covered. */
+static double time_to(double distance, double closing, double pull) {
   if (distance <= 0)
     return 0;
-  if (pull <= 0 && away >= 0 && distance > 2 * run->points.radius)
-    return INFINITY;
-  double closing = whirl - away;
   if (pull <= 0)
     return closing > 0 ? distance / closing : INFINITY;
   double root = sqrt(closing * closing + 2 * pull * distance);
   return closing > 0 ? 2 * distance / (closing + root) : (root - closing) / pull;
+}
+
+/* How long nothing can touch, at least; infinite where the body leaves for ever. All of the
+ * obstacle is below the plane that touches it where it is nearest to the centre of mass: one bound
+ * is that of the plane, the other that of a body which moves straight to the obstacle. */
+static double safe_time(const bwi_drop_run *run) {
+  const bwi_drop_motion *m = &run->motion;
+  double spin[3], normal[3], reach = bwi_drop_reach(run);
+  bwi_drop_spin(m, spin);
+  bwi_rigid_gap(&run->onto, m->centre, normal);
+  double distance = bwi_drop_plane_gap(run, normal) - reach, pull = -bw_dot(m->gravity, normal);
+  double away = bw_dot(m->velocity, normal), whirl = bw_norm(spin) * run->points.radius;
+  if (pull <= 0 && away >= 0 && distance > 2 * run->points.radius)
+    return INFINITY;
+  double safe = time_to(distance, whirl - away, pull);
+  if (run->onto.kind == BW_RIGID_PLANE)
+    return safe;
+  distance = bwi_drop_rigid_gap(run) - reach;
+  return fmax(safe, time_to(distance, bwi_drop_speed(run), bw_norm(m->gravity)));
 }
 
 static bw_status fly(bw_context *context, follow *f, history *h) {
@@ -572,14 +593,15 @@ bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system
     bw_drop_options_default(&run.options);
   BW_TRY(check_options(context, &run.options));
   BW_TRY(check_model(context, model));
+  BW_TRY(weigh(context, &run, given));
+  BW_TRY(bwi_drop_place(context, &run));
   BW_TRY(find_modes(context, &run, given, &run.system, &modes));
   run.modes = modes;
   BW_TRY(bwi_drop_motion_create(context, modes, &run.options.damping, &run.motion));
-  BW_TRY(weigh(context, &run));
   BW_TRY(bwi_drop_points_create(context, &run));
   BW_TRY(make_result(context, &run, &drop));
   drop->modes = bw_retain(modes);
-  place(&run, drop);
+  BW_TRY(begin(context, &run, drop));
   run.slack = 1e-10 * run.points.radius;
   run.margin = 10 * drop->speed * first_fraction / run.motion.omega[run.motion.modes - 1];
   BW_TRY(follow_drop(context, &run, drop));

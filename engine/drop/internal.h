@@ -76,11 +76,11 @@ typedef struct bwi_drop_run {
   bw_system *system;
   const bw_modes *modes;
   bw_drop_options options;
-  bw_rigid_surface onto;
-  double offset[3]; /* from the mesh to where it touches */
-  double origin[3]; /* centre of mass in the mesh */
-  double margin;    /* of the gap, within which points become candidates with others */
-  double slack;     /* (m) penetration that is none */
+  bw_rigid_surface onto; /* where the body of the mesh touches it */
+  double depth;          /* (m) of it between nodes then */
+  double origin[3];      /* centre of mass in the mesh */
+  double margin;         /* of the gap, within which points become candidates with others */
+  double slack;          /* (m) penetration that is none */
   bwi_drop_points points;
   bwi_drop_motion motion;
   bwi_drop_touch touch;
@@ -94,14 +94,26 @@ bw_status bwi_drop_touch_create(bw_context *context, const bwi_drop_run *run,
 void bwi_drop_touch_clear(bwi_drop_touch *touch);
 /* The forces of contact in the present position. */
 bw_status bwi_drop_touch_find(bw_context *context, bwi_drop_run *run);
+/* Their sum. */
+void bwi_drop_force(const bwi_drop_run *run, double force[3]);
+/* The angle in the body between the normals and those that the compliance has, at most. */
+double bwi_drop_turn(const bwi_drop_run *run);
 /* The impulse of these forces over a time. */
 void bwi_drop_kick(bwi_drop_run *run, double time);
 /* Bounds of how far a point may be from where the rigid body has it, now and in free flight from
  * here on, and of how fast. */
 double bwi_drop_reach(const bwi_drop_run *run);
 double bwi_drop_speed(const bwi_drop_run *run);
-/* The smallest gap of the points without deformation. */
+/* The smallest gap of the points without deformation; and that over the plane across a normal on
+ * the obstacle, all of which is below. */
 double bwi_drop_rigid_gap(const bwi_drop_run *run);
+double bwi_drop_plane_gap(const bwi_drop_run *run, const double normal[3]);
+
+/* ---- place.c --------------------------------------------------------------------------------- */
+
+/* Where the body meets the obstacle, once its centre of mass is known. BW_GEOMETRY where it misses,
+ * BW_LIMIT for elements that are too large for the obstacle. */
+bw_status bwi_drop_place(bw_context *context, bwi_drop_run *run);
 
 /* ---- record.c -------------------------------------------------------------------------------- */
 

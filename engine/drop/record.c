@@ -18,8 +18,7 @@ bwi_drop_energy bwi_drop_energy_of(const bwi_drop_run *run) {
   double spin[3];
   bwi_drop_spin(m, spin);
   e.motion = 0.5 * m->mass * bw_dot(m->velocity, m->velocity) + 0.5 * bw_dot(spin, m->momentum);
-  e.potential = -m->mass * (bw_dot(m->gravity, m->centre) - bw_dot(m->gravity, run->origin) -
-                            bw_dot(m->gravity, run->offset));
+  e.potential = -m->mass * (bw_dot(m->gravity, m->centre) - bw_dot(m->gravity, run->origin));
   for (int k = 0; k < m->modes; k++) {
     double swing = m->omega[k] * m->q[k];
     e.vibration += 0.5 * m->rate[k] * m->rate[k];

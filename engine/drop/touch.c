@@ -127,6 +127,17 @@ double bwi_drop_rigid_gap(const bwi_drop_run *run) {
   return least;
 }
 
+double bwi_drop_plane_gap(const bwi_drop_run *run, const double normal[3]) {
+  const bwi_drop_motion *m = &run->motion;
+  double body[3], least = INFINITY, centre = -run->onto.radius; /* 0 of a plane */
+  to_body(m->turn, normal, body);
+  for (int k = 0; k < 3; k++)
+    centre += normal[k] * (m->centre[k] - run->onto.point[k]);
+  for (int32_t i = 0; i < run->points.count; i++)
+    least = fmin(least, centre + bw_dot(body, run->points.at + 3 * (int64_t)i));
+  return least;
+}
+
 double bwi_drop_reach(const bwi_drop_run *run) {
   double sum = 0;
   for (int k = 0; k < run->motion.modes; k++)
@@ -460,6 +471,28 @@ bw_status bwi_drop_touch_find(bw_context *context, bwi_drop_run *run) {
 done:
   bw_free(which);
   return status;
+}
+
+void bwi_drop_force(const bwi_drop_run *run, double force[3]) {
+  const bwi_drop_touch *t = &run->touch;
+  memset(force, 0, 3 * sizeof *force);
+  for (int j = 0; j < t->count; j++)
+    for (int k = 0; k < 3; k++)
+      force[k] += t->force[j] * t->normal[3 * j + k];
+}
+
+double bwi_drop_turn(const bwi_drop_run *run) {
+  const bwi_drop_touch *t = &run->touch;
+  double most = 0;
+  for (int j = 0; j < t->count; j++) {
+    double push[3], square = 0;
+    to_space(run->motion.turn, t->push + 3 * j, push);
+    for (int k = 0; k < 3; k++)
+      square += (push[k] - t->normal[3 * j + k]) * (push[k] - t->normal[3 * j + k]);
+    if (t->force[j] > 0)
+      most = fmax(most, 2 * asin(fmin(1, sqrt(square) / 2)));
+  }
+  return most;
 }
 
 void bwi_drop_kick(bwi_drop_run *run, double time) {

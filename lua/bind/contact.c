@@ -16,10 +16,11 @@ static const bw_rigid_surface *surface_self(lua_State *L) {
 typedef struct shape {
   double at[3], direction[3], radius;
   bool inside;
+  const double *place; /* `at`, or NULL where it is left out */
 } shape;
 
 static void read_shape(lua_State *L, const char *function, const lbw_option *list,
-                       const char *first, const char *second, shape *s) {
+                       const char *place, const char *first, const char *second, shape *s) {
   lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   lbw_options(L, 1, function, list, s);
@@ -27,6 +28,7 @@ static void read_shape(lua_State *L, const char *function, const lbw_option *lis
   for (int k = 0; k < 2; k++)
     if (needed[k] && lbw_option_get(L, 1, needed[k]) == LUA_TNIL)
       lbw_option_missing(L, function, needed[k], "");
+  s->place = lbw_option_get(L, 1, place) == LUA_TNIL ? NULL : s->at;
   lua_settop(L, 1);
 }
 
@@ -37,9 +39,9 @@ static int rigid_plane(lua_State *L) {
                                     {NULL, LBW_OTHER, 0}};
   shape s = {0};
   bw_rigid_surface *surface = NULL;
-  read_shape(L, "rigid.plane", list, "normal", NULL, &s);
+  read_shape(L, "rigid.plane", list, "point", "normal", NULL, &s);
   lbw_box *box = lbw_box_new(L, &lbw_rigid_surface_class);
-  bw_status status = bw_rigid_plane(lbw_enter(L), s.at, s.direction, &surface);
+  bw_status status = bw_rigid_plane(lbw_enter(L), s.place, s.direction, &surface);
   return lbw_leave_object(L, box, surface, status);
 }
 
@@ -51,9 +53,9 @@ static int rigid_sphere(lua_State *L) {
                                     {NULL, LBW_OTHER, 0}};
   shape s = {0};
   bw_rigid_surface *surface = NULL;
-  read_shape(L, "rigid.sphere", list, "centre", "radius", &s);
+  read_shape(L, "rigid.sphere", list, "centre", "radius", NULL, &s);
   lbw_box *box = lbw_box_new(L, &lbw_rigid_surface_class);
-  bw_status status = bw_rigid_sphere(lbw_enter(L), s.at, s.radius, s.inside, &surface);
+  bw_status status = bw_rigid_sphere(lbw_enter(L), s.place, s.radius, s.inside, &surface);
   return lbw_leave_object(L, box, surface, status);
 }
 
@@ -66,10 +68,10 @@ static int rigid_cylinder(lua_State *L) {
                                     {NULL, LBW_OTHER, 0}};
   shape s = {0};
   bw_rigid_surface *surface = NULL;
-  read_shape(L, "rigid.cylinder", list, "axis", "radius", &s);
+  read_shape(L, "rigid.cylinder", list, "point", "axis", "radius", &s);
   lbw_box *box = lbw_box_new(L, &lbw_rigid_surface_class);
   bw_status status =
-      bw_rigid_cylinder(lbw_enter(L), s.at, s.direction, s.radius, s.inside, &surface);
+      bw_rigid_cylinder(lbw_enter(L), s.place, s.direction, s.radius, s.inside, &surface);
   return lbw_leave_object(L, box, surface, status);
 }
 

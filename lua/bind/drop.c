@@ -39,7 +39,7 @@ static int model_drop(lua_State *L) {
     options.modes = (const bw_modes *)lbw_object_option(L, 2, "drop", "modes", &lbw_modes_class,
                                                         "modes of the part");
     options.onto = (const bw_rigid_surface *)lbw_object_option(
-        L, 2, "drop", "onto", &lbw_rigid_surface_class, "a plane of bw.rigid.plane");
+        L, 2, "drop", "onto", &lbw_rigid_surface_class, "a surface of bw.rigid");
   }
   lua_settop(L, 2);
   lbw_box *box = lbw_box_new(L, &lbw_drop_class);
@@ -93,6 +93,7 @@ NUMBER(mass, mass)
 NUMBER(speed, speed)
 NUMBER(initial_energy, energy)
 NUMBER(energy_error, error)
+NUMBER(obstacle_depth, depth)
 NUMBER(step_length, step)
 #undef NUMBER
 
@@ -118,6 +119,11 @@ static int drop_spin(lua_State *L) {
 
 static int drop_mesh(lua_State *L) {
   lbw_push(L, &lbw_mesh_class, self(L)->model->mesh);
+  return 1;
+}
+
+static int drop_onto(lua_State *L) {
+  lbw_push(L, &lbw_rigid_surface_class, self(L)->onto);
   return 1;
 }
 
@@ -190,7 +196,7 @@ static int drop_tostring(lua_State *L) {
   if (drop->impact_count > 0) {
     const bw_drop_impact *first = &drop->impact[0];
     ADD("\n  first impact: %s at (%.4g, %.4g, %.4g) m, force %s at most, impulse %.4g N s, "
-        "nodes that touch or come near: %d; the body turns by %.2g degrees",
+        "nodes that touch or come near: %d; normals turn in the body by %.2g degrees",
         lbw_quantity(first->duration, "s").text, first->place[0], first->place[1], first->place[2],
         lbw_quantity(first->force, "N").text, first->impulse, first->contacts,
         first->turn * 180 / M_PI);
@@ -212,7 +218,12 @@ static int drop_tostring(lua_State *L) {
   ADD("\n  energy %s at the first touch, kept to %.1e of it", lbw_quantity(drop->energy, "J").text,
       drop->error);
   ADD("\n  error of duration, force, impulse and stress unknown: one mesh, one number of modes");
-  ADD("\n  linear elasticity about the motion as a rigid body, rigid plane, no friction, %s",
+  if (drop->onto->kind != BW_RIGID_PLANE)
+    ADD("\n  onto a %s of radius %s; between nodes it goes %s deep at the first touch",
+        drop->onto->kind == BW_RIGID_SPHERE ? "sphere" : "cylinder",
+        lbw_quantity(drop->onto->radius, "m").text, lbw_quantity(drop->depth, "m").text);
+  ADD("\n  linear elasticity about the motion as a rigid body, rigid %s, no friction, %s",
+      drop->onto->kind == BW_RIGID_PLANE ? "plane" : "obstacle",
       drop->damped[drop->row_count - 1] > 0 ? "damping as given" : "no damping");
 #undef ADD
   lua_pushstring(L, text);
@@ -242,6 +253,8 @@ static const luaL_Reg properties[] = {{"times", drop_times},
                                       {"spin", drop_spin},
                                       {"impacts", drop_impacts},
                                       {"peak", drop_peak},
+                                      {"onto", drop_onto},
+                                      {"obstacle_depth", drop_obstacle_depth},
                                       {"mesh", drop_mesh},
                                       {"modes", drop_modes},
                                       {NULL, NULL}};

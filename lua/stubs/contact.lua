@@ -21,7 +21,7 @@ function rigid_module.plane(options) end
 
 ---Where a rigid plane is.
 ---@class bw.RigidPlaneOptions
----@field point? bw.Vector (m) of the plane. Default: the origin
+---@field point? bw.Vector (m) of the plane. Default: the origin; of a drop, the centre of mass
 ---@field normal bw.Vector (-) towards the part, of any length
 
 ---A rigid sphere. The part is outside of it, or inside.
@@ -35,7 +35,7 @@ function rigid_module.sphere(options) end
 
 ---Where a rigid sphere is.
 ---@class bw.RigidSphereOptions
----@field centre bw.Vector (m) of the sphere
+---@field centre? bw.Vector (m) of the sphere. Default: the origin; of a drop, below the centre of mass
 ---@field radius number (m) above 0
 ---@field inside? boolean the part is inside of it. Default: false
 
@@ -50,7 +50,7 @@ function rigid_module.cylinder(options) end
 
 ---Where a rigid cylinder is.
 ---@class bw.RigidCylinderOptions
----@field point? bw.Vector (m) of the axis. Default: the origin
+---@field point? bw.Vector (m) of the axis. Default: the origin; of a drop, below the centre of mass
 ---@field axis bw.Vector (-) its direction, of any length
 ---@field radius number (m) above 0
 ---@field inside? boolean the part is inside of it. Default: false

@@ -4,7 +4,7 @@
 --
 -- Drop
 --
--- A part that falls on a rigid plane, in time, once or many times at random. Random drops without time, onto a peg, are the drop
+-- A part that falls on a rigid floor, edge or peg, in time, once or many times at random. Random drops without time, onto a peg, are the drop
 -- test.
 
 ---@class bw
@@ -57,7 +57,7 @@ function bw.random_drops(part, options) end
 ---@field durations bw.Array (s, drops × 1, per drop) of the first impact
 ---@field directions bw.Array (-, drops × 3, per drop) unit vector of the fall in the frame of the part
 ---@field energy_error number (-) the largest of all drops, as of `bw.Drop`
----@field furthest_turn number (rad) by which the part turned in a first impact, at most
+---@field furthest_turn number (rad) by which a normal turned in the part in a first impact, at most
 ---@field drops integer (count) of drops
 ---@field solves integer (count) right-hand sides solved for
 ---@field seconds number (s) in all
@@ -111,7 +111,7 @@ function RandomDrops:picture(path, options) end
 ---@field gravity? number (m/s2) along `down`. Range: 0 or more. Default: 9.80665
 ---@field down? bw.Vector (-) where it falls, of any length. Default: {0, 0, -1}
 ---@field spin? bw.Vector (rad/s) angular velocity when it touches. Default: none
----@field onto? bw.RigidSurface a plane, which the part meets along `down` wherever it is. Default: a plane across `down`
+---@field onto? bw.RigidSurface floor (plane), peg (sphere) or edge (cylinder), which the part meets from outside, along `down`. One without a place is below the centre of mass. An edge without a radius has no finite stress. Default: a plane across `down`
 ---@field damping? bw.Damping by a ratio and by stiffness. Default: none
 ---@field modes? bw.Modes elastic modes of the part. All of a mesh are refused: contact needs what they leave. Default: the lowest 40, or half of those of a small mesh
 ---@field impacts? integer (count) that are followed. One is over when no force has acted for a period of the lowest mode. Range: 1 to 10000. Default: 1
@@ -138,6 +138,8 @@ function RandomDrops:picture(path, options) end
 ---@field energy_error number (-) by which the sum of the energies changes at most, over `initial_energy`
 ---@field mass number (kg) of the part
 ---@field speed number (m/s) at the first touch
+---@field onto bw.RigidSurface the obstacle, where the part of the mesh touches it
+---@field obstacle_depth number (m) of a sphere or cylinder between nodes at the first touch, since nodes alone touch; at most a tenth of its radius
 ---@field impacts bw.DropImpact[] in order
 ---@field sample_times bw.Array (s, n) when stresses were taken
 ---@field sample_stresses bw.Array (Pa, n) largest principal stress of an element then, tension or compression; the mean of the element
@@ -158,11 +160,11 @@ local Drop = {}
 ---@class bw.DropImpact
 ---@field time number (s) of the first force
 ---@field duration number (s) from the first force to the last
----@field force number (N) the largest force of the contact
+---@field force number (N) the largest force of the contact, summed over its nodes
 ---@field force_time number (s) when that is
----@field impulse number (N s) of the contact, along the normal of the plane
+---@field impulse number (N s) size of the impulse of the contact
 ---@field area number (m2) the largest area of facets around nodes in contact, seen along the force: known to within one element around the contact
----@field turn number (rad) by which the part turns from the first force to the last
+---@field turn number (rad) by which a normal of the contact turns in the part, at most
 ---@field place number[] (m, 3) of the node that touches first, in the mesh
 ---@field contacts integer (count) of nodes that touch or come near
 

@@ -30,6 +30,24 @@ describe("drop", function()
     assert.near(0, drop.impacts[1].place[1], 1e-12)
   end)
 
+  it("is onto a peg or an edge below the centre of mass, or at a place", function()
+    local part = box()
+    local peg = assert(part:drop {onto = bw.rigid.sphere {radius = 0.05}, samples = 2})
+    assert.equal("sphere", peg.onto.kind)
+    for k, at in ipairs {0.015, 0.01, -0.05} do assert.near(at, peg.onto.point[k], 1e-3) end
+    assert.is_true(peg.obstacle_depth > 0 and peg.obstacle_depth < 0.005)
+    assert.truthy(tostring(peg):find("onto a sphere of radius 50 mm; between nodes it goes", 1, true))
+    local edge = assert(part:drop {onto = bw.rigid.cylinder {point = {0.01, 0, 0}, axis = {0, 1, 0},
+      radius = 0.05}, samples = 2})
+    assert.near(0.01, edge.onto.point[1], 1e-12)
+    assert.is_true(edge.spin[2] > 1) -- it hits beside the centre
+    assert.near(0, edge.velocity[2], 1e-3 * edge.speed)
+    local floor = assert(part:drop {samples = 2})
+    assert.equal(0, floor.obstacle_depth)
+    assert.equal("plane", floor.onto.kind)
+    assert.near(0, floor.onto.point[3], 1e-12)
+  end)
+
   it("takes modes of a former drop and gives the same bits", function()
     local part = box()
     local first = assert(part:drop {down = {-1, -2, -3}})
@@ -61,9 +79,19 @@ describe("drop", function()
     assert.error_matches(function() bare:write "/tmp/x.vtu" end, "no stress")
     assert.error_matches(function() part:drop {height = -1} end, "negative")
     assert.error_matches(function() part:drop {onto = 3} end, "onto")
-    local drop, message = part:drop {onto = bw.rigid.sphere {centre = {0, 0, -1}, radius = 1}}
-    assert.is_nil(drop)
-    assert.truthy(message:find "bw.rigid.plane")
+    local function refused(words, surface, options)
+      options = options or {}
+      options.onto = surface
+      local drop, message = part:drop(options)
+      assert.is_nil(drop)
+      assert.truthy(message:find(words, 1, true), message)
+    end
+    refused("leave out `inside`", bw.rigid.sphere {radius = 1, inside = true})
+    refused("misses the sphere of radius 0.005 m: it falls past at a distance of 0.015 m",
+      bw.rigid.sphere {centre = {0.05, 0.01, 0}, radius = 0.005})
+    refused("make elements smaller", bw.rigid.cylinder {axis = {0, 1, 0}, radius = 0.002})
+    assert.error_matches(function() part:drop {onto = bw.rigid.cylinder {axis = {0, 0, 2}, radius = 1}} end,
+      "across `down`")
     part:fix(part.mesh.boundary:below("x", 0))
     assert.error_matches(function() part:drop() end, "neither supports nor loads")
   end)

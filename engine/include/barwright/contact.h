@@ -23,17 +23,19 @@ typedef struct bw_rigid_surface {
   double direction[3]; /* (-) of length 1: the plane's normal, or the axis; 0 of a sphere */
   double radius;       /* (m) 0 of a plane */
   bool inside;         /* the body is inside of the sphere or cylinder */
+  bool placed;         /* `point` was given; else it is the origin, and in a drop the body's centre
+                          of mass */
 } bw_rigid_surface;
-/* A plane through `point` (m) with a normal of any length towards the body. BW_INVALID for a normal
- * of no length or numbers that are not finite. */
+/* A plane through `point` (m), or NULL, with a normal of any length towards the body. BW_INVALID
+ * for a normal of no length or numbers that are not finite. */
 BW_API bw_status bw_rigid_plane(bw_context *context, const double point[3], const double normal[3],
                                 bw_rigid_surface **surface);
-/* A sphere about `centre` (m) of `radius` (m); `inside`: the body is in it. BW_INVALID for a radius
- * that is not positive or numbers that are not finite. */
+/* A sphere about `centre` (m), or NULL, of `radius` (m); `inside`: the body is in it. BW_INVALID
+ * for a radius that is not positive or numbers that are not finite. */
 BW_API bw_status bw_rigid_sphere(bw_context *context, const double centre[3], double radius,
                                  bool inside, bw_rigid_surface **surface);
-/* A cylinder of `radius` (m) about the axis through `point` (m) along `axis`, of any length;
- * `inside`: the body is in it. BW_INVALID as bw_rigid_plane and bw_rigid_sphere. */
+/* A cylinder of `radius` (m) about the axis through `point` (m), or NULL, along `axis`, of any
+ * length; `inside`: the body is in it. BW_INVALID as bw_rigid_plane and bw_rigid_sphere. */
 BW_API bw_status bw_rigid_cylinder(bw_context *context, const double point[3], const double axis[3],
                                    double radius, bool inside, bw_rigid_surface **surface);
 

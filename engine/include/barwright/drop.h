@@ -17,8 +17,9 @@ typedef struct bw_drop_options {
   double gravity; /* (m/s2) along `down`, 0 or more; default 9.80665 */
   double down[3]; /* (-) where it falls, of any length; default 0 0 -1 */
   double spin[3]; /* (rad/s) angular velocity when it touches; default 0 */
-  const bw_rigid_surface *onto; /* a plane; default NULL: across `down`. The body is moved along
-                                   `down` until it touches */
+  const bw_rigid_surface *onto; /* default NULL: a plane across `down`. It is moved along `down` to
+                                   where the body touches it; one without a place is put below the
+                                   centre of mass. The body is outside of it */
   bw_damping damping;           /* ratio and stiffness alone; default none */
   const bw_modes *modes; /* elastic modes of the model; default NULL: the lowest 40, or half of
                             those of a small mesh */
@@ -35,12 +36,12 @@ BW_API void bw_drop_options_default(bw_drop_options *options);
 typedef struct bw_drop_impact {
   double time;      /* (s) of the first force */
   double duration;  /* (s) from the first force to the last */
-  double force;     /* (N) the largest force of the contact */
+  double force;     /* (N) the largest force of the contact: the sum over its nodes */
   double peak_time; /* (s) when that is */
-  double impulse;   /* (N s) of the contact, along the obstacle's normal where it is a plane */
+  double impulse;   /* (N s) size of the impulse of the contact */
   double area;      /* (m2) the largest area of facets around nodes in contact, seen along the
                        force */
-  double turn;      /* (rad) by which the body turns from the first force to the last */
+  double turn;      /* (rad) by which a normal of the contact turns in the body, at most */
   double place[3];  /* (m, in the mesh) of the node that touches first */
   int32_t contacts; /* (count) of nodes that touch or come near */
 } bw_drop_impact;
@@ -51,6 +52,8 @@ typedef struct bw_drop {
   bw_object object;
   const bw_model *model;  /* retained */
   bw_modes *modes;        /* retained */
+  bw_rigid_surface *onto; /* retained: the obstacle where the body of the mesh touches it */
+  double depth;           /* (m) of the obstacle between nodes then: nodes alone touch */
   double mass;            /* (kg) */
   double speed;           /* (m/s) when it touches */
   double energy;          /* (J) kinetic energy when it touches */
@@ -85,12 +88,14 @@ typedef struct bw_drop {
 } bw_drop;
 /* Drops a model's body, linear elastic about its motion as a rigid body, without friction. `given`
  * and *system as in bw_modes_of_model: the modes, the equations and their factor serve any number
- * of drops. A warning says when a body turns so far during an impact that the compliance of the
- * contact changes. BW_INVALID for options outside their ranges, a body without density, with
- * supports or loads, or of several parts, and for modes of another model or all that a mesh has;
- * BW_UNSUPPORTED for other surfaces, other damping, bonds and attachments; BW_LIMIT for more than
- * 2000 nodes that touch in one impact or an impact without end, BW_SINGULAR and BW_CONVERGENCE
- * where the forces of contact are not found or the energy is not kept; those of bw_modes_of_model.
+ * of drops. A warning says when the normals turn so far in the body during an impact that the
+ * compliance of the contact changes. BW_INVALID for options outside their ranges, a body without
+ * density, with supports or loads, or of several parts, and for modes of another model or all that
+ * a mesh has; BW_UNSUPPORTED for a surface that the body is inside of, other damping, bonds and
+ * attachments; BW_GEOMETRY for a body that misses the obstacle; BW_LIMIT for an obstacle that goes
+ * deeper between nodes than a tenth of its radius, more than 2000 nodes that touch in one impact or
+ * an impact without end, BW_SINGULAR and BW_CONVERGENCE where the forces of contact are not found
+ * or the energy is not kept; those of bw_modes_of_model.
  */
 BW_API bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system *given,
                                   const bw_drop_options *options, bw_system **system,

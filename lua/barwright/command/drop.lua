@@ -189,7 +189,7 @@ local function run_one(opts, given, out)
     shown.percent(found.motion), texts.motion)
   say("The balance of energy is kept to %.1e of the energy at the first touch.", drop.energy_error)
   if impact.turn > 0.1 then
-    say("The part turns by %s degrees in the impact: more than the contact allows for.",
+    say("A normal of the contact turns by %s degrees in the part: more than the contact allows for.",
       shown.number(math.deg(impact.turn)))
   end
   state_assumptions(opts, "the stress between samples", say)
