@@ -46,7 +46,19 @@ end
 local lying = assert(loose:contact(pegs))
 print(lying)
 assert(math.abs(lying.pairs[1].force[3] - 15) < 0.1)
+
+-- A shelf of two boards that are glued end to end, in anybody's hands: where does it break first? No pressure acts
+-- on the glued faces. The glue itself is not judged.
+local whole = bw.mesh.box {max = {L, b, h}, cells = {24, 6, 2}, order = 2}
+local boards = assert(whole:split({max = {L / 2, b, h}}, "left")):separated "left"
+local glued = bw.model {mesh = boards, material = bw.material.pla}
+local seam = boards.boundary:plane({L / 2, 0, 0}, {1, 0, 0}, 1e-9)
+glued:bond {a = seam & boards.boundary:region "left", b = seam & boards.boundary:region "rest"}
+local worst = assert(bw.worst_case(glued, {force = 60, contact = 4e-4}))
+print(worst)
+assert(worst.system.rigid_mode_count == 6) -- of both boards together: what presses is in balance
 if folder then
+  assert(worst:picture(folder .. "/glued.png"))
   assert(contact:picture(folder .. "/contact.png"))
   assert(contact:write(folder .. "/contact.vtu"))
 end

@@ -85,7 +85,7 @@ static bw_status order_columns(bw_context *context, bwi_load_program *program,
       bwi_segment *segment = &program->lp.segment[program->lp.segment_count++];
       *segment = (bwi_segment){at - size, at, 0, 0};
       for (int32_t k = 0; k < program->body_count; k++)
-        if (program->body[k].component == body) {
+        if (bwi_moves(program->body[k].component, body)) {
           segment->row = program->body[k].row;
           segment->rows = program->body[k].rows;
         }
@@ -135,7 +135,7 @@ void bwi_column_motions(const bw_pressure_basis *basis, const bw_dof_map *dof_ma
     const bw_rigid_mode *motion = &dof_map->rigid_mode[m];
     for (size_t j = 0; j < n; j++) {
       double sum = 0;
-      if (basis->mesh->component[basis->node[j]] == motion->component)
+      if (bwi_moves(motion->component, basis->mesh->component[basis->node[j]]))
         for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++) {
           double u[3];
           bwi_motion_at(motion, basis->mesh->node + 3 * (size_t)basis->row[k], u);
@@ -153,7 +153,7 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof
   double natural[BWI_LOCAL_ROWS] = {0}, gram[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS] = {{0}};
   double vector[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS], square[BWI_LOCAL_ROWS] = {0}, area = 0;
   for (int32_t j = 0; j < basis->count; j++) {
-    if (basis->mesh->component[basis->node[j]] != body->component)
+    if (!bwi_moves(body->component, basis->mesh->component[basis->node[j]]))
       continue;
     for (int m = 0; m < n; m++) {
       double u[3];
@@ -167,7 +167,7 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof
     natural[m] = fmax(natural[m], smallest_motion);
   for (int32_t j = 0; j < basis->count; j++) {
     double raw[BWI_LOCAL_ROWS];
-    if (basis->mesh->component[basis->node[j]] != body->component)
+    if (!bwi_moves(body->component, basis->mesh->component[basis->node[j]]))
       continue;
     raw_rows(basis, dof_map, body, j, raw);
     area += basis->area[j];
@@ -180,7 +180,7 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof
    * is that of the combination itself. */
   for (int32_t j = 0; j < basis->count; j++) {
     double raw[BWI_LOCAL_ROWS];
-    if (basis->mesh->component[basis->node[j]] != body->component)
+    if (!bwi_moves(body->component, basis->mesh->component[basis->node[j]]))
       continue;
     raw_rows(basis, dof_map, body, j, raw);
     for (int i = 0; i < n; i++) {

@@ -13,8 +13,13 @@
 #include "barwright/analysis.h"
 #include "lp/solver.h"
 
-/* Balance rows of one body: kept scaled rows = transform (rows x motions) times raw rows, a raw row
- * being <motion, G e_j> / A_j. */
+/* Whether a rigid-body mode of `component`, or of all bodies (-1), moves a body. */
+static inline bool bwi_moves(int32_t component, int32_t body) {
+  return component < 0 || component == body;
+}
+
+/* Balance rows of one body, or of all that are joined: kept scaled rows = transform (rows x
+ * motions) times raw rows, a raw row being <motion, G e_j> / A_j. */
 typedef struct bwi_balance {
   int32_t component, motions, row, rows;
   int32_t motion[BWI_LOCAL_ROWS];

@@ -12,6 +12,8 @@
  * reproduce rigid-body motions, a uniform pressure over a closed boundary has no resultant and no
  * moment.
  *
+ * Facets that are cuts have no pressure, and are left out of the columns of their nodes.
+ *
  * Nodes of forbidden facets, or their cells, have no column: the pressures that are left are those
  * of the whole boundary that are zero there, so that forbidding more never admits another load. */
 #include "analysis/pressure.h"
@@ -118,9 +120,19 @@ static void divide_facets(const bw_mesh *mesh, double spacing, uint8_t *parts) {
   }
 }
 
+/* Facets without a pressure. */
+static void close_facets(const bw_selection *on, bw_pressure_basis *basis) {
+  for (int32_t k = 0; on && k < on->facet_count; k++) {
+    int64_t f = on->facet[k];
+    for (int64_t i = basis->facet_start[f]; i < basis->facet_start[f + 1]; i++)
+      basis->facet_column[i] = -1;
+  }
+}
+
 /* Corner nodes that may be pressed, ascending: their columns into facet_column. */
-static bw_status number_nodes(bw_context *context, const bw_selection *forbidden,
+static bw_status number_nodes(bw_context *context, const bw_pressure_options *options,
                               bw_pressure_basis *basis) {
+  const bw_selection *forbidden = options->forbidden, *cuts = options->cuts;
   bw_status status = BW_OK;
   const bw_mesh *mesh = basis->mesh;
   size_t nodes = (size_t)mesh->nodes_per_facet, count = 0;
@@ -129,6 +141,9 @@ static bw_status number_nodes(bw_context *context, const bw_selection *forbidden
   for (size_t f = 0; f < (size_t)mesh->facet_count; f++)
     for (size_t i = 0; i < 3; i++)
       facets[mesh->facet[f * nodes + i]]++;
+  for (int32_t k = 0; cuts && k < cuts->facet_count; k++)
+    for (size_t i = 0; i < 3; i++)
+      facets[mesh->facet[(size_t)cuts->facet[k] * nodes + i]]--;
   for (int32_t k = 0; forbidden && k < forbidden->node_count; k++)
     facets[forbidden->node[k]] = 0;
   for (int32_t i = 0; i < mesh->node_count; i++)
@@ -150,23 +165,21 @@ static bw_status number_nodes(bw_context *context, const bw_selection *forbidden
   for (size_t f = 0; f < (size_t)mesh->facet_count; f++)
     for (size_t i = 0; i < 3; i++)
       basis->facet_column[3 * f + i] = facets[mesh->facet[f * nodes + i]];
+  close_facets(cuts, basis);
 done:
   bw_free(facets);
   return status;
 }
 
 /* Cells of the facets that may be pressed, facet after facet. */
-static bw_status number_cells(bw_context *context, const bw_selection *forbidden,
+static bw_status number_cells(bw_context *context, const bw_pressure_options *options,
                               const bwi_pressure_rules *rules, bw_pressure_basis *basis) {
   const bw_mesh *mesh = basis->mesh;
   size_t nodes = (size_t)mesh->nodes_per_facet;
   int64_t count = basis->facet_start[mesh->facet_count];
   memset(basis->facet_column, 0, (size_t)count * sizeof *basis->facet_column);
-  for (int32_t k = 0; forbidden && k < forbidden->facet_count; k++) {
-    int64_t f = forbidden->facet[k];
-    for (int64_t i = basis->facet_start[f]; i < basis->facet_start[f + 1]; i++)
-      basis->facet_column[i] = -1;
-  }
+  close_facets(options->forbidden, basis);
+  close_facets(options->cuts, basis);
   basis->node = BW_NEW(context, int32_t, count);
   basis->start = BW_NEW(context, int64_t, (size_t)count + 1);
   if (!basis->node || !basis->start)
@@ -210,13 +223,16 @@ static bw_status number_columns(bw_context *context, const bw_pressure_options *
   basis->facet_column = BW_NEW(context, int32_t, pressures);
   if (!basis->facet_column)
     return BW_MEMORY;
-  return options->spacing > 0 ? number_cells(context, options->forbidden, rules, basis)
-                              : number_nodes(context, options->forbidden, basis);
+  return options->spacing > 0 ? number_cells(context, options, rules, basis)
+                              : number_nodes(context, options, basis);
 }
 
 static bw_status check_options(bw_context *context, const bw_mesh *mesh,
                                const bw_pressure_options *options) {
   const bw_selection *forbidden = options->forbidden;
+  if (options->cuts && options->cuts->mesh != mesh)
+    return bw_fail(context, BW_INVALID,
+                   "the cuts are selected on another mesh than the one to be pressed");
   if (forbidden && forbidden->mesh != mesh)
     return bw_fail(context, BW_INVALID,
                    "the forbidden surface is selected on another mesh than the one to be pressed");
@@ -256,14 +272,14 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
     status = bwi_pressure_basis_empty(context, mesh, &basis);
   if (status != BW_OK)
     return status;
-  basis->complete = !options->forbidden;
+  basis->complete = !options->forbidden && !options->cuts;
   basis->directions = 1;
   BW_TRY(number_columns(context, options, &rules, basis));
   int32_t count = basis->count;
   if (count == 0)
-    BW_TRY(bw_fail(context, BW_EMPTY,
-                   "the forbidden surface is the whole boundary: no admissible surface is left for "
-                   "pressures"));
+    BW_TRY(bw_fail(
+        context, BW_EMPTY, "the %s whole boundary: no admissible surface is left for pressures",
+        options->cuts ? "forbidden surface and cuts are the" : "forbidden surface is the"));
   basis->at = BW_NEW0(context, double, 3 * (size_t)count);
   basis->area = BW_NEW0(context, double, count);
   basis->row = BW_NEW(context, int32_t, basis->start[count]);

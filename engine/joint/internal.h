@@ -119,6 +119,8 @@ bw_status bwi_joined_operator(bw_context *context, const bwi_joined_equations *q
 /* The lowest eigenpairs of K and M: those of the rigid-body modes and options->count more. */
 bw_status bwi_joined_pairs(bw_context *context, const bw_modes_options *options, int rigid_count,
                            const bw_operator *k, const bw_operator *m, bw_eigenpairs **pairs);
+/* BW_SINGULAR for a residual that is negative where the elimination failed, or too large. */
+bw_status bwi_joined_check_residual(bw_context *context, double residual);
 /* BW_UNCONSTRAINED, with what moves. */
 bw_status bwi_joined_fail_free(bw_context *context, const bwi_joined_equations *q);
 

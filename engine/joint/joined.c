@@ -168,9 +168,10 @@ static bw_status sum_attachments(bw_context *context, const double gravity[3], b
 /* A residual above this is refused: the error of the displacement is about a fifth of it. */
 static const double max_residual = 1e-3;
 
-/* The residual is negative where the elimination failed. */
-static bw_status fail_singular(bw_context *context, double residual) {
+bw_status bwi_joined_check_residual(bw_context *context, double residual) {
   char found[80] = "the elimination fails";
+  if (residual >= 0 && residual <= max_residual)
+    return BW_OK;
   if (residual >= 0)
     snprintf(found, sizeof found, "the residual is %.2g of the load", residual);
   bw_fail(context, BW_SINGULAR,
@@ -209,15 +210,14 @@ static bw_status solve(bw_context *context, const bwi_joined_equations *q, const
     status = bw_linear_solve(context, q->k, &(bw_linear_solve_options){.solver = solver}, 1, b, x,
                              &result->report);
   if (status == BW_SINGULAR)
-    status = fail_singular(context, -1);
+    status = bwi_joined_check_residual(context, -1);
   BW_TRY(status);
   BW_TRY(bw_sparse_matrix_apply(context, q->k->matrix, 1, x, kx));
   double square = 0, whole = bwi_dot(unknowns, b, b);
   for (int64_t i = 0; i < unknowns; i++)
     square += (b[i] - kx[i]) * (b[i] - kx[i]);
   result->residual = whole > 0 ? sqrt(square / whole) : 0;
-  if (result->residual > max_residual)
-    BW_TRY(fail_singular(context, result->residual));
+  BW_TRY(bwi_joined_check_residual(context, result->residual));
   BW_TRY(bw_sparse_matrix_apply(context, r->t, 1, x, result->displacement));
   for (int64_t i = 0; i < size; i++)
     result->displacement[i] += r->g[i];

@@ -348,6 +348,11 @@ void bwi_system_report(bw_system *system, bwi_way way, const bw_solver *solver, 
 bw_status bwi_system_precondition(bw_context *context, bw_system *system, const bw_solver *solver,
                                   bwi_symbolic *old, double available);
 
+/* A system that an operator of 3 node_count rows solves, which it retains. */
+bw_status bwi_system_by_operator(bw_context *context, const bw_model *model,
+                                 const bw_dof_map *dof_map, const bw_operator *solution,
+                                 bw_system **out);
+
 /* The equations of a model at the external solver: no pattern, no stiffness. */
 bw_status bwi_system_begin_external(bw_context *context, const bw_model *model,
                                     const bw_dof_map *dof_map, const bw_solver *solver,
@@ -394,7 +399,8 @@ bool bwi_system_reusable(const bw_system *system, const bw_mesh *mesh);
  * (NULL: any). */
 bool bwi_external_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map,
                          const bw_solver *solver);
-/* BW_UNSUPPORTED for equations at the external solver, which this process does not have. */
+/* BW_UNSUPPORTED for equations at the external solver, which this process does not have, and for
+ * those of a joined model, which an operator solves. */
 bw_status bwi_need_equations(bw_context *context, const bw_system *system);
 /* The same elements on the same nodes. */
 bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b);

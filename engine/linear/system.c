@@ -28,6 +28,7 @@ static void system_destroy(void *object) {
   bw_release(system->preconditioner);
   bw_release(system->solver);
   bw_release(system->external);
+  bw_release(system->solution);
   bwi_system_forget(system);
   if (!system->shared) {
     bw_free(system->stiffness);
@@ -220,6 +221,18 @@ done:
   else
     bw_release(system);
   return status;
+}
+
+bw_status bwi_system_by_operator(bw_context *context, const bw_model *model,
+                                 const bw_dof_map *dof_map, const bw_operator *solution,
+                                 bw_system **out) {
+  bw_system *system = BW_NEW0(context, bw_system, 1);
+  if (!system)
+    return BW_MEMORY;
+  begin(system, model->mesh, model->material, dof_map);
+  system->solution = bw_retain(solution);
+  *out = system;
+  return BW_OK;
 }
 
 bw_status bwi_system_mass(bw_context *context, bw_system *system) {
@@ -430,7 +443,7 @@ static bool same_equations(const bw_system *system, const bw_model *model,
 }
 
 bool bwi_system_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map) {
-  return !system->external && same_equations(system, model, dof_map);
+  return !system->external && !system->solution && same_equations(system, model, dof_map);
 }
 
 bool bwi_external_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map,
@@ -473,10 +486,14 @@ bw_status bwi_system_following(bw_context *context, bw_system *given, const bw_d
 }
 
 bool bwi_system_reusable(const bw_system *system, const bw_mesh *mesh) {
-  return system && !system->external && bwi_same_topology(system->mesh, mesh);
+  return system && !system->external && !system->solution && bwi_same_topology(system->mesh, mesh);
 }
 
 bw_status bwi_need_equations(bw_context *context, const bw_system *system) {
+  if (system->solution)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "the equations are those of a joined model: they solve for forces, but have no "
+                   "matrices and modes of their own; ask the model for its modes");
   return system->external ? bw_fail(context, BW_UNSUPPORTED,
                                     "the equations are spread over several processes by the "
                                     "backend \"petsc\", and this one does not have them: take "
@@ -517,6 +534,8 @@ bw_status bwi_steady_fields(bw_context *context, const bw_dof_map *dof_map, int6
 bw_status bwi_need_factor(bw_context *context, const bw_system *system) {
   if (system->factor)
     return BW_OK;
+  if (system->solution)
+    return bwi_need_equations(context, system);
   if (system->two_level || system->preconditioner)
     return bw_fail(context, BW_INVALID,
                    "the system was created for PCG and has no factor: factorise it first "

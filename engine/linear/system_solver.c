@@ -435,12 +435,31 @@ done:
   return status;
 }
 
+/* By an operator, of which both sides are blocks of their own. */
+static bw_status solve_by_operator(bw_context *context, const bw_system *system, int64_t count,
+                                   const double *force, double *displacement) {
+  bw_status status = BW_OK;
+  int64_t size = count * system->solution->size;
+  double *copy = NULL;
+  if (force == displacement) {
+    copy = BW_NEW(context, double, size);
+    BW_TRY_MEMORY(copy);
+    memcpy(copy, force, (size_t)size * sizeof *copy);
+    force = copy;
+  }
+  BW_TRY(bw_operator_apply(context, system->solution, count, force, displacement));
+done:
+  bw_free(copy);
+  return status;
+}
+
 bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
                           const double *force, double *displacement) {
   double start = bw_seconds();
-  bw_status status = system->iterative
-                         ? solve_iterative(context, system, count, force, displacement)
-                         : solve_whole(context, system, count, force, displacement);
+  bw_status status =
+      system->solution    ? solve_by_operator(context, system, count, force, displacement)
+      : system->iterative ? solve_iterative(context, system, count, force, displacement)
+                          : solve_whole(context, system, count, force, displacement);
   if (system->external && status == BW_OK) {
     bwi_external_update(context, system->external);
     bwi_external_fill_report(system->external, &system->report);

@@ -13,6 +13,8 @@
 static const double share = 0.2;
 /* A node's integral below this part of its facets' own is none: they are hardly covered. */
 static const double least_cover = 1e-4;
+/* A facet is covered where more than this part of it is. */
+static const double most_cover = 0.5;
 /* Of a facet's area: less than the integral of each of its functions. */
 static const double least_integral = 0.1;
 /* Coefficients below this are rounding. */
@@ -36,6 +38,7 @@ typedef struct bonding {
   const bw_selection *a;
   bwi_overlaps overlaps;
   side_facet facet;
+  double *cover; /* (m2) of each facet of the mesh */
 } bonding;
 
 static const int32_t *nodes_of(const bw_mesh *mesh, int32_t facet) {
@@ -85,6 +88,7 @@ static bw_status add_point(void *data, const bwi_overlap_point *point) {
     for (int j = 0; j < n; j++)
       s->product[n * i + j] += w * own[i] * own[j];
   }
+  d->cover[point->facet] += w;
   for (int m = 0; m < n; m++) {
     struct master *to;
     BW_TRY(find_master(d, nodes_of(d->mesh, point->facet)[m], &to));
@@ -201,6 +205,7 @@ static bw_status find_coefficients(bonding *d, bw_bond *bond) {
     BW_TRY(bwi_overlaps_of(&d->overlaps, facet, add_point, d));
     BW_TRY(close_facet(d, facet, place, whole, own, &sums, &covered));
     bond->area += covered;
+    d->cover[facet] += covered;
     if (covered == 0)
       continue;
     const int32_t *node = nodes_of(mesh, facet);
@@ -238,18 +243,55 @@ done:
   return status;
 }
 
+static double plane_area(const bw_mesh *mesh, int32_t facet) {
+  const int32_t *node = nodes_of(mesh, facet);
+  double u[3], v[3], across[3];
+  for (int k = 0; k < 3; k++) {
+    u[k] = mesh->node[3 * (int64_t)node[1] + k] - mesh->node[3 * (int64_t)node[0] + k];
+    v[k] = mesh->node[3 * (int64_t)node[2] + k] - mesh->node[3 * (int64_t)node[0] + k];
+  }
+  bw_cross(u, v, across);
+  return bw_norm(across) / 2;
+}
+
+/* The facets of both sides that are covered. */
+static bw_status find_covered(const bonding *d, bw_bond *bond) {
+  bw_status status = BW_OK;
+  const bw_selection *side[2] = {d->a, d->b};
+  bw_selection *covered = NULL;
+  bool any = false;
+  uint8_t *mask = BW_NEW0(d->context, uint8_t, d->mesh->facet_count);
+  BW_TRY_MEMORY(mask);
+  for (int s = 0; s < 2; s++)
+    for (int32_t f = 0; f < side[s]->facet_count; f++) {
+      int32_t facet = side[s]->facet[f];
+      mask[facet] = d->cover[facet] > most_cover * plane_area(d->mesh, facet);
+      any |= mask[facet];
+    }
+  if (any)
+    BW_TRY(bw_select_mask(d->context, d->mesh, mask, NULL, &covered));
+  bond->covered = covered;
+done:
+  bw_free(mask);
+  return status;
+}
+
 bw_status bwi_bond_make(bw_context *context, const bw_selection *a, const bw_selection *b,
                         double gap, bw_bond *bond) {
   bw_status status = BW_OK;
   bonding d = {.context = context, .mesh = a->mesh, .a = a};
   *bond = (bw_bond){.a = a, .b = b, .asked_gap = gap};
   BW_TRY(bwi_overlaps_open(context, a, b, gap, "the bond: a bond joins", &d.overlaps));
+  d.cover = BW_NEW0(context, double, d.mesh->facet_count);
+  BW_TRY_MEMORY(d.cover);
   BW_TRY(find_coefficients(&d, bond));
+  BW_TRY(find_covered(&d, bond));
   bond->gap = d.overlaps.largest;
   bond->a = bw_retain(a);
   bond->b = bw_retain(b);
 done:
   bwi_overlaps_clear(&d.overlaps);
+  bw_free(d.cover);
   bw_free(d.facet.master);
   if (status != BW_OK) {
     bw_free(bond->node);
@@ -261,6 +303,7 @@ done:
 void bwi_bond_clear(bw_bond *bond) {
   bw_release(bond->a);
   bw_release(bond->b);
+  bw_release(bond->covered);
   bw_release(bond->follows);
   bw_free(bond->node);
 }

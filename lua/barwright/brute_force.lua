@@ -54,11 +54,11 @@ function brute_force.analyse(part, given)
   local opts = options.read("brute_force", given, rules)
   local mesh = part.mesh
   local self = setmetatable({options = opts, mesh = mesh, reports = {}}, brute_force)
-  local basis, message, details = load_limits.basis("brute_force", mesh, opts)
+  local basis, message, details = load_limits.basis("brute_force", part, opts)
   if not basis then return nil, message, details end
   local start = core.seconds()
   local system
-  system, message, details = part:system()
+  system, message, details = load_limits.system(part)
   if not system then return nil, message, details end
   local chosen
   if opts.elements and opts.elements < mesh.element_count then

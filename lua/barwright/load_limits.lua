@@ -59,9 +59,15 @@ local function spacing_of(opts)
   return opts.length and SPACING * math.sqrt(opts.force / opts.pressure) or 0
 end
 
---- The basis of the pressures that may act on a mesh; sets the largest pressure of `opts`. Returns nil,
---- message, details where no surface is left.
-function load_limits.basis(where, mesh, opts)
+local function basis_of(opts, mesh, friction, facets)
+  return core.pressure_basis(mesh, {forbidden = opts.forbidden, cuts = opts.cuts, spacing = spacing_of(opts),
+    friction = friction, friction_facets = facets})
+end
+
+--- The basis of the pressures that may act on a part; sets the largest pressure of `opts`, and `cuts`, which take
+--- no pressure. Returns nil, message, details where no surface is left.
+function load_limits.basis(where, part, opts)
+  local mesh = part.mesh
   if opts.pressure and opts.contact then
     raise(("%s: one of the options 'pressure' and 'contact' expected, got both"):format(where))
   end
@@ -71,14 +77,25 @@ function load_limits.basis(where, mesh, opts)
   end
   opts.hand = opts.hands and (opts.hand or opts.force / opts.pressure)
   opts.forbidden = opts.forbidden and selection_of(where, opts.forbidden, mesh)
-  return core.pressure_basis(mesh, {forbidden = opts.forbidden, spacing = spacing_of(opts),
-    friction = opts.friction, friction_facets = opts.friction_facets})
+  opts.cuts = core.cuts(part)
+  return basis_of(opts, mesh, opts.friction, opts.friction_facets)
 end
 
 --- The same without friction, for the screening.
 function load_limits.without_friction(mesh, opts, basis)
   if basis.directions == 1 then return basis end
-  return core.pressure_basis(mesh, {forbidden = opts.forbidden, spacing = spacing_of(opts)})
+  return basis_of(opts, mesh)
+end
+
+--- Whether bonds, attachments or couplings join a part, or it is a sector.
+function load_limits.is_joined(part)
+  return #part.bonds + #part.attachments + #part.couplings > 0 or part.cyclic_symmetry ~= nil
+end
+
+--- The equations of a part, ready for many right-hand sides.
+function load_limits.system(part, solver)
+  if load_limits.is_joined(part) then return core.joined_system(part, {solver = solver}) end
+  return part:system {solver = solver}
 end
 
 --- By how much the pyramid in Coulomb's cone may be narrower than the cone, as a fraction.
@@ -88,8 +105,10 @@ end
 
 --- What of the admissible loads belongs into a sentence about the answer; "" for pressure alone.
 function load_limits.describe(opts)
-  local hands = opts.hands and ("; %d hand%s of %s"):format(opts.hands, opts.hands == 1 and "" or "s",
-    core.quantity(opts.hand, "m2")) or ""
+  local cuts = opts.cuts and ("; no pressure on %s of bonds and planes of symmetry"):format(
+    core.quantity(opts.cuts.area, "m2")) or ""
+  local hands = cuts .. (opts.hands and ("; %d hand%s of %s"):format(opts.hands, opts.hands == 1 and "" or "s",
+    core.quantity(opts.hand, "m2")) or "")
   if opts.friction == 0 then return hands end
   return ("%s; friction %s, the cone by %d facets (%s narrower at most)"):format(hands,
     shown.number(opts.friction), opts.friction_facets, shown.error(load_limits.friction_error(opts)))

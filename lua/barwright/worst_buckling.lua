@@ -193,7 +193,7 @@ function worst_buckling.analyse(part, given)
     analyses = 0}, worst_buckling)
   local message, details
   opts.by_facet = true -- so that a face can be pressed up to its edge, and not beyond it
-  self.basis, message, details = load_limits.basis("worst_buckling", part.mesh, opts)
+  self.basis, message, details = load_limits.basis("worst_buckling", part, opts)
   if not self.basis then return nil, message, details end
   self.limits = load_limits.linear_program(opts)
   self.friction_error = load_limits.friction_error(opts)

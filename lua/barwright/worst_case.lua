@@ -106,7 +106,8 @@ end
 local function system_of(part, opts)
   local name = opts.eigensolver and opts.eigensolver.name
   local inverse = name == "lanczos" or name == "arpack"
-  local system, message, details = part:system {solver = opts.solver or inverse and core.solver.cholesky() or nil}
+  local system, message, details = load_limits.system(part,
+    opts.solver or inverse and core.solver.cholesky() or nil)
   if not system then return nil, message, details end
   if inverse and system.report.solver == "pcg" then
     raise(("worst_case: eigensolver '%s' needs a factor, which the solver pcg does without"):format(name))
@@ -169,6 +170,17 @@ local function search_patches(self, opts, loads)
   return self
 end
 
+-- What a joined part has no answer to.
+local function check_joined(part, opts)
+  if not load_limits.is_joined(part) then return end
+  for _, name in ipairs {"certificate", "length", "laplacian"} do
+    if opts[name] then
+      raise(("worst_case: option '%s' is for parts without bonds, attachments and couplings: leave it out"):format(
+        name))
+    end
+  end
+end
+
 local function are_places(given)
   if not options.countable(given) or #given == 0 then return false end
   for _, place in ipairs(given) do
@@ -198,6 +210,7 @@ function worst_case.analyse(part, given, view)
     ok, message, details = writable(opts.certificate)
     if not ok then return nil, message, details end
   end
+  check_joined(part, opts)
   if opts.length and (opts.method or opts.certify or opts.target == "displacement") then
     raise "worst_case: option 'length' has its own search: leave out 'method', 'certify' and 'target'"
   end
@@ -219,8 +232,11 @@ function worst_case.analyse(part, given, view)
   local mesh, material = part.mesh, part.material
   local self = setmetatable({options = opts, mesh = mesh, material = material, reports = {}}, worst_case)
   local basis
-  basis, message, details = load_limits.basis("worst_case", mesh, opts)
+  basis, message, details = load_limits.basis("worst_case", part, opts)
   if not basis then return nil, message, details end
+  if opts.certificate and opts.cuts then
+    raise "worst_case: option 'certificate' is for parts without planes of symmetry: a certificate has no cuts"
+  end
   self.basis = basis
   local clock = core.seconds
   local seconds = {}

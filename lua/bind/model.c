@@ -910,10 +910,41 @@ static int core_refuse_joints(lua_State *L) {
   return lbw_leave(L, bw_model_refuse_joints(lbw_enter(L), model), 1);
 }
 
+/* joined_system(model, {solver}): the equations of a joined model for many loads */
+static int core_joined_system(lua_State *L) {
+  static const lbw_option list[] = {{"solver", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  const bw_model *model = self(L);
+  lua_settop(L, 2);
+  lbw_options(L, 2, "joined_system", list, NULL);
+  const bw_solver *solver = lbw_solver_option(L, 2, "joined_system");
+  lbw_box *box = lbw_box_new(L, &lbw_system_class);
+  bw_system *system = NULL;
+  bw_status status = bw_joined_system(lbw_enter(L), model, solver, &system);
+  return lbw_leave_object(L, box, system, status);
+}
+
+/* cuts(model): what of its boundary is no surface, since a plane of symmetry or a bond covers it;
+ * or nil */
+static int core_cuts(lua_State *L) {
+  const bw_model *model = self(L);
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *cuts = NULL;
+  bw_status status = bw_model_cuts(lbw_enter(L), model, &cuts);
+  if (status == BW_OK && !cuts) {
+    lua_pushnil(L);
+    return lbw_leave(L, status, 1);
+  }
+  return lbw_leave_object(L, box, cuts, status);
+}
+
 void lbw_open_model(lua_State *L) {
   lbw_class_register(L, &lbw_model_class);
   lua_pushcfunction(L, model_new);
   lua_setfield(L, -2, "model");
   lua_pushcfunction(L, core_refuse_joints);
   lua_setfield(L, -2, "refuse_joints");
+  lua_pushcfunction(L, core_joined_system);
+  lua_setfield(L, -2, "joined_system");
+  lua_pushcfunction(L, core_cuts);
+  lua_setfield(L, -2, "cuts");
 }

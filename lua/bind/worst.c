@@ -184,6 +184,7 @@ static const bw_pressure_basis *basis_self(lua_State *L) {
 static int pressure_basis(lua_State *L) {
   static const lbw_option list[] = {
       {"forbidden", LBW_OTHER, 0},
+      {"cuts", LBW_OTHER, 0},
       {"spacing", LBW_REAL, offsetof(bw_pressure_options, spacing)},
       {"friction", LBW_REAL, offsetof(bw_pressure_options, friction)},
       {"friction_facets", LBW_INT, offsetof(bw_pressure_options, friction_facets)},
@@ -192,12 +193,16 @@ static int pressure_basis(lua_State *L) {
   bw_pressure_options options = {.friction_facets = 8};
   lua_settop(L, 2);
   lbw_options(L, 2, "pressure_basis", list, &options);
-  if (lbw_option_get(L, 2, "forbidden") != LUA_TNIL) {
-    options.forbidden = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
-    if (!options.forbidden)
-      return lbw_option_refused(L, "pressure_basis", "forbidden", "a selection");
-    lbw_argument_check(L, options.forbidden->mesh == mesh, 2,
-                       "forbidden: a selection on the same mesh expected");
+  static const char *const name[] = {"forbidden", "cuts"};
+  const bw_selection **on[] = {&options.forbidden, &options.cuts};
+  for (int i = 0; i < 2; i++) {
+    if (lbw_option_get(L, 2, name[i]) == LUA_TNIL)
+      continue;
+    *on[i] = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
+    if (!*on[i])
+      return lbw_option_refused(L, "pressure_basis", name[i], "a selection");
+    lbw_argument_check(L, (*on[i])->mesh == mesh, 2,
+                       lua_pushfstring(L, "%s: a selection on the same mesh expected", name[i]));
   }
   lbw_box *box = lbw_box_new(L, &lbw_pressure_basis_class);
   bw_pressure_basis *basis = NULL;

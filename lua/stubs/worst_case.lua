@@ -14,9 +14,13 @@ local bw = {}
 ---is a lower bound of the largest one; `certify` adds an upper bound. A part with supports is constrained by them; its own loads do not
 ---count. Loads on a part without supports are in balance.
 ---
+---Bodies that bonds, couplings and attachments join are one part: its modes, and six rigid-body modes in all. No pressure acts on
+---what a bond covers or on a plane of symmetry.
+---
 ---Errors: infeasible (no load within the limits is in balance; `details.largest_force`, in N), unsupported (a support prescribes a
----displacement that is not zero; a certificate of a material whose axes differ from element to element; Laplacian modes with the
----target displacement), singular, convergence (as of `model:modes`, or a linear program found no optimum), io (the certificate
+---displacement that is not zero, or a bond has a preload; a sector of cyclic symmetry; a certificate of a material whose axes differ from element to element; Laplacian modes with the
+---target displacement), unconstrained (joined bodies move against one another), geometry (a bond closes a gap of bodies that move
+---freely), singular, convergence (as of `model:modes`, or a linear program found no optimum), io (the certificate
 ---cannot be written). Options that contradict each other, and a surface without a facet to press on, raise.
 ---
 ---Source: Q. Zhou, J. Panetta and D. Zorin, Worst-Case Structural Analysis, ACM Trans. Graph. 32 (2013), and a search beside its

@@ -66,6 +66,7 @@ function bw.pressure_basis(mesh, options) end
 ---Where and how pressure acts.
 ---@class bw.PressureBasisOptions
 ---@field forbidden? bw.Selection facets without pressure; that at corner nodes falls to zero around them. Default: none
+---@field cuts? bw.Selection facets that are no surface, such as what a bond covers: without pressure, and that at nodes around them acts on the other facets there. Default: none
 ---@field spacing? number (m) longest edge of cells, not below a sixteenth of the facet's. Default: 0, pressures at nodes
 ---@field friction? number (-) Coulomb's coefficient of friction. Range: 0 to 100. Default: 0
 ---@field friction_facets? integer (count) columns of each pressure with friction. Range: 3 to 64. Default: 8

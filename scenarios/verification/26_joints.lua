@@ -1,10 +1,11 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Remote points and a preload beside closed forms of bars, at rest and shaken.
+-- Remote points and a preload beside closed forms of bars, at rest and shaken; the worst case of bonded halves
+-- beside the whole.
 local bw = require "barwright"
 
 local scenario, expect = bw.scenario, bw.scenario.expect
 
-scenario.about {title = "Remote points and preload",
+scenario.about {title = "Remote points, preload and bonds",
   text = [[Bars of tetrahedra with ten nodes and a Poisson's ratio of 0 beside closed forms
 ([theory](theory/joints.md)).]]}
 
@@ -106,3 +107,26 @@ scenario("Mass at the end of a rod: harmonic response and Miles", function(t)
   expect(random.couplings[1].displacement[1], "root mean square of the mass against its base", "m")
     :near(math.sqrt(1 / (8 * ratio * omega ^ 3)), {relative = 2e-4, source = "Miles, J. Aeronaut. Sci. 21 (1954)"})
 end)
+
+-- The worst case of a body that was cut across and bonded is that of the whole body, where no pressure acts at
+-- the rim of the cut.
+for _, held in ipairs {true, false} do
+  scenario("Worst case of a bar cut in two, " .. (held and "held" or "free"), function(t)
+    local L = 0.1
+    local whole = bw.mesh.box {max = {L, 0.02, 0.015}, cells = {8, 2, 2}, order = 2}
+    local function largest(mesh, bonded)
+      local part = bw.model {mesh = mesh, material = bw.material.steel}
+      local boundary = mesh.boundary
+      if held then part:fix(boundary:below("x", 0)) end
+      if bonded then
+        local cut = boundary:plane({L / 2, 0, 0}, {1, 0, 0}, 1e-9)
+        part:bond {a = cut & boundary:region "left", b = cut & boundary:region "rest"}
+      end
+      local rim = boundary:box({0.36 * L, -1, -1}, {0.64 * L, 1, 1})
+      return t:require(bw.worst_case(part, {force = 50, contact = 1e-4, forbidden = rim})).max_principal
+    end
+    local cut = assert(whole:split({max = {L / 2, 1, 1}}, "left")):separated "left"
+    expect(largest(cut, true), "largest stress of the bonded halves", "Pa")
+      :near(largest(whole, false), {relative = 1e-8, source = "the whole body"})
+  end)
+end

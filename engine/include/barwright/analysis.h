@@ -304,7 +304,7 @@ typedef struct bw_pressure_basis {
   int64_t *start; /* (index, count + 1) first entry of each column of G */
   int32_t *row;   /* (index, start[count]) the node of each entry */
   double *coefficient; /* (m2, start[count] x 3) of each entry */
-  bool complete;       /* no surface is forbidden: uniform pressure is possible */
+  bool complete;       /* no surface is forbidden or cut: uniform pressure is possible */
   /* Pressures of facets; NULL with friction, and where the basis is not of a whole boundary. */
   uint8_t *parts;        /* (facet_count) 0, or its edges are divided by so many: parts^2 cells */
   int64_t *facet_start;  /* (index, facet_count + 1) first pressure of each facet */
@@ -316,6 +316,9 @@ typedef struct bw_pressure_options {
   /* No pressure on these facets (NULL: none are forbidden). That at corner nodes falls to zero over
    * the facets around. BW_EMPTY when no surface is left. */
   const bw_selection *forbidden;
+  /* No surface at all, but cuts (NULL: none): planes of symmetry, what bonds cover. They take no
+   * pressure, and those at the nodes around act on the other facets there. */
+  const bw_selection *cuts;
   /* (m) 0: pressures at corner nodes; else constant on cells of facets whose edges are at most so
    * long, but not shorter than a sixteenth of the facet's. */
   double spacing;

@@ -38,6 +38,17 @@ BW_API bw_status bw_joined_modes(bw_context *context, const bw_model *model,
 BW_API bw_status bw_joined_buckling(bw_context *context, const bw_static *solution,
                                     const bw_buckling_options *options, bw_buckling **buckling);
 
+/* The equations of a joined model for many right-hand sides: bw_system_solve gives u = P S P^T f of
+ * forces at its nodes, with S = T (T^T K T)^-1 T^T. Rigid-body modes are those of all bodies
+ * together, which P takes off; the mean that is taken off is that of the volume. `solver`: a
+ * factor, or NULL. The system has no matrices and no modes: bw_joined_modes has these. BW_INVALID
+ * as bw_joined_statics. BW_UNCONSTRAINED for bodies that move against one another, BW_GEOMETRY for
+ * bonds across gaps that resist a rigid-body mode, BW_UNSUPPORTED for a sector, another solver, and
+ * what strains the body without a force: preloads and prescribed displacements. BW_SINGULAR as
+ * bw_joined_statics. */
+BW_API bw_status bw_joined_system(bw_context *context, const bw_model *model,
+                                  const bw_solver *solver, bw_system **system);
+
 /* ---- cyclic symmetry ------------------------------------------------------------------------- */
 
 /* The model of the whole wheel of a sector, without cyclic symmetry. Its nodes are the sector's but

@@ -127,8 +127,10 @@ struct bw_system {
   struct bwi_external *external; /* at the external solver: this process has neither pattern nor
                                     matrices; else NULL */
   const struct bw_external_report *external_report; /* what that did, or NULL */
-  struct bwi_former *former; /* what equations of other values left, until there is a factor or a
-                                preconditioner; or NULL */
+  const bw_operator *solution; /* retained: u = P K^+ P^T f of a joined model (bw_joined_system), in
+                                  the place of pattern, matrices and factor; else NULL */
+  struct bwi_former *former;   /* what equations of other values left, until there is a factor or a
+                                  preconditioner; or NULL */
   bw_system *shared;       /* retained: that whose stiffness and mass these are, as only prescribed
                               displacements differ; or NULL */
   bool iterative;          /* bw_system_solve is by PCG */

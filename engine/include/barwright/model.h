@@ -141,17 +141,19 @@ typedef enum bw_preload_kind {
 /* A bond of two surfaces whose meshes need not match: each node of side a follows nodes of side b
  * (docs/theory/joints.md). The model releases what it points to. */
 typedef struct bw_bond {
-  const bw_selection *a, *b; /* retained: the side that follows, and the one that it follows */
-  double asked_gap;          /* (m) what was asked for, or below 0 */
-  double area;               /* (m2) of side a that is bonded */
-  double gap;                /* (m) the largest one between what is bonded */
-  bw_preload_kind preload;   /* how it pulls */
-  double pull;               /* (any) in the unit of the kind */
-  double normal[3];          /* (-) of side a, outwards, where it pulls */
-  int32_t node_count;        /* of side a that follow */
-  int32_t *node;             /* (index, node_count) these nodes, ascending */
-  bw_sparse_matrix *follows; /* (-, node_count x the mesh's) their displacements from those of
-                                      all nodes; each row sums to 1 */
+  const bw_selection *a, *b;   /* retained: the side that follows, and the one that it follows */
+  double asked_gap;            /* (m) what was asked for, or below 0 */
+  const bw_selection *covered; /* retained: facets of both sides that are bonded over more than
+                                  half of their area, or NULL */
+  double area;                 /* (m2) of side a that is bonded */
+  double gap;                  /* (m) the largest one between what is bonded */
+  bw_preload_kind preload;     /* how it pulls */
+  double pull;                 /* (any) in the unit of the kind */
+  double normal[3];            /* (-) of side a, outwards, where it pulls */
+  int32_t node_count;          /* of side a that follow */
+  int32_t *node;               /* (index, node_count) these nodes, ascending */
+  bw_sparse_matrix *follows;   /* (-, node_count x the mesh's) their displacements from those of
+                                        all nodes; each row sums to 1 */
 } bw_bond;
 
 /* A mass, or a spring to the ground, of a selection: spread evenly over its area, or without facets
@@ -233,6 +235,10 @@ static inline bool bw_model_joined(const bw_model *model) {
 /* BW_UNSUPPORTED for a joined model, with a sentence that says what joins it: what needs the
  * equations otherwise than the functions of joint.h asks this before its work. */
 BW_API bw_status bw_model_refuse_joints(bw_context *context, const bw_model *model);
+
+/* The facets that are no outer surface of the body: planes of symmetry and antisymmetry, what bonds
+ * cover, and the faces between sectors. *cuts: a selection, or NULL where there are none. */
+BW_API bw_status bw_model_cuts(bw_context *context, const bw_model *model, bw_selection **cuts);
 
 /* The material of a mesh with regions, part (mesh->region_count) for each of them in order. One
  * material for all where the parts are one. BW_INVALID for a mesh without regions, and for a region
@@ -450,7 +456,7 @@ BW_API bw_status bw_model_write_inp(bw_context *context, const bw_model *model, 
  * rotation the centre is the point of its axis nearest to the body's centre of volume, and the
  * translation is the part along the axis (zero, unless the supports leave a screw motion). */
 typedef struct bw_rigid_mode {
-  int32_t component; /* (index) the body */
+  int32_t component; /* (index) the body, or -1: all bodies, joined, move by it as one */
   double centre[3];
   double translation[3]; /* (m) per unit of the mode */
   double rotation[3];    /* (rad) per unit of the mode */
