@@ -51,6 +51,19 @@ static void centroid(const bw_mesh *mesh, int64_t element, double middle[3]) {
   }
 }
 
+/* A layer without an element is none, so that more layers than elements are a slip. */
+static bw_status check_count(bw_context *context, const bw_mesh *mesh, int32_t count) {
+  if (count < 1)
+    return bw_fail(context, BW_INVALID, "%d layers: 1 or more expected", count);
+  if (count <= mesh->element_count)
+    return BW_OK;
+  bw_fail(context, BW_INVALID,
+          "%d layers, but the mesh has %lld elements: give fewer layers, or a finer mesh", count,
+          (long long)mesh->element_count);
+  bw_detail_number(context, "elements", (double)mesh->element_count);
+  return BW_INVALID;
+}
+
 bw_status bw_deposition_layers(bw_context *context, const bw_mesh *mesh, const double direction[3],
                                int32_t count, int32_t *layer) {
   double length =
@@ -58,8 +71,9 @@ bw_status bw_deposition_layers(bw_context *context, const bw_mesh *mesh, const d
   double low = INFINITY, high = -INFINITY;
   if (!(length > 0 && isfinite(length)))
     return bw_fail(context, BW_INVALID, "the direction of the layers has no length");
-  if (count < 1)
-    return bw_fail(context, BW_INVALID, "%d layers: 1 or more expected", count);
+  bw_status status = check_count(context, mesh, count);
+  if (status != BW_OK)
+    return status;
   for (int32_t i = 0; i < mesh->node_count; i++) {
     const double *x = mesh->node + 3 * (int64_t)i;
     double height = (x[0] * direction[0] + x[1] * direction[1] + x[2] * direction[2]) / length;
@@ -410,8 +424,9 @@ static bw_status check_material(bw_context *context, const bw_material *laid,
 
 static bw_status check_options(bw_context *context, const bw_mesh *mesh,
                                const bw_deposition_options *options) {
-  if (options->layer_count < 1)
-    return bw_fail(context, BW_INVALID, "%d layers: 1 or more expected", options->layer_count);
+  bw_status status = check_count(context, mesh, options->layer_count);
+  if (status != BW_OK)
+    return status;
   for (int64_t e = 0; e < mesh->element_count; e++)
     if (options->layer[e] < 0 || options->layer[e] >= options->layer_count)
       return bw_fail(context, BW_INVALID, "element %lld is in layer %d: 1 to %d expected",

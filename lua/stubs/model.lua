@@ -532,9 +532,9 @@ function Model:deposit(options) end
 
 ---How a part is laid down.
 ---@class bw.ModelDepositOptions
----@field layers? integer (count) of equal height along `direction`, by the centroids of elements; needed without `layer`. Range: 1 or more.
+---@field layers? integer (count) of equal height along `direction`, by the centroids of elements; needed without `layer`. Range: 1 to the number of elements.
 ---@field direction? bw.Vector (-) with `layers`: from the first layer to the last. Default: {0, 0, 1}
----@field layer? bw.Array|integer[] (index from 1, element_count × 1, per element) the layer of each element, instead of `layers`
+---@field layer? bw.Array|integer[] (index from 1, element_count × 1, per element) the layer of each element, up to their number, instead of `layers`
 ---@field change number|bw.Array (K, node_count × 1, per node) from the temperature without stress to that at the end; negative where the part cools
 ---@field solver? bw.Solver|"auto" of each layer, as in `part:solve`. Default: "auto"
 

@@ -92,6 +92,7 @@ describe("a deposition", function()
     raises("one for each element, got 1", {layer = {1}, change = -1})
     raises("one for each node, got 2", {layers = 2, change = {1, 2}})
     raises("0 layers: 1 or more expected", {layers = 0, change = -1})
+    raises("2147483647 layers, but the mesh has 960 elements: give fewer", {layers = 2147483647, change = -1})
     raises("no length", {layers = 2, direction = {0, 0, 0}, change = -1})
     raises("nothing shrinks", {layers = 2, change = 0})
     part:gravity {0, 0, -9.81}

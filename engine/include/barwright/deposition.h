@@ -11,13 +11,13 @@ extern "C" {
 
 /* The layer of each element by the height of its centroid along a direction (-): layer (index,
  * element_count), of `count` layers of equal height between the lowest and the highest node.
- * BW_INVALID for a direction without length and a count below 1. */
+ * BW_INVALID for a direction without length, and a count below 1 or above that of elements. */
 BW_API bw_status bw_deposition_layers(bw_context *context, const bw_mesh *mesh,
                                       const double direction[3], int32_t count, int32_t *layer);
 
 /* How a body is laid down. */
 typedef struct bw_deposition_options {
-  int32_t layer_count;  /* layers, 1 or more; no default */
+  int32_t layer_count;  /* layers, 1 to the number of elements; no default */
   const int32_t *layer; /* (index, element_count) the layer of each element, below layer_count;
                            borrowed; no default */
   const double *change; /* (K, node_count) from the temperature without stress to that at the end,
