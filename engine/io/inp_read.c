@@ -1,7 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Abaqus and CalculiX decks: *NODE, *ELEMENT of type C3D4 or C3D10 (triangles S3, S6, STRI3, CPS3
  * ... and quadrilaterals S4, S8 make a surface), *NSET and *ELSET with GENERATE and names of other
- * sets. Other keywords are passed over with their data. Keywords and parameters in either case;
+ * sets. Regions are the sets of several *SOLID SECTION, or sets that divide the mesh. Other
+ * keywords are passed over with their data. Keywords and parameters in either case;
  * "**" begins a comment; a line that ends in a comma goes on in the next one. */
 #include "io/raw.h"
 
@@ -380,11 +381,57 @@ static bw_status read_section(inp *deck, const keyword *key) {
   return BW_OK;
 }
 
+/* Where sections make no regions: sets of elements that divide the mesh, each element in one of
+ * them. The search begins at the last set, since groups with names of their own follow those of
+ * geometry. What holds all elements, or shares one with a later set, is no region. */
+static bw_status divide_by_sets(inp *deck) {
+  bw_status status = BW_OK;
+  const bwi_raw *raw = deck->raw;
+  size_t left = raw->tet_count, *section = NULL;
+  uint8_t *taken = BW_NEW0(raw->context, uint8_t, raw->tet_count);
+  section = BW_NEW(raw->context, size_t, raw->set_count);
+  BW_TRY_MEMORY(taken && section);
+  deck->section_count = 0;
+  for (size_t i = raw->set_count; i-- > 0 && left > 0;) {
+    const bwi_raw_set *set = &raw->set[i];
+    size_t own = 0, k = 0;
+    if (!set->of_elements || set->count == 0)
+      continue;
+    for (; k < set->count && taken[set->member[k]] != 1; k++) { /* 2: by this set */
+      own += taken[set->member[k]] == 0;
+      taken[set->member[k]] = 2;
+    }
+    bool region = k == set->count && own < raw->tet_count;
+    for (size_t j = 0; j < k; j++)
+      taken[set->member[j]] = region;
+    if (!region)
+      continue;
+    left -= own;
+    section[deck->section_count++] = i;
+  }
+  if (left > 0)
+    deck->section_count = 0;
+  bw_free(deck->section);
+  deck->section = section;
+  section = NULL;
+  for (size_t i = 0, j = deck->section_count; i + 1 < j; i++) { /* in the order of the file */
+    size_t first = deck->section[i];
+    deck->section[i] = deck->section[--j];
+    deck->section[j] = first;
+  }
+done:
+  bw_free(section);
+  bw_free(taken);
+  return status;
+}
+
 /* Several sections are the regions of the mesh, numbered in their order; of an element in two of
- * them the later one counts, as in CalculiX. */
+ * them the later one counts, as in CalculiX. Of a single material, sets may be regions. */
 static bw_status make_regions(inp *deck) {
   bw_status status = BW_OK;
   bwi_raw *raw = deck->raw;
+  if (deck->section_count < 2)
+    BW_TRY(divide_by_sets(deck));
   for (size_t i = 0; i < deck->section_count && deck->section_count > 1; i++) {
     const bwi_raw_set *set = &raw->set[deck->section[i]];
     bwi_word name = {(const unsigned char *)set->name, strlen(set->name)};

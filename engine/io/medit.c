@@ -1,19 +1,42 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* MEDIT .mesh, text: keywords, each with a count and so many rows; the last number of a row is its
  * reference, which becomes the region of a tetrahedron or the group of a facet. Nodes are numbered
- * from 1. Keywords that are not used are passed over with their numbers. */
+ * from 1. Keywords that are not used are passed over with their numbers. The format has no names:
+ * those of regions are comments, "# region 3 insert". */
 #include "io/raw.h"
 
 #include <string.h>
 
-/* The next word, comments left out. */
-static bool next_keyword(bwi_cursor *cursor, bwi_word *word) {
+/* The name of a region, if the comment behind the '#' gives one. */
+static bw_status read_comment(bwi_cursor *cursor, bwi_raw *raw) {
+  bwi_cursor line;
+  bwi_word word;
+  int64_t tag;
+  const unsigned char *after;
+  if (!bwi_next_line(cursor, &line) || !bwi_next_word(&line, &word) ||
+      !bwi_word_is(word, "region") || !bwi_next_word(&line, &word) ||
+      !bwi_parse_integer(word.at, word.at + word.length, &tag, &after) ||
+      after != word.at + word.length || tag < INT32_MIN || tag > INT32_MAX)
+    return BW_OK;
+  bwi_skip_blank(&line);
+  word = (bwi_word){line.at, bwi_left(&line)};
+  while (word.length && word.at[word.length - 1] <= ' ')
+    word.length--;
+  return word.length ? bwi_raw_name_region(raw, (int32_t)tag, word) : BW_OK;
+}
+
+/* The next word, of length 0 at the end; comments are read on the way. */
+static bw_status next_keyword(bwi_cursor *cursor, bwi_raw *raw, bwi_word *word) {
   while (bwi_next_word(cursor, word)) {
     if (*word->at != '#')
-      return true;
-    bwi_skip_line(cursor);
+      return BW_OK;
+    cursor->at = word->at + 1;
+    bw_status status = read_comment(cursor, raw);
+    if (status != BW_OK)
+      return status;
   }
-  return false;
+  word->length = 0;
+  return BW_OK;
 }
 
 static bw_status read_vertices(bwi_cursor *cursor, bwi_raw *raw, int64_t *skipped) {
@@ -93,8 +116,11 @@ bw_status bwi_medit_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) 
   bwi_word word;
   int64_t number;
   *format = "MEDIT";
-  while (next_keyword(cursor, &word)) {
+  for (;;) {
     const keyword *kind = NULL;
+    BW_TRY(next_keyword(cursor, raw, &word));
+    if (word.length == 0)
+      break;
     for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++)
       if (bwi_word_is_nocase(word, keywords[i].name))
         kind = &keywords[i];
@@ -124,8 +150,12 @@ done:
 }
 
 bw_status bwi_medit_write(bw_writer *writer, const bw_mesh *mesh) {
-  bw_writer_print(writer, "MeshVersionFormatted 2\nDimension 3\nVertices\n%d\n",
-                  (int)mesh->node_count);
+  bw_writer_print(writer, "MeshVersionFormatted 2\nDimension 3\n");
+  for (int32_t i = 0; i < mesh->region_count; i++)
+    if (!strpbrk(mesh->regions[i].name.text, "\r\n"))
+      bw_writer_print(writer, "# region %d %s\n", (int)mesh->regions[i].tag,
+                      mesh->regions[i].name.text);
+  bw_writer_print(writer, "Vertices\n%d\n", (int)mesh->node_count);
   for (int32_t i = 0; i < mesh->node_count; i++) {
     for (size_t k = 0; k < 3; k++) {
       bw_writer_number(writer, mesh->node[3 * (size_t)i + k]);

@@ -39,7 +39,10 @@ static void round_trips(void **state) {
         }
         check_ok(context, bw_mesh_read(context, path, &file));
         if (inp) {
-          assert_null(file.mesh->region);
+          assert_int_equal(file.mesh->region_count, regions ? 3 : 0);
+          if (regions)
+            assert_memory_equal(s.mesh->region, file.mesh->region,
+                                4 * (size_t)s.mesh->element_count);
           assert_int_equal(file.set_count, regions ? 5 : 2); /* NALL, EALL, REGION_1 to 3 */
           assert_int_equal(file.set[0].count, s.mesh->node_count);
           assert_int_equal(file.set[1].count, s.mesh->element_count);
@@ -85,6 +88,7 @@ static void inp_names(void **state) {
     for (int k = 0; k < 3; k++) {
       int32_t found = 0;
       assert_string_equal(file.set[2 + k].name, expected[i][k]);
+      assert_string_equal(file.mesh->regions[k].name.text, expected[i][k]);
       for (int32_t e = 0; e < named->element_count; e++)
         if (named->region[e] == k)
           assert_int_equal(file.set[2 + k].member[found++], e);
@@ -94,6 +98,64 @@ static void inp_names(void **state) {
     bw_release(named);
   }
   unlink(path);
+  free_sample(&s);
+}
+
+#define TWO_TETS                                                                                   \
+  "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n*ELEMENT,TYPE=C3D4,ELSET=Volume1\n"         \
+  "1,1,2,3,4\n*ELEMENT,TYPE=C3D4,ELSET=Volume2\n2,2,3,4,5\n"
+
+/* Sets that divide the mesh are regions, the later ones before those of the geometry. */
+static void inp_division(void **state) {
+  bw_context *context = check_context(state);
+  static const struct {
+    const char *more, *first, *second; /* the regions of the elements; NULL: none */
+  } decks[] = {
+      {"", "Volume1", "Volume2"},
+      {"*ELSET,ELSET=pla\n1,1\n*ELSET,ELSET=steel\n2\n", "pla", "steel"},
+      {"*ELSET,ELSET=steel\n2\n*ELSET,ELSET=pla\n1\n*ELSET,ELSET=all\n1,2\n", "pla", "steel"},
+      {"*SOLID SECTION,ELSET=Volume2,MATERIAL=A\n", "Volume1", "Volume2"},
+      {"*ELSET,ELSET=watched\n2\n", "Volume1", "watched"},
+  };
+  for (size_t i = 0; i < sizeof decks / sizeof *decks; i++) {
+    char text[600];
+    bw_mesh_file file;
+    snprintf(text, sizeof text, "%s%s", TWO_TETS, decks[i].more);
+    check_ok(context, parse(context, "division.inp", text, &file));
+    assert_int_equal(file.mesh->region_count, 2);
+    assert_string_equal(file.mesh->regions[file.mesh->region[0]].name.text, decks[i].first);
+    assert_string_equal(file.mesh->regions[file.mesh->region[1]].name.text, decks[i].second);
+    bw_mesh_file_clear(&file);
+  }
+  bw_mesh_file file; /* the sets leave an element out */
+  check_ok(context, parse(context, "part.inp",
+                          "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n*ELEMENT,TYPE=C3D4\n"
+                          "1,1,2,3,4\n2,2,3,4,5\n*ELSET,ELSET=one\n1\n",
+                          &file));
+  assert_int_equal(file.mesh->region_count, 0);
+  bw_mesh_file_clear(&file);
+}
+
+/* MEDIT files have the names of regions as comments. */
+static void medit_names(void **state) {
+  bw_context *context = check_context(state);
+  sample s = make_sample(context, 1, true);
+  bw_mesh_regions regions = bw_mesh_regions_of(s.mesh);
+  bw_mesh_region region[3] = {{1, 0, {"steel insert"}}, {2, 0, {"two\nlines"}}, {3, 0, {"\u00e4"}}};
+  bw_mesh *named;
+  bw_mesh_file file;
+  char path[300];
+  regions.region = region;
+  check_ok(context, bw_mesh_with_regions(context, s.mesh, &regions, &named));
+  check_ok(context, bw_mesh_write(context, named, temporary(path, "names.mesh"), 0, NULL));
+  check_ok(context, bw_mesh_read(context, path, &file));
+  assert_string_equal(file.mesh->regions[0].name.text, "steel insert");
+  assert_string_equal(file.mesh->regions[1].name.text, "region 2");
+  assert_string_equal(file.mesh->regions[2].name.text, "\u00e4");
+  assert_memory_equal(file.mesh->region, named->region, 4 * (size_t)named->element_count);
+  unlink(path);
+  bw_mesh_file_clear(&file);
+  bw_release(named);
   free_sample(&s);
 }
 
@@ -413,8 +475,9 @@ static void out_of_memory(void **state) {
   free_sample(&s);
 }
 
-check_main(check_test(round_trips), check_test(inp_names), check_test(msh_names),
-           check_test(msh_negative_regions), check_test(msh22_text), check_test(msh_refusals),
-           check_test(mixed_meshes), check_test(medit_text), check_test(tetgen_text),
-           check_test(tetgen_ten_nodes), check_test(inp_text), check_test(inp_refusals),
-           check_test(flat_element), check_test(out_of_memory))
+check_main(check_test(round_trips), check_test(inp_names), check_test(inp_division),
+           check_test(medit_names), check_test(msh_names), check_test(msh_negative_regions),
+           check_test(msh22_text), check_test(msh_refusals), check_test(mixed_meshes),
+           check_test(medit_text), check_test(tetgen_text), check_test(tetgen_ten_nodes),
+           check_test(inp_text), check_test(inp_refusals), check_test(flat_element),
+           check_test(out_of_memory))
