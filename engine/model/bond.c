@@ -257,7 +257,7 @@ static double plane_area(const bw_mesh *mesh, int32_t facet) {
 /* The facets of both sides that are covered. */
 static bw_status find_covered(const bonding *d, bw_bond *bond) {
   bw_status status = BW_OK;
-  const bw_selection *side[2] = {d->a, d->b};
+  const bw_selection *side[2] = {bond->a, bond->b};
   bw_selection *covered = NULL;
   bool any = false;
   uint8_t *mask = BW_NEW0(d->context, uint8_t, d->mesh->facet_count);
