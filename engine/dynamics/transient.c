@@ -6,12 +6,13 @@
  *
  *   A = (1 - alpha_m) M + (1 - alpha_f) (gamma h C + beta h^2 K),   C = c_m M + c_k K,
  *
- * which is a multiple of K + s M. Its factor serves all steps. */
+ * which is a multiple of K + s M. Its factor serves all steps of one length. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/dense.h"
+#include "dynamics/transient_adapt.h"
 #include "dynamics/transient_modes.h"
 #include "linear/blas.h"
 #include "linear/pcg_space.h"
@@ -37,6 +38,8 @@ enum {
   BLOCKS
 };
 
+enum { KEPT = 6 }; /* factors, each of one length of step */
+
 /* Of the relative error of the period: a step that leaves more is too large. */
 static const double resolution_limit = 0.03;
 
@@ -46,9 +49,18 @@ typedef struct state {
   double kinetic, strain;
 } state;
 
+typedef struct kept_factor {
+  double step;  /* (s) that it is of */
+  int64_t used; /* the number of its last use */
+  bwi_factor *factor;
+} kept_factor;
+
 typedef struct bwi_linear_transient {
   bw_system *system;
-  bwi_factor *factor;             /* of direct integration */
+  kept_factor kept[KEPT];         /* of direct integration */
+  bwi_factor *factor;             /* the one of the step at hand: borrowed */
+  bwi_symbolic *symbolic;         /* of all factors */
+  bwi_adaptive *adaptive;         /* or NULL: all steps have one length */
   struct bwi_modal_motion *modal; /* of modal superposition, or NULL */
   int64_t size;
   int loads, supports;
@@ -56,7 +68,9 @@ typedef struct bwi_linear_transient {
   double *prescribed; /* (m) the prescribed displacements, or NULL: all 0 */
   double *block[BLOCKS];
   state next;
-  double alpha_m, alpha_f, beta, gamma, mass_damping, stiffness_damping, scale;
+  double alpha_m, alpha_f, beta, gamma, mass_damping, stiffness_damping;
+  double scale, shift;  /* of the step at hand: A = (K + shift M) / scale */
+  int64_t uses;         /* of factors */
   double swing, change; /* (J) sums of u^T K u over the states, of d^T K d over the steps d of u */
   double rounding;      /* (J) of the sums */
 } inner;
@@ -70,7 +84,12 @@ static void transient_destroy(void *object) {
   inner *s = t->inner;
   if (s) {
     bw_release(s->system);
-    bw_release(s->factor);
+    for (int k = 0; k < KEPT; k++)
+      bw_release(s->kept[k].factor);
+    bw_release(s->symbolic);
+    if (s->adaptive)
+      bwi_adaptive_clear(s->adaptive);
+    bw_free(s->adaptive);
     bwi_modal_motion_destroy(s->modal);
     bw_free(s->load);
     bw_free(s->prescribed);
@@ -93,9 +112,13 @@ static void transient_destroy(void *object) {
 static size_t transient_bytes(const void *object) {
   const bw_linear_transient *t = object;
   const inner *s = t->inner;
-  return sizeof *t + sizeof *s + bw_bytes(s->system) +
-         (s->modal ? bwi_modal_motion_bytes(s->modal) : bwi_factor_bytes(s->factor)) +
-         (size_t)(s->size * (BLOCKS + 9 + s->loads)) * sizeof(double);
+  size_t bytes = sizeof *t + sizeof *s + bw_bytes(s->system) +
+                 (size_t)(s->size * (BLOCKS + 9 + s->loads)) * sizeof(double);
+  for (int k = 0; k < KEPT; k++)
+    bytes += s->kept[k].factor ? bwi_factor_bytes(s->kept[k].factor) : 0;
+  if (s->adaptive && s->adaptive->rigid)
+    bytes += 6 * (size_t)s->size * sizeof(double);
+  return bytes + (s->modal ? bwi_modal_motion_bytes(s->modal) : 0);
 }
 
 static const bw_kind transient_kind = {"linear transient", transient_destroy, transient_bytes};
@@ -112,6 +135,13 @@ static bw_status check_options(bw_context *context, const bw_model *model,
   if (!(o->rho >= 0 && o->rho <= 1))
     return bw_fail(context, BW_INVALID,
                    "a spectral radius of %g at infinite frequency: 0 to 1 expected", o->rho);
+  if (!(o->error >= 0 && o->error < 1))
+    return bw_fail(context, BW_INVALID,
+                   "a tolerance of %g for the error of a step: 0 to below 1 expected", o->error);
+  if (o->error > 0 && o->modes)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "steps that adapt are for direct integration: by modes a step is exact for "
+                   "loads that are linear within it. Leave out the tolerance or the modes");
   if (!(d->mass >= 0) || !(d->stiffness >= 0) || !isfinite(d->mass + d->stiffness))
     return bw_fail(context, BW_INVALID,
                    "damping by %g 1/s of the mass and %g s of the stiffness: both 0 or more "
@@ -152,11 +182,11 @@ static bw_status check_factors(bw_context *context, const bw_linear_transient *t
     return bw_fail(
         context, BW_INVALID,
         "the model has other loads or supports than at the start: begin a new transient");
-  if (!isfinite(f->support + f->support_velocity + f->support_acceleration))
+  if (!isfinite(f->support + f->support_velocity + f->support_acceleration + f->support_missed))
     return bw_fail(context, BW_INVALID,
                    "the factor of the prescribed displacements is not finite at %g s", t->time);
-  for (int k = 0; f->load && k < s->loads; k++)
-    if (!isfinite(f->load[k]))
+  for (int k = 0; k < s->loads; k++)
+    if ((f->load && !isfinite(f->load[k])) || (f->load_missed && !isfinite(f->load_missed[k])))
       return bw_fail(context, BW_INVALID, "the factor of load %d is not finite at %g s", k + 1,
                      t->time);
   return BW_OK;
@@ -186,16 +216,13 @@ done:
   return status;
 }
 
-/* The factor of K + (m / k) M, for the matrix m M + k K. */
-static bw_status make_factor(bw_context *context, const bw_model *model, double m, double k,
-                             inner *s, bw_solver_report *report) {
+/* The elimination order of all factors: with the isostatic constraints of statics left out. */
+static bw_status make_symbolic(bw_context *context, inner *s) {
   bw_status status = BW_OK;
   const bw_system *system = s->system;
   const bw_dof_map *dof_map = system->dof_map;
-  bwi_symbolic *constrained = NULL, *symbolic = NULL;
-  int32_t *unknown = NULL, bad_node = 0;
-  double start = bw_seconds();
-  bw_progress(context, "factorisation", 0);
+  bwi_symbolic *constrained = NULL;
+  int32_t *unknown = NULL;
   BW_TRY(bwi_symbolic_for(context, system->pattern, dof_map, BW_ORDERING_AUTO, 0, NULL, NULL,
                           system->factor ? system->factor->symbolic : NULL, &constrained));
   if (dof_map->rigid_mode_count > 0) {
@@ -203,30 +230,76 @@ static bw_status make_factor(bw_context *context, const bw_model *model, double 
     BW_TRY_MEMORY(unknown);
     for (int64_t i = 0; i < s->size; i++)
       unknown[i] = dof_map->state[i] == BW_DOF_PRESCRIBED ? -1 : 0;
-    BW_TRY(bwi_symbolic_create(context, constrained->order, 3, unknown, &symbolic));
+    BW_TRY(bwi_symbolic_create(context, constrained->order, 3, unknown, &s->symbolic));
   } else
-    symbolic = bw_retain(constrained);
-  s->scale = 1 / k;
-  const bwi_matrix matrix = {.pattern = system->pattern,
-                             .stiffness = system->stiffness,
-                             .mass = system->mass,
-                             .shift = m / k,
-                             .dof_map = dof_map};
-  status = bwi_factor_create(context, symbolic, &matrix, &s->factor, &bad_node);
-  if (status == BW_SINGULAR)
-    status = bwi_fail_singular(context, model->mesh, bad_node);
-  BW_TRY(status);
-  *report = (bw_solver_report){.solver = bw_solver_word(BW_SOLVER_CHOLESKY),
-                               .backend = s->factor->kernels->backend,
-                               .preconditioner = "",
-                               .flops = bwi_factor_flops(s->factor),
-                               .bytes = (double)bwi_factor_bytes(s->factor),
-                               .seconds = bw_seconds() - start};
-  snprintf(report->reason, sizeof report->reason, "one factor serves all steps");
+    s->symbolic = bw_retain(constrained);
 done:
   bw_free(unknown);
   bw_release(constrained);
-  bw_release(symbolic);
+  return status;
+}
+
+/* The factor of K + shift M in a place that is free or that was not used for the longest time. */
+static bw_status make_factor(bw_context *context, bw_linear_transient *t, kept_factor *kept) {
+  bw_status status = BW_OK;
+  inner *s = t->inner;
+  const bw_system *system = s->system;
+  int32_t bad_node = 0;
+  double start = bw_seconds();
+  const bwi_matrix matrix = {.pattern = system->pattern,
+                             .stiffness = system->stiffness,
+                             .mass = system->mass,
+                             .shift = s->shift,
+                             .dof_map = system->dof_map};
+  bw_progress(context, "factorisation", 0);
+  s->factor = NULL;
+  bw_release(kept->factor);
+  *kept = (kept_factor){.step = 0};
+  if (!s->symbolic)
+    BW_TRY(make_symbolic(context, s));
+  status = bwi_factor_create(context, s->symbolic, &matrix, &kept->factor, &bad_node);
+  if (status == BW_SINGULAR)
+    status = bwi_fail_singular(context, t->model->mesh, bad_node);
+  BW_TRY(status);
+  kept->step = t->step;
+  t->factors++;
+  t->report = (bw_solver_report){.solver = bw_solver_word(BW_SOLVER_CHOLESKY),
+                                 .backend = kept->factor->kernels->backend,
+                                 .preconditioner = "",
+                                 .flops = bwi_factor_flops(kept->factor),
+                                 .bytes = (double)bwi_factor_bytes(kept->factor),
+                                 .seconds = t->report.seconds + bw_seconds() - start};
+  if (s->adaptive)
+    snprintf(t->report.reason, sizeof t->report.reason,
+             "one factor for each length of step, %d of them kept", KEPT);
+  else
+    snprintf(t->report.reason, sizeof t->report.reason, "one factor serves all steps");
+done:
+  return status;
+}
+
+/* The factor of the step at hand, kept or made. */
+static bw_status need_factor(bw_context *context, bw_linear_transient *t) {
+  bw_status status = BW_OK;
+  inner *s = t->inner;
+  double h = t->step, m = 1 - s->alpha_m + (1 - s->alpha_f) * s->gamma * h * s->mass_damping;
+  double k = (1 - s->alpha_f) * (s->beta * h * h + s->gamma * h * s->stiffness_damping);
+  kept_factor *place = &s->kept[0];
+  s->scale = 1 / k;
+  s->shift = m / k;
+  for (int i = 0; i < KEPT; i++) {
+    if (s->kept[i].step == h) {
+      place = &s->kept[i];
+      break;
+    }
+    if (s->kept[i].used < place->used)
+      place = &s->kept[i];
+  }
+  if (place->step != h)
+    BW_TRY(make_factor(context, t, place));
+  place->used = ++s->uses;
+  s->factor = place->factor;
+done:
   return status;
 }
 
@@ -451,7 +524,7 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
   s->size = 3 * (int64_t)model->mesh->node_count;
   s->loads = model->load_count;
   s->supports = model->support_count;
-  double rho = options->rho, h = options->step;
+  double rho = options->rho;
   s->alpha_m = (2 * rho - 1) / (rho + 1);
   s->alpha_f = rho / (rho + 1);
   s->gamma = 0.5 - s->alpha_m + s->alpha_f;
@@ -476,9 +549,14 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
     snprintf(t->report.reason, sizeof t->report.reason, "%d modes are superposed",
              options->modes->count);
   } else
-    BW_TRY(make_factor(
-        context, model, 1 - s->alpha_m + (1 - s->alpha_f) * s->gamma * h * s->mass_damping,
-        (1 - s->alpha_f) * (s->beta * h * h + s->gamma * h * s->stiffness_damping), s, &t->report));
+    BW_TRY(need_factor(context, t));
+  if (options->error > 0) {
+    s->adaptive = BW_NEW0(context, bwi_adaptive, 1);
+    BW_TRY_MEMORY(s->adaptive);
+    bwi_adaptive_begin(s->adaptive, options->error, options->step);
+    if (s->prescribed || s->system->dof_map->rigid_mode_count > 0)
+      BW_TRY(bwi_adaptive_leave_out_rigid(context, s->system, s->adaptive));
+  }
   BW_TRY(begin(context, t, options, now));
   *transient = t;
   t = NULL;
@@ -529,12 +607,43 @@ done:
   return status;
 }
 
+/* The error of the step that was computed, relative to the largest displacement, and the norms of
+ * both. */
+static bw_status estimate(bw_context *context, const bw_linear_transient *t,
+                          const bw_transient_factors *f, double *error, double norm[3]) {
+  inner *s = t->inner;
+  double *change = s->block[RIGHT], *missed = s->block[W_M], most = 0;
+  double spread = sqrt(4 * s->beta) - 1; /* x of docs/theory/transient.md */
+  const bw_transient_factors unseen = {.load = f->load_missed};
+  memset(missed, 0, (size_t)s->size * sizeof *missed);
+  if (f->load_missed)
+    add_forces(s, &unseen, missed);
+  for (int64_t i = 0; i < s->size; i++)
+    change[i] = s->next.a[i] - t->acceleration[i];
+  for (int64_t i = 0; s->prescribed && i < s->size; i++)
+    most = fmax(most, fabs(s->prescribed[i]));
+  bwi_computed_step step = {.system = s->system,
+                            .factor = s->factor,
+                            .shift = s->shift,
+                            .constant = 1.0 / 12 + 0.375 * spread * spread,
+                            .h = t->step,
+                            .u = s->next.u,
+                            .v = s->next.v,
+                            .a = s->next.a,
+                            .support_missed = most * f->support_missed,
+                            .change = change,
+                            .missed = missed,
+                            .work = s->block[W_K]};
+  return bwi_adaptive_estimate(context, s->adaptive, &step, error, norm);
+}
+
 bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
                                    const bw_transient_factors *factors) {
   bw_status status = BW_OK;
   inner *s = t->inner;
   state *next = &s->next;
-  double work = 0, damped = 0, moved = 0;
+  bwi_adaptive *adaptive = s->adaptive;
+  double work = 0, damped = 0, moved = 0, error = 0, norm[3];
   double *force = s->block[FORCE], *next_force = s->block[NEXT_FORCE];
   factors = factors ? factors : &all_one;
   bwi_blas_enter();
@@ -543,8 +652,10 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
   if (s->modal) {
     const bwi_motion_fields fields = {next->u, next->v, next->a, s->block[W_K]};
     bwi_modal_motion_step(s->modal, factors, &fields);
-  } else
+  } else {
+    BW_TRY(need_factor(context, t));
     BW_TRY(integrate(context, t, factors));
+  }
   BW_TRY(take_stock(context, s, next_force, next));
   for (int64_t i = 0; i < s->size; i++) {
     double change = next->u[i] - t->displacement[i];
@@ -557,7 +668,22 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
         context, BW_INVALID,
         "the motion at %g s has no finite energy: give a shorter step than %g s, or smaller "
         "loads",
-        t->step * (double)(t->steps + 1), t->step));
+        t->time + t->step, t->step));
+  if (adaptive) {
+    BW_TRY(estimate(context, t, factors, &error, norm));
+    if (!bwi_adaptive_accepts(adaptive, error)) {
+      t->rejected++;
+      t->step = bwi_adaptive_step(adaptive);
+      goto done;
+    }
+    if (error > adaptive->tolerance && t->coarse++ == 0)
+      bw_warn(
+          context,
+          "the shortest step, %.3g s, has an error of %.2g at %.4g s, which is more than the %.2g "
+          "asked for: a load or support changes in no time there. Give it a time to change, or a "
+          "shorter base step",
+          t->step, error, t->time + t->step, adaptive->tolerance);
+  }
   advance(t);
   if (s->modal)
     bwi_modal_motion_accept(s->modal);
@@ -565,7 +691,13 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
   t->work += work;
   t->damped += damped;
   t->steps++;
-  t->time = t->step * (double)t->steps;
+  if (adaptive) {
+    bwi_adaptive_accept(adaptive, error, norm);
+    t->time = bwi_adaptive_time(adaptive);
+    t->step = bwi_adaptive_step(adaptive);
+    t->error = bwi_adaptive_total(adaptive);
+  } else
+    t->time = t->step * (double)t->steps;
   t->object.revision++;
 done:
   bwi_blas_leave();
@@ -578,7 +710,7 @@ bw_motion_resolution bw_linear_transient_resolution(bw_context *context,
   const inner *s = t->inner;
   double mean = bwi_dot(s->size, s->block[SUM_U], s->block[SUM_ELASTIC]) / (double)(t->steps + 1);
   double swing = s->swing - mean, dissipation, angle, lag;
-  if (s->modal || !(swing > s->rounding) || !(s->change > 0))
+  if (s->modal || s->adaptive || !(swing > s->rounding) || !(s->change > 0))
     return r;
   angle = 2 * asin(fmin(0.5 * sqrt(s->change / swing), 1));
   /* beta = (1 + x)^2 / 4 with x = (1 - rho) / (1 + rho) */

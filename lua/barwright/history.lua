@@ -70,8 +70,8 @@ local function read_rows(path)
   return rows
 end
 
---- A function of time; nil, a message and details for a file that cannot be read. Raises, with `what` in front,
---- for what is no history.
+--- A function of time, and its rows where it has some; nil, a message and details for a file that cannot be read.
+--- Raises, with `what` in front, for what is no history.
 function history.read(what, given)
   if type(given) == "function" then return given end
   if finite(given) then return function() return given end end
@@ -84,7 +84,32 @@ function history.read(what, given)
     raise(("%s: a number, a function of time, rows {time, value} of ascending times or the path of a CSV file "
       .. "expected, got %s"):format(what, core.got(given)))
   end
-  return function(time) return interpolate(rows, time) end
+  return function(time) return interpolate(rows, time) end, rows
+end
+
+-- The number of the first row behind a time.
+local function first_behind(rows, time)
+  local low, high = 1, #rows + 1
+  while low < high do
+    local middle = (low + high) // 2
+    if rows[middle][1] > time then high = middle else low = middle + 1 end
+  end
+  return low
+end
+
+--- Ascending times inside of a span where a history is looked at: those of its rows, else an interval apart.
+function history.times(rows, from, to, interval)
+  local times = {}
+  if rows then
+    local i = first_behind(rows, from)
+    while i <= #rows and rows[i][1] < to do
+      times[#times + 1] = rows[i][1]
+      i = i + 1
+    end
+  else
+    for i = 1, math.ceil((to - from) / interval - 1e-9) - 1 do times[i] = from + i * interval end
+  end
+  return times
 end
 
 --- The value of such a function at a time, a finite number.

@@ -11,33 +11,81 @@ local raise = core.raise
 
 local model, transient = core.classes.model.methods, core.classes.linear_transient.methods
 
--- By transient: {loads = {functions}, supports = function, by_modes = boolean}
+-- By transient: {loads = {functions}, supports = function, rows = {of loads}, support_rows, by_modes = boolean,
+-- base = step that looks at functions where steps adapt}
 local histories_of = setmetatable({}, {__mode = "k"})
 
 local function read_histories(opts, count)
-  local loads = {}
+  local loads, rows = {}, {}
   for index, given in pairs(opts.loads) do
     if math.type(index) ~= "integer" or index < 1 or index > count then
       raise(("transient: option 'loads': there is no load %s: the part has %d"):format(tostring(index), count))
     end
-    local f, message, details = history.read(("transient: the history of load %d"):format(index), given)
-    if not f then return nil, message, details end
-    loads[index] = f
+    local f, more, details = history.read(("transient: the history of load %d"):format(index), given)
+    if not f then return nil, more, details end
+    loads[index], rows[index] = f, more
   end
-  local supports, message, details = history.read("transient: the history of the supports", opts.supports)
-  if not supports then return nil, message, details end
-  return {loads = loads, supports = supports}
+  local supports, more, details = history.read("transient: the history of the supports", opts.supports)
+  if not supports then return nil, more, details end
+  return {loads = loads, supports = supports, rows = rows, support_rows = more}
+end
+
+local function load_value(histories, i, time)
+  local f = histories.loads[i]
+  return f and history.value(("transient: the history of load %d"):format(i), f, time) or 1
+end
+
+local function support_value(histories, time)
+  return history.value("transient: the history of the supports", histories.supports, time)
+end
+
+-- The mean of |f - the line between the ends| over a step to a time: what the step misses of a load.
+local function load_missed(histories, i, time, h)
+  local start, sum, before, last = time - h, 0, 0, time - h
+  local from = load_value(histories, i, start)
+  local to = load_value(histories, i, time)
+  for _, at in ipairs(history.times(histories.rows[i], start, time, histories.base)) do
+    local off = math.abs(load_value(histories, i, at) - from - (to - from) * (at - start) / h)
+    sum, before, last = sum + 0.5 * (at - last) * (before + off), off, at
+  end
+  return (sum + 0.5 * (time - last) * before) / h
+end
+
+-- The largest distance of the supports' history from the cubic through the ends of a step and the points as far
+-- outside; of the first step, from a parabola.
+local function support_missed(histories, time, h)
+  local points, most = {}, 0
+  for k = time - h > 0.5 * h and -2 or -1, 1 do
+    points[#points + 1] = {k, support_value(histories, time + k * h)}
+  end
+  for _, at in ipairs(history.times(histories.support_rows, time - h, time, histories.base)) do
+    local x, value = (at - time) / h, 0
+    for i, p in ipairs(points) do
+      local part = p[2]
+      for j, q in ipairs(points) do
+        if j ~= i then part = part * (x - q[1]) / (p[1] - q[1]) end
+      end
+      value = value + part
+    end
+    most = math.max(most, math.abs(support_value(histories, at) - value))
+  end
+  return most
+end
+
+-- What a step to a time misses of the loads and the supports; nothing where steps do not adapt.
+local function missed(histories, count, time, h)
+  if not histories.base then return nil end
+  local loads = {}
+  for i = 1, count do loads[i] = histories.loads[i] and load_missed(histories, i, time, h) or 0 end
+  return loads, support_missed(histories, time, h)
 end
 
 -- Factors of loads at a time, and that of the supports with its two derivatives: by differences over a step, of
 -- second order as the method is, so that rows have the acceleration that a step sees.
 local function factors(histories, count, time, h)
   local loads = {}
-  for i = 1, count do
-    local f = histories.loads[i]
-    loads[i] = f and history.value(("transient: the history of load %d"):format(i), f, time) or 1
-  end
-  local function s(at) return history.value("transient: the history of the supports", histories.supports, at) end
+  for i = 1, count do loads[i] = load_value(histories, i, time) end
+  local function s(at) return support_value(histories, at) end
   local now, after = s(time), s(time + h)
   if time < 0.5 * h then
     local later = s(time + 2 * h)
@@ -52,6 +100,7 @@ function model:transient(given)
   local opts = options.read("transient", given, {
     step = {type = "number", needed = true, above = 0},
     rho = {type = "number", default = 0.9, min = 0, max = 1},
+    error = {type = "number", above = 0},
     damping = {type = "any"}, -- read where it is used
     initial = {type = "table", default = {}},
     loads = {type = "table", default = {}},
@@ -64,21 +113,28 @@ function model:transient(given)
   local count = #self.loads
   local histories, why, about = read_histories(opts, count)
   if not histories then return nil, why, about end
-  local made, message, details = core.linear_transient(self, {step = opts.step, rho = opts.rho,
+  local made, message, details = core.linear_transient(self, {step = opts.step, rho = opts.rho, error = opts.error,
     damping = opts.damping, modes = opts.modes}, initial.displacement, initial.velocity,
     factors(histories, count, 0, opts.step))
   if not made then return nil, message, details end
   histories.by_modes = opts.modes ~= nil
+  histories.base = opts.error and opts.step
   histories_of[made] = histories
   return made
 end
 
---- One step.
+--- One step, which is taken again with a shorter length where its error is too large.
 function transient:step()
-  local ok, message, details = core.linear_transient_step(self,
-    factors(histories_of[self], self.load_count, self.time + self.step_length, self.step_length))
-  if not ok then return nil, message, details end
-  return self
+  local histories, count = histories_of[self], self.load_count
+  while true do
+    local h = self.step_length
+    local time = self.time + h
+    local loads, s, velocity, acceleration = factors(histories, count, time, h)
+    local stands, message, details = core.linear_transient_step(self, loads, s, velocity, acceleration,
+      missed(histories, count, time, h))
+    if stands == nil then return nil, message, details end
+    if stands then return self end
+  end
 end
 
 -- ---- what is recorded ---------------------------------------------------------------------------
@@ -162,6 +218,17 @@ local function check_series(path)
   return {path = path, stem = path:gsub("%.pvd$", ""), lines = {}}
 end
 
+-- What is said of steps that adapt.
+local function adaptive_steps(body, times)
+  local shortest, longest = math.huge, 0
+  for i = 2, #times do
+    local h = times[i] - times[i - 1]
+    shortest, longest = math.min(shortest, h), math.max(longest, h)
+  end
+  return {taken = #times - 1, shortest = shortest, longest = longest, rejected = body.rejected_steps,
+    coarse = body.coarse_steps, factors = body.factors, error = body.error}
+end
+
 --- Steps to a time; see lua/stubs/transient.lua.
 function transient:run(given)
   local opts = options.read("run", given, {
@@ -187,15 +254,20 @@ function transient:run(given)
   if opts.time < first - 1e-9 * h then
     raise(("run: the time %g s is before now, %g s: a later one expected"):format(opts.time, first))
   end
-  local last = self.steps + (math.tointeger(math.ceil((opts.time - first) / h - 1e-9)) or math.huge)
-  if last - self.steps > 1e8 then
-    raise(("run: %.3g steps of %g s to %g s: at most 1e8 expected"):format(last - self.steps, h, opts.time))
+  local base = histories_of[self].base
+  local left = math.ceil((opts.time - first) / (base or h) - 1e-9)
+  if left > 1e8 then
+    raise(("run: %.3g steps of %g s to %g s: at most 1e8 expected"):format(left, base or h, opts.time))
   end
-  local from, begun = self.steps, false
-  while not begun or self.steps < last do
+  local from, begun, last = self.steps, false, self.steps + left
+  local function is_there()
+    if base then return self.time >= opts.time - 1e-9 * base end
+    return self.steps >= last
+  end
+  while not begun or not is_there() do
     local ok, message, details = true, nil, nil
     if begun then
-      ok, message, details = core.report_progress("time steps", (self.steps - from) / math.max(1, last - from))
+      ok, message, details = core.report_progress("time steps", (self.time - first) / (opts.time - first))
       if ok then ok, message, details = self:step() end
       if not ok then return nil, message, details end
     end
@@ -211,6 +283,7 @@ function transient:run(given)
   end
   local out = setmetatable({energy = {}, probes = rows.probes, time = core.array.new(rows.time)}, recording)
   superposed[out] = histories_of[self].by_modes
+  if base then out.steps = adaptive_steps(self, rows.time) end
   out.steps_per_period, out.period_error = core.linear_transient_resolution(self)
   for _, name in ipairs(energies) do out.energy[name] = core.array.new(rows[name]) end
   out.energy.initial_energy = self.initial_energy
@@ -273,6 +346,13 @@ function recording:__tostring()
     and "by modes that is the rule of the work: compare with more modes" or "a large part asks for shorter steps")
   if superposed[self] then
     lines[#lines + 1] = "  error by the step: none for loads that are linear within a step"
+  elseif self.steps then
+    local s = self.steps
+    lines[#lines + 1] = ("  error by the step: at most about %.2g %% of the largest displacement, the root mean "
+      .. "square over the mass, as the sum of all steps"):format(100 * s.error)
+    lines[#lines + 1] = ("  %d steps of %s to %s; since the start %d rejected, %d factors%s"):format(s.taken,
+      core.quantity(s.shortest, "s"), core.quantity(s.longest, "s"), s.rejected, s.factors, s.coarse == 0 and ""
+      or (", %d of the shortest length with a larger error than asked for"):format(s.coarse))
   elseif self.steps_per_period then
     lines[#lines + 1] = ("  error by the step: periods too long by %s %.2g %%, at %.3g steps per period in the "
       .. "mean over the strain energy%s"):format(self.period_error < 0.3 and "about" or "more than",

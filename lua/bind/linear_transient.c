@@ -9,15 +9,23 @@ static bw_linear_transient *self(lua_State *L) {
   return (bw_linear_transient *)lbw_check(L, 1, &lbw_linear_transient_class);
 }
 
-/* Factors from a list of numbers, one for each load, and three arguments behind it. */
-static bw_transient_factors read_factors(lua_State *L, int first, int32_t loads) {
+static const double *read_list(lua_State *L, int index, int32_t loads) {
   int64_t rows;
-  const double *load = lbw_to_doubles(L, first, "factors", 1, &rows);
+  const double *value = lbw_to_doubles(L, index, "factors", 1, &rows);
   lbw_require_rows(L, "factors", rows, loads, "load");
-  return (bw_transient_factors){.load = load,
+  return value;
+}
+
+/* Factors from a list of numbers, one for each load, and three arguments behind it; then, or nil,
+ * a list and a number of what a step does not see. */
+static bw_transient_factors read_factors(lua_State *L, int first, int32_t loads) {
+  bool sees = lua_isnoneornil(L, first + 4);
+  return (bw_transient_factors){.load = read_list(L, first, loads),
                                 .support = lbw_check_number(L, first + 1),
                                 .support_velocity = lbw_check_number(L, first + 2),
-                                .support_acceleration = lbw_check_number(L, first + 3)};
+                                .support_acceleration = lbw_check_number(L, first + 3),
+                                .load_missed = sees ? NULL : read_list(L, first + 4, loads),
+                                .support_missed = sees ? 0 : lbw_check_number(L, first + 5)};
 }
 
 static const double *read_field(lua_State *L, int index, const char *what, const bw_mesh *mesh) {
@@ -29,25 +37,27 @@ static const double *read_field(lua_State *L, int index, const char *what, const
   return field;
 }
 
-/* linear_transient(model, {step, rho, damping, modes}, displacement, velocity,
+/* linear_transient(model, {step, rho, error, damping, modes}, displacement, velocity,
  * factors of loads, factor of supports, its velocity, its acceleration) */
 static int core_linear_transient(lua_State *L) {
-  static const lbw_option list[] = {{"step", LBW_REAL, offsetof(bw_linear_transient_options, step)},
-                                    {"rho", LBW_REAL, offsetof(bw_linear_transient_options, rho)},
-                                    {"damping", LBW_OTHER, 0},
-                                    {"modes", LBW_OTHER, 0},
-                                    {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {
+      {"step", LBW_REAL, offsetof(bw_linear_transient_options, step)},
+      {"rho", LBW_REAL, offsetof(bw_linear_transient_options, rho)},
+      {"error", LBW_REAL, offsetof(bw_linear_transient_options, error)},
+      {"damping", LBW_OTHER, 0},
+      {"modes", LBW_OTHER, 0},
+      {NULL, LBW_OTHER, 0}};
   lbw_box *own = lbw_check_box(L, 1, &lbw_model_class);
   const bw_model *model = (const bw_model *)own->object;
   bw_linear_transient_options options;
   bw_linear_transient_options_default(&options);
-  lua_settop(L, 8);
+  lua_settop(L, 10);
   lbw_options(L, 2, "transient", list, &options);
   lbw_damping_option(L, 2, "transient", &options.damping, NULL, NULL);
   lua_pop(L, 1);
   if (lbw_option_get(L, 2, "modes") != LUA_TNIL)
     options.modes = (const bw_modes *)lbw_test(L, -1, &lbw_modes_class); /* the table keeps it */
-  lua_settop(L, 8);
+  lua_settop(L, 10);
   options.displacement = read_field(L, 3, "transient: option 'initial': displacement", model->mesh);
   options.velocity = read_field(L, 4, "transient: option 'initial': velocity", model->mesh);
   const bw_transient_factors now = read_factors(L, 5, model->load_count);
@@ -59,13 +69,14 @@ static int core_linear_transient(lua_State *L) {
 }
 
 /* linear_transient_step(transient, factors of loads, factor of supports, its velocity, its
- * acceleration): true */
+ * acceleration, what the step misses of loads or nil, of supports): whether it stands */
 static int core_linear_transient_step(lua_State *L) {
   bw_linear_transient *transient = self(L);
-  lua_settop(L, 5);
+  int64_t steps = transient->steps;
+  lua_settop(L, 7);
   const bw_transient_factors next = read_factors(L, 2, transient->model->load_count);
   bw_status status = bw_linear_transient_step(lbw_enter(L), transient, &next);
-  lua_pushboolean(L, true);
+  lua_pushboolean(L, transient->steps > steps);
   return lbw_leave(L, status, 1);
 }
 
@@ -109,6 +120,7 @@ FIELD(reaction)
     return 1;                                                                                      \
   }
 NUMBER(time, t->time)
+NUMBER(error, t->error)
 NUMBER(step_length, t->step)
 NUMBER(initial_energy, t->initial)
 NUMBER(kinetic_energy, t->kinetic)
@@ -118,15 +130,18 @@ NUMBER(damping_energy, t->damped)
 NUMBER(lost_energy, t->initial + t->work - t->kinetic - t->strain - t->damped)
 #undef NUMBER
 
-static int transient_steps(lua_State *L) {
-  lua_pushinteger(L, (lua_Integer)self(L)->steps);
-  return 1;
-}
-
-static int transient_load_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->model->load_count);
-  return 1;
-}
+#define COUNT(name, value)                                                                         \
+  static int transient_##name(lua_State *L) {                                                      \
+    const bw_linear_transient *t = self(L);                                                        \
+    lua_pushinteger(L, (lua_Integer)value);                                                        \
+    return 1;                                                                                      \
+  }
+COUNT(steps, t->steps)
+COUNT(rejected_steps, t->rejected)
+COUNT(coarse_steps, t->coarse)
+COUNT(factors, t->factors)
+COUNT(load_count, t->model->load_count)
+#undef COUNT
 
 static int transient_mesh(lua_State *L) {
   lbw_push(L, &lbw_mesh_class, self(L)->model->mesh);
@@ -162,6 +177,10 @@ static const luaL_Reg properties[] = {{"displacement", transient_displacement},
                                       {"time", transient_time},
                                       {"step_length", transient_step_length},
                                       {"steps", transient_steps},
+                                      {"rejected_steps", transient_rejected_steps},
+                                      {"coarse_steps", transient_coarse_steps},
+                                      {"factors", transient_factors},
+                                      {"error", transient_error},
                                       {"load_count", transient_load_count},
                                       {"initial_energy", transient_initial_energy},
                                       {"kinetic_energy", transient_kinetic_energy},

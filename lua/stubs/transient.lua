@@ -9,6 +9,7 @@
 ---How a part moves.
 ---@class bw.TransientOptions
 ---@field step number (s) length of each step. Range: above 0. A twentieth of the shortest period of interest gives 1 % of its length.
+---@field error? number (-) of a step, relative to the largest displacement, root mean square over the mass: steps adapt to it. `step` is the first one, and functions of time are looked at in its intervals; the lengths are `step` times a power of 2, 2⁻¹⁰ to 2⁶. Each length needs a factor, and the last six are kept in memory. Not with `modes`. Range: above 0, below 1; 1e-3 to 1e-5 is usual. Default: all steps have one length.
 ---@field rho? number (-) spectral radius at infinite frequency: 1 damps no motion, 0 takes the fastest away in one step. Range: 0 to 1. Default: 0.9.
 ---@field modes? bw.Modes elastic modes of the part: the motion is their sum, with rigid-body motions and the static displacement of what they leave out. Default: none, direct integration.
 ---@field damping? bw.Damping by mass and stiffness, with `modes` a ratio too; a loss factor is refused. Default: none.
@@ -37,7 +38,11 @@
 ---@field mesh bw.Mesh the body
 ---@field time number (s) now
 ---@field steps integer (count) that were taken
----@field step_length number (s) of each step
+---@field step_length number (s) of the next step
+---@field rejected_steps integer (count) that were taken again, where steps adapt
+---@field coarse_steps integer (count) of the shortest length, with a larger error than asked for
+---@field factors integer (count) that were made; with `modes` 0
+---@field error number (-) of the displacement now, relative to the largest, root mean square over the mass: the sum of the estimates of all steps. 0 where steps do not adapt: unknown.
 ---@field load_count integer (count) of loads
 ---@field displacement bw.Array (m, n × 3, per node) now, a copy like the others
 ---@field velocity bw.Array (m/s, n × 3, per node) now
@@ -49,13 +54,15 @@
 ---@field work number (J) of loads and supports since time 0
 ---@field damping_energy number (J) that the damping took since time 0
 ---@field lost_energy number (J) that the scheme took: what is missing in the balance of the others
----@field report bw.SolverReport of the factor
+---@field report bw.SolverReport of the factor made last, with the seconds of all
 local LinearTransient = {}
 
 ---Releases it at once.
 function LinearTransient:close() end
 
----Takes one step.
+---Takes one step. Where steps adapt, one with too large an error is taken again, shorter.
+---
+---Source: [motion in time](../theory/transient.md).
 ---
 ---Errors: `memory` where there is none left. Loads or supports added since the start raise, and so does a step so long that the
 ---energies are not finite.
@@ -104,7 +111,8 @@ function LinearTransient:run(options) end
 ---@field energy bw.RecordedEnergy energies at these times
 ---@field probes table<string, bw.Probe> by name
 ---@field stress? bw.RecordedStress where `stress_every` was given
----@field steps_per_period? number (count) steps per period of the motion until now, in the mean over its strain energy. None for few steps of less than one period, for motions as a rigid body and with `modes`, which are exact for loads that are linear within a step.
+---@field steps_per_period? number (count) steps per period of the motion until now, in the mean over its strain energy. None where steps adapt, for few steps of less than one period, for motions as a rigid body and with `modes`, which are exact for loads that are linear within a step.
+---@field steps? bw.RecordedSteps where steps adapt
 ---@field period_error? number (-) by which its periods are too long, estimated from `steps_per_period`; above 0.03 a warning names a shorter step
 local Recording = {}
 
@@ -116,6 +124,16 @@ local Recording = {}
 ---@return string? message
 ---@return bw.Details? details
 function Recording:write(path) end
+
+---Steps that adapt.
+---@class bw.RecordedSteps
+---@field taken integer (count) of the recording
+---@field shortest number (s) the shortest of them
+---@field longest number (s) the longest of them
+---@field rejected integer (count) of those taken again since the start of the motion
+---@field coarse integer (count) since then of the shortest length allowed, with a larger error than asked for
+---@field factors integer (count) made since then
+---@field error number (-) of the displacement at the end, relative to the largest, root mean square over the mass: the sum of the estimates of all steps, which is several times the error where errors cancel
 
 ---Energies in time.
 ---@class bw.RecordedEnergy

@@ -122,6 +122,10 @@ describe("motion in time", function()
       {step = 1e-4, damping = {ratios = 1}})
     check.raises("transient: option 'damping': a table with ratio, mass, stiffness or loss", part.transient, part,
       {step = 1e-4, damping = 0.02})
+    check.raises("option 'error'", part.transient, part, {step = 1e-4, error = 0})
+    check.raises("a tolerance of 1 for the error of a step", part.transient, part, {step = 1e-4, error = 1})
+    check.fails("unsupported", "steps that adapt are for direct integration", part:transient {step = 1e-4,
+      error = 1e-3, modes = part:modes {count = 2}})
     check.raises("velocity", part.transient, part, {step = 1e-4, initial = {velocity = {{1, 2, 3}}}})
     local transient = assert(part:transient {step = 1e-4})
     check.raises("a point {x, y, z} expected", transient.run, transient, {time = 1, probes = {a = 3}})
@@ -149,6 +153,141 @@ describe("motion in time", function()
     assert.is_true(fine.period_error < 0.02)
     assert.truthy(tostring(assert(assert(part:transient {step = 1e-5}):run {time = 2e-5})):find(
       "error by the step unknown", 1, true))
+  end)
+
+  -- A bar under a stress s that acts at once: u = s x / E - sum 2 s (-1)^k / (E b^2) sin(b x) cos(b c t),
+  -- b = (k + 1/2) pi.
+  it("steps that adapt follow a bar under a sudden load within their estimated error", function()
+    local mesh = bw.mesh.box {max = {1, 0.02, 0.02}, cells = {40, 1, 1}, order = 2}
+    local young, density, stress = 2e11, 8000, 1e6
+    local part = bw.model {mesh = mesh, material = bw.material.isotropic {young = young, poisson = 0,
+      density = density}}
+    part:fix(mesh.boundary:below("x", 0))
+    part:load {on = mesh.boundary:above("x", 1), force = {stress * 4e-4, 0, 0}}
+    local c = math.sqrt(young / density)
+    local period = 4 / c
+    local function exact(x, t)
+      local u = stress / young * x
+      for k = 0, 199 do
+        local b = (k + 0.5) * math.pi
+        u = u - 2 * stress / young * (-1) ^ k / b ^ 2 * math.sin(b * x) * math.cos(b * c * t)
+      end
+      return u
+    end
+    local along, nodes = {}, mesh.nodes
+    for i = 1, mesh.node_count do along[i] = nodes[i][1] end
+    local function rms(t, field)
+      local known, sum = {}, 0
+      for i, x in ipairs(along) do
+        local key = math.floor(x * 1e6 + 0.5)
+        known[key] = known[key] or exact(x, t)
+        sum = sum + (known[key] - (field and field[i] or 0)) ^ 2
+      end
+      return math.sqrt(sum / #along)
+    end
+    local largest = rms(period / 2)
+    for _, tolerance in ipairs {1e-2, 1e-3} do
+      local transient = assert(part:transient {step = period / 20, error = tolerance})
+      local most, k = 0, 0
+      local recording = assert(transient:run {time = 2.5 * period, each = function(now)
+        k = k + 1
+        if now.time > 2 * period and k % 5 == 0 then
+          most = math.max(most, rms(now.time, now.displacement:column(1)) / largest)
+        end
+      end})
+      local estimated = recording.steps.error
+      assert.is_true(most < estimated and estimated < 10 * most)
+      assert.is_true(most < 0.07)
+      assert.equal(0, recording.steps.coarse)
+      local text = tostring(recording)
+      assert.truthy(text:find("error by the step: at most about", 1, true))
+      assert.truthy(text:find(("%d rejected, %d factors"):format(recording.steps.rejected,
+        recording.steps.factors), 1, true))
+      assert.is_nil(recording.period_error)
+    end
+  end)
+
+  it("steps that adapt see a short pulse, and take few steps when nothing happens", function()
+    local mesh = bw.mesh.box {max = {1, 0.1, 0.08}, cells = {8, 1, 1}, order = 2}
+    local part = bw.model {mesh = mesh, material = bw.material.steel}
+    part:fix(mesh.boundary:below("x", 0))
+    part:load {on = mesh.boundary:above("x", 1), force = {0, 0, -1000}}
+    local period = 1 / assert(part:modes {count = 1}).frequencies[1]
+    local w = 2 * math.pi / period
+    local rows = {{0, 0}, {30 * period, 0}, {30.05 * period, 1}, {30.1 * period, 0}}
+    local function of_time(t)
+      local x = t / period - 30
+      return x > 0 and x < 0.1 and 1 - math.abs(x / 0.05 - 1) or 0
+    end
+    local function follow(step, tolerance, history)
+      local transient = assert(part:transient {step = step, error = tolerance, loads = {history or rows},
+        damping = {mass = 0.1 * w, stiffness = 0.1 / w}})
+      local states = {}
+      local recording = assert(transient:run {time = 50 * period, each = function(now)
+        if now.time > 29 * period and now.time < 34 * period then
+          states[#states + 1] = {now.time, now.displacement}
+        end
+      end})
+      return states, recording
+    end
+    local fine = follow(period / 800)
+    local largest = 0
+    for _, s in ipairs(fine) do largest = math.max(largest, s[2]:norm()) end
+    local function error_of(states)
+      local most, i = 0, 1
+      for _, s in ipairs(states) do
+        while i < #fine - 1 and fine[i + 1][1] <= s[1] do i = i + 1 end
+        local x = (s[1] - fine[i][1]) / (fine[i + 1][1] - fine[i][1])
+        if x <= 1 then
+          most = math.max(most, (s[2] - (fine[i][2] * (1 - x) + fine[i + 1][2] * x)):norm() / largest)
+        end
+      end
+      return most
+    end
+    local states, recording = follow(period / 20, 1e-4)
+    local error = error_of(states)
+    assert.is_true(error < recording.steps.error and recording.steps.error < 6 * error)
+    assert.is_true(recording.steps.longest > 2 * period) -- longer than the pulse, which it sees all the same
+    -- 5 times as many fixed steps have a larger error
+    assert.is_true(error_of((follow(50 * period / (5 * recording.steps.taken)))) > error)
+    local _, as_function = follow(period / 20, 1e-4, of_time)
+    check.near(recording.steps.error, as_function.steps.error, 0.05)
+    local none = select(2, follow(period / 20, 1e-4, 0))
+    assert.equal(0, none.steps.error)
+    assert.is_true(none.steps.taken < 60)
+  end)
+
+  it("steps that adapt follow supports, and say where the shortest is too long", function()
+    local mesh = bw.mesh.box {max = {1, 0.1, 0.08}, cells = {8, 1, 1}, order = 2}
+    local part = bw.model {mesh = mesh, material = bw.material.steel}
+    part:prescribe(mesh.boundary:below("x", 0), {0, 0, 1e-3})
+    local period = 1 / assert(part:modes {count = 1}).frequencies[1]
+    local function follow(history, options)
+      options.supports = history
+      local recording = assert(assert(part:transient(options)):run {time = 6 * period, probes = {tip = {1, 0, 0}}})
+      return recording, recording.probes.tip.displacement:column(3)
+    end
+    local function rise(t)
+      local x = math.min(1, math.max(0, t / period - 2) / 0.3)
+      return 3 * (x - math.sin(2 * math.pi * x) / (2 * math.pi))
+    end
+    local fine = select(2, follow(rise, {step = period / 2000}))
+    local recording, tip = follow(rise, {step = period / 20, error = 1e-4})
+    assert.is_true(recording.steps.taken < 1500)
+    local off = 0
+    for i, time in ipairs(recording.time:totable()) do
+      local at = time / (period / 2000) + 1
+      local k = math.min(math.floor(at), #fine - 1)
+      off = math.max(off, math.abs(tip[i] - fine[k] - (at - k) * (fine[k + 1] - fine[k])))
+    end
+    assert.is_true(off < 0.01 * 3e-3)
+    bw.warnings()
+    local sudden = assert(bar(2):transient {step = period / 20, error = 1e-8})
+    recording = assert(sudden:run {time = period / 1000})
+    assert.is_true(recording.steps.coarse > 0)
+    local said = bw.warnings()
+    assert.truthy(said[#said]:find("changes in no time there", 1, true))
+    assert.truthy(tostring(recording):find("of the shortest length with a larger error", 1, true))
   end)
 
   it("a support that moves takes a stiff part along", function()

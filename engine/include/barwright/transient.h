@@ -13,10 +13,13 @@ extern "C" {
 
 /* How a linear body is followed in time. Pointers are borrowed. */
 typedef struct bw_linear_transient_options {
-  double step;        /* (s) of time, above 0; no default */
-  double rho;         /* (-) spectral radius at infinite frequency: 1 damps no motion, 0 takes the
-                         fastest away in one step; default 0.9, 0 to 1 */
-  bw_damping damping; /* mass and stiffness, with modes a ratio too */
+  double step;  /* (s) of time, above 0; no default. With `error` that of the first step */
+  double rho;   /* (-) spectral radius at infinite frequency: 1 damps no motion, 0 takes the
+                   fastest away in one step; default 0.9, 0 to 1 */
+  double error; /* (-) of the displacement in a step, relative to its largest norm in the mass:
+                   steps have `step` times powers of 2, 2^-10 to 2^6, and those of a larger
+                   error are taken again; default 0: all have one length; 0 to below 1 */
+  bw_damping damping;         /* mass and stiffness, with modes a ratio too */
   const bw_modes *modes;      /* elastic modes of the model: the motion is the sum of these and of
                                  rigid-body motions, and the static displacement of what they leave out;
                                  default NULL: direct integration */
@@ -31,6 +34,10 @@ typedef struct bw_transient_factors {
   double support;              /* (-) of the prescribed displacements of all supports */
   double support_velocity;     /* (1/s) its first derivative in time */
   double support_acceleration; /* (1/s2) its second derivative in time */
+  /* of steps that adapt: what a step from factor to factor does not see */
+  const double *load_missed; /* (-, load_count) mean of each load's factor in the step less that of
+                                its ends, or its magnitude; NULL: 0. Borrowed */
+  double support_missed;     /* (-) the largest such difference of the supports' factor */
 } bw_transient_factors;
 
 struct bwi_linear_transient;
@@ -38,9 +45,14 @@ struct bwi_linear_transient;
 typedef struct bw_linear_transient {
   bw_object object;
   const bw_model *model; /* retained */
-  double step;           /* (s) */
+  double step;           /* (s) of the next one */
   double time;           /* (s) now, 0 at the start */
   int64_t steps;         /* (count) taken */
+  int64_t rejected;      /* (count) computed, and taken again with a shorter length */
+  int64_t coarse;        /* (count) of the shortest length, with a larger error than asked for */
+  int factors;           /* (count) made; the last 6 lengths are kept */
+  double error;          /* (-) of the displacement now, relative to its largest norm in the mass:
+                            estimated, 0 where steps do not adapt */
   double *displacement;  /* (m, node_count x 3) */
   double *velocity;      /* (m/s, node_count x 3) */
   double *acceleration;  /* (m/s2, node_count x 3) */
@@ -50,7 +62,7 @@ typedef struct bw_linear_transient {
   double strain;         /* (J) strain energy */
   double work;           /* (J) done by loads and supports since the start */
   double damped;         /* (J) that the damping took since the start */
-  bw_solver_report report;            /* of the factor that all steps share */
+  bw_solver_report report;            /* of the factor made last; seconds of all */
   struct bwi_linear_transient *inner; /* the engine's own */
 } bw_linear_transient;
 /* A body at time 0, by the generalised-alpha method of Chung and Hulbert, J. Appl. Mech. 60 (1993)
@@ -70,9 +82,12 @@ BW_API bw_status bw_linear_transient_create(bw_context *context, const bw_model 
                                             const bw_linear_transient_options *options,
                                             const bw_transient_factors *now,
                                             bw_linear_transient **transient);
-/* One step, to the time at which the factors are `next` (NULL as above). BW_INVALID where supports
- * or loads were added since the start, for factors that are not finite, and where the energies
- * would not be, as for steps of an absurd length: it stays as it was. */
+/* One step, to the time at which the factors are `next` (NULL as above). Where steps adapt it may
+ * be rejected: `rejected` rises, not `steps`, and a shorter `step` from the same time comes next.
+ * The error is that of Zienkiewicz and Xie, Earthquake Engng. Struct. Dyn. 20 (1991) 871-887, for
+ * generalised-alpha (docs/theory/transient.md). BW_INVALID where supports or loads were added since
+ * the start, for factors that are not finite, and where the energies would not be, as for steps of
+ * an absurd length: it stays as it was. BW_MEMORY as above, for a further factor. */
 BW_API bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *transient,
                                           const bw_transient_factors *next);
 /* How steps of direct integration resolve a motion (docs/theory/transient.md). */
@@ -81,8 +96,9 @@ typedef struct bw_motion_resolution {
       steps; /* (count) per period of the motion, in the mean over its strain energy; 0: unknown */
   double error; /* (-) by which its periods are too long, estimated */
 } bw_motion_resolution;
-/* Of all steps until now, with a warning where the error is above 3 %. Unknown with modes, which
- * are exact for loads that are linear within a step, for few steps of less than one period and for
+/* Of all steps until now, with a warning where the error is above 3 %. Unknown where steps adapt,
+ * which have an error of their own, with modes, which are exact for loads that are linear within a
+ * step, for few steps of less than one period and for
  * rigid motions. */
 BW_API bw_motion_resolution bw_linear_transient_resolution(bw_context *context,
                                                            const bw_linear_transient *transient);

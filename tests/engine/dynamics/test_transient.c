@@ -274,6 +274,73 @@ static void test_resolution(void **state) {
   bw_release(model);
 }
 
+/* Steps that adapt follow a mode with the error that they estimate. One that is rejected leaves the
+ * state as it was; what a step does not see of a load counts as error. */
+static void test_adaptive(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = bar(context, true, 2);
+  bw_modes *modes = lowest(context, model, 2);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  const double *shape = modes->shape + size, w = sqrt(modes->eigenvalue[1]);
+  const double period = 2 * M_PI / w;
+  double *before = numbers(3 * size), *off = numbers(size);
+  for (int which = 0; which < 6; which++) {
+    const bw_linear_transient_options options = {.step = period / 20,
+                                                 .rho = which < 3 ? 0.5 * which : 0.9,
+                                                 .error = which < 5 ? 1e-4 : 1e-3,
+                                                 .displacement = shape};
+    bw_linear_transient *t = start(context, model, &options, NULL);
+    double most = 0;
+    while (t->time < 5 * period) {
+      const int64_t steps = t->steps;
+      const double time = t->time, h = t->step;
+      const double *field[3] = {t->displacement, t->velocity, t->acceleration};
+      for (int k = 0; k < 3; k++)
+        memcpy(before + k * size, field[k], (size_t)size * sizeof(double));
+      march(context, t, 1);
+      if (t->steps == steps) {
+        assert_true(t->time == time && t->step < h);
+        for (int k = 0; k < 3; k++)
+          assert_memory_equal(before + k * size, field[k], (size_t)size * sizeof(double));
+      } else
+        check_near(t->time, time + h, 1e-12 * period);
+      for (int64_t i = 0; i < size; i++)
+        off[i] = t->displacement[i] - cos(w * t->time) * shape[i];
+      if (t->time > 4 * period)
+        most = fmax(most, largest(size, off) / largest(size, shape));
+    }
+    assert_true(t->rejected > 0 && t->factors > 1 && t->coarse == 0);
+    check_near(t->error, most, 0.05 * most);
+    assert_true(bw_linear_transient_resolution(context, t).steps == 0);
+    bw_release(t);
+  }
+  const double force[3] = {0, 0, -1000};
+  bw_selection *end = plane(context, model->mesh, 0, 1);
+  check_ok(context, bw_model_force(context, model, end, force));
+  const double off_load = 0, seen = 0, unseen = 0.1;
+  const bw_linear_transient_options options = {.step = period / 20, .rho = 0.9, .error = 1e-3};
+  for (int which = 0; which < 2; which++) {
+    bw_transient_factors f = {.load = &off_load};
+    bw_linear_transient *t = start(context, model, &options, &f);
+    f.load_missed = which ? &unseen : &seen;
+    check_ok(context, bw_linear_transient_step(context, t, &f));
+    assert_int_equal(t->rejected, which);
+    assert_int_equal(t->steps, 1 - which);
+    bw_release(t);
+  }
+  const double broken = NAN;
+  bw_transient_factors f = {.load = &off_load};
+  bw_linear_transient *t = start(context, model, &options, &f);
+  f.load_missed = &broken;
+  assert_int_equal(bw_linear_transient_step(context, t, &f), BW_INVALID);
+  bw_release(t);
+  bw_release(end);
+  free(before);
+  free(off);
+  bw_release(modes);
+  bw_release(model);
+}
+
 /* Supports that move: a stiff bar follows its foot, and a mode of the bar is excited as a single
  * mass on a spring is by y = Y (1 - cos(W t)), whose relative motion is closed. */
 static void test_moving_support(void **state) {
@@ -607,6 +674,11 @@ static void test_memory_failures(void **state) {
   check_ok(context, bw_set_threads(context, 1));
   check_allocations(context, t,
                     bw_linear_transient_create(context, model, NULL, &options, NULL, &t));
+  const bw_linear_transient_options adaptive = {.step = 1e-4, .rho = 0.9, .error = 1e-3};
+  bw_model *loose = bar(context, false, 1);
+  check_allocations(context, t,
+                    bw_linear_transient_create(context, loose, NULL, &adaptive, NULL, &t));
+  bw_release(loose);
   bw_modes *modes = lowest(context, model, 2);
   const bw_linear_transient_options superposed = {.step = 1e-4, .modes = modes};
   check_allocations(context, t,
@@ -621,6 +693,7 @@ int main(void) {
       check_test(test_free_body),
       check_test(test_fall),
       check_test(test_resolution),
+      check_test(test_adaptive),
       check_test(test_step_load),
       check_test(test_moving_support),
       check_test(test_superposition),
