@@ -217,6 +217,8 @@ void lbw_check_vector(lua_State *L, int argument, const char *what, double vecto
 void lbw_check_pair(lua_State *L, int index, const char *what, double pair[2]);
 bool lbw_to_vector(lua_State *L, int index, double vector[3]);
 void lbw_push_vector(lua_State *L, const double vector[3]);
+/* Pops a text: `print` shows it of the table below. */
+void lbw_prints(lua_State *L);
 double lbw_check_real(lua_State *L, int argument, const char *what);
 /* From 1 in Lua to 0 here, checked against `count`. */
 int64_t lbw_check_index(lua_State *L, int argument, const char *what, int64_t count);

@@ -55,6 +55,19 @@ void lbw_push_vector(lua_State *L, const double vector[3]) {
   }
 }
 
+static int text_of(lua_State *L) {
+  lua_pushvalue(L, lua_upvalueindex(1));
+  return 1;
+}
+
+void lbw_prints(lua_State *L) {
+  lua_createtable(L, 0, 1);
+  lua_insert(L, -2);
+  lua_pushcclosure(L, text_of, 1);
+  lua_setfield(L, -2, "__tostring");
+  lua_setmetatable(L, -2);
+}
+
 double lbw_check_real(lua_State *L, int argument, const char *what) {
   if (lua_type(L, argument) != LUA_TNUMBER)
     lbw_argument_error(

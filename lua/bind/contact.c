@@ -247,6 +247,38 @@ static void set_number(lua_State *L, const char *key, double value) {
   lua_setfield(L, -2, key);
 }
 
+/* A force of a pair; what is rounding beside its pressure is 0. */
+static lbw_text force_text(const bw_contact_state *state, const double force[3]) {
+  double shown[3];
+  for (int k = 0; k < 3; k++)
+    shown[k] = fabs(force[k]) < 1e-9 * state->pressure * state->area ? 0 : force[k];
+  return lbw_triple(shown, 1, "N");
+}
+
+/* Pushes what print says of a pair. */
+static void push_pair_text(lua_State *L, const bw_contact *contact, int i) {
+  const bw_contact_state *state = &contact->state[i];
+  if (state->active == 0 && state->penetration > 0)
+    lua_pushliteral(L, "undecided");
+  else if (state->active == 0)
+    lua_pushfstring(L, "open by %s", lbw_quantity(state->gap, "m").text);
+  else
+    lua_pushfstring(L, "%s on %s, at most %s at %s, penetrates by up to %s; " LBW_ERROR_UNKNOWN,
+                    force_text(state, state->force).text, lbw_quantity(state->area, "m2").text,
+                    lbw_quantity(state->pressure, "Pa").text,
+                    lbw_point(contact->model->mesh->node + 3 * (int64_t)state->node).text,
+                    lbw_quantity(state->penetration, "m").text);
+  if (state->active == 0 || contact->pair[i].friction == 0)
+    return;
+  lua_pushfstring(L,
+                  "\n    friction %f: %s of it, sticks on %s, slips by up to %s, took "
+                  "%s; " LBW_ERROR_UNKNOWN,
+                  contact->pair[i].friction, force_text(state, state->friction).text,
+                  lbw_quantity(state->stick_area, "m2").text, lbw_quantity(state->slip, "m").text,
+                  lbw_quantity(state->work, "J").text);
+  lua_concat(L, 2);
+}
+
 static int contact_pairs(lua_State *L) {
   const bw_contact *contact = self(L);
   lua_createtable(L, contact->pair_count, 0);
@@ -276,6 +308,8 @@ static int contact_pairs(lua_State *L) {
     lua_setfield(L, -2, "candidates");
     lua_pushinteger(L, state->active);
     lua_setfield(L, -2, "active");
+    push_pair_text(L, contact, i);
+    lbw_prints(L);
     lua_rawseti(L, -2, i + 1);
   }
   return 1;
@@ -309,14 +343,6 @@ static int contact_report(lua_State *L) {
   return 1;
 }
 
-/* A force of a pair; what is rounding beside its pressure is 0. */
-static lbw_text force_text(const bw_contact_state *state, const double force[3]) {
-  double shown[3];
-  for (int k = 0; k < 3; k++)
-    shown[k] = fabs(force[k]) < 1e-9 * state->pressure * state->area ? 0 : force[k];
-  return lbw_triple(shown, 1, "N");
-}
-
 static int contact_tostring(lua_State *L) {
   const bw_contact *contact = self(L);
   luaL_Buffer text;
@@ -334,28 +360,10 @@ static int contact_tostring(lua_State *L) {
     luaL_addvalue(&text);
   }
   for (int i = 0; i < contact->pair_count; i++) {
-    const bw_contact_state *state = &contact->state[i];
-    if (state->active == 0 && state->penetration > 0)
-      lua_pushfstring(L, "\n  pair %d: undecided", i + 1);
-    else if (state->active == 0)
-      lua_pushfstring(L, "\n  pair %d: open by %s", i + 1, lbw_quantity(state->gap, "m").text);
-    else
-      lua_pushfstring(
-          L, "\n  pair %d: %s on %s, at most %s at %s, penetrates by up to %s; " LBW_ERROR_UNKNOWN,
-          i + 1, force_text(state, state->force).text, lbw_quantity(state->area, "m2").text,
-          lbw_quantity(state->pressure, "Pa").text,
-          lbw_point(contact->model->mesh->node + 3 * (int64_t)state->node).text,
-          lbw_quantity(state->penetration, "m").text);
+    lua_pushfstring(L, "\n  pair %d: ", i + 1);
     luaL_addvalue(&text);
-    if (state->active > 0 && contact->pair[i].friction > 0) {
-      lua_pushfstring(L,
-                      "\n    friction %f: %s of it, sticks on %s, slips by up to %s, took "
-                      "%s; " LBW_ERROR_UNKNOWN,
-                      contact->pair[i].friction, force_text(state, state->friction).text,
-                      lbw_quantity(state->stick_area, "m2").text,
-                      lbw_quantity(state->slip, "m").text, lbw_quantity(state->work, "J").text);
-      luaL_addvalue(&text);
-    }
+    push_pair_text(L, contact, i);
+    luaL_addvalue(&text);
   }
   for (const char *line = contact->notes; *line;) {
     size_t length = strcspn(line, "\n");

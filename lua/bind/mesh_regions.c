@@ -84,6 +84,9 @@ static int list_regions(lua_State *L) {
     lua_setfield(L, -2, "volume");
     next[i] = (int32_t *)lbw_push_array(L, BW_I32, r->element_count, 1)->data;
     lua_setfield(L, -2, "elements");
+    lua_pushfstring(L, "region '%s' (tag %d) of %d elements, %s", r->name.text, (int)r->tag,
+                    (int)r->element_count, lbw_quantity(volume[i], "m3").text);
+    lbw_prints(L);
     lua_rawseti(L, -2, (lua_Integer)i + 1);
   }
   for (int32_t e = 0; count > 0 && e < mesh->element_count; e++)
@@ -200,6 +203,10 @@ int lbw_mesh_split(lua_State *L) {
   lua_setfield(L, -2, "misplaced");
   lua_pushinteger(L, log.cut);
   lua_setfield(L, -2, "cut");
+  lua_pushfstring(
+      L, "region '%s' of %s; %s is on the other side of what was asked for, %d elements cut", name,
+      lbw_quantity(log.volume, "m3").text, lbw_quantity(log.misplaced, "m3").text, (int)log.cut);
+  lbw_prints(L);
   return lbw_leave(L, status, 2);
 }
 
@@ -215,6 +222,7 @@ int lbw_mesh_separated(lua_State *L) {
 
 typedef struct found {
   const bw_mesh *mesh;
+  int32_t a, b; /* regions */
   bw_mesh_interface interface;
 } found;
 
@@ -228,16 +236,21 @@ static int push_interface(lua_State *L) {
   lua_setfield(L, -2, "elements");
   lua_pushnumber(L, f->interface.area);
   lua_setfield(L, -2, "area");
+  lua_pushfstring(L, "interface of '%s' and '%s': %d facets, %s", f->mesh->regions[f->a].name.text,
+                  f->mesh->regions[f->b].name.text, (int)f->interface.count,
+                  lbw_quantity(f->interface.area, "m2").text);
+  lbw_prints(L);
   return 1;
 }
 
 /* mesh:interface(a, b): {facets, elements, area} */
 int lbw_mesh_interface(lua_State *L) {
   found f = {.mesh = self(L)};
-  int32_t a = lbw_check_region(L, 2, f.mesh), b = lbw_check_region(L, 3, f.mesh);
+  f.a = lbw_check_region(L, 2, f.mesh);
+  f.b = lbw_check_region(L, 3, f.mesh);
   lua_pushcfunction(L, push_interface);
   lua_pushlightuserdata(L, &f);
-  lbw_leave_or_raise(L, bw_mesh_interface_find(lbw_enter(L), f.mesh, a, b, &f.interface));
+  lbw_leave_or_raise(L, bw_mesh_interface_find(lbw_enter(L), f.mesh, f.a, f.b, &f.interface));
   int failure = lua_pcall(L, 1, 1, 0);
   bw_mesh_interface_clear(&f.interface);
   return failure ? lua_error(L) : 1;

@@ -187,7 +187,32 @@ static int static_interface_traction(lua_State *L) {
 LBW_PUSH(static_energy, lua_pushnumber(L, self(L)->energy))
 LBW_PUSH(static_residual, lua_pushnumber(L, self(L)->residual))
 
-static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of) {
+static lbw_text vector_text(const double v[3], const char *unit) {
+  lbw_text out;
+  snprintf(out.text, sizeof out.text, "(%.4g, %.4g, %.4g) %s", v[0], v[1], v[2], unit);
+  return out;
+}
+
+/* Pushes what print says of a bond or an attachment. */
+static const char *push_force_text(lua_State *L, const bw_joint_force *of, const char *on) {
+  char text[300];
+  int length = snprintf(text, sizeof text, "force on %s %s", on, vector_text(of->force, "N").text);
+  if (of->preloaded)
+    snprintf(text + length, sizeof text - (size_t)length, ", preload %.4g N, shortening %.4g m",
+             of->preload, of->shortening);
+  return lua_pushstring(L, text);
+}
+
+static const char *push_coupling_text(lua_State *L, const bw_coupling_result *of) {
+  return lua_pushfstring(
+      L, "remote point moves by %s, turns by %s, reaction %s and %s",
+      vector_text(of->displacement, "m").text, vector_text(of->displacement + 3, "rad").text,
+      vector_text(of->reaction, "N").text, vector_text(of->reaction + 3, "N m").text);
+}
+
+static const char on_bond[] = "side a", on_attachment[] = "the body";
+
+static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of, const char *on) {
   lua_createtable(L, count, 0);
   for (int i = 0; i < count; i++) {
     lua_createtable(L, 0, 2);
@@ -201,6 +226,8 @@ static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of) 
       lua_pushnumber(L, of[i].shortening);
       lua_setfield(L, -2, "shortening");
     }
+    push_force_text(L, &of[i], on);
+    lbw_prints(L);
     lua_rawseti(L, -2, i + 1);
   }
   return 1;
@@ -208,12 +235,12 @@ static int push_joint_forces(lua_State *L, int count, const bw_joint_force *of) 
 
 /* What the bonds transmit. */
 static int static_bonds(lua_State *L) {
-  return push_joint_forces(L, self(L)->bond_count, self(L)->bond);
+  return push_joint_forces(L, self(L)->bond_count, self(L)->bond, on_bond);
 }
 
 /* What masses and springs exert. */
 static int static_attachments(lua_State *L) {
-  return push_joint_forces(L, self(L)->attachment_count, self(L)->attachment);
+  return push_joint_forces(L, self(L)->attachment_count, self(L)->attachment, on_attachment);
 }
 
 /* What remote points do. */
@@ -236,6 +263,8 @@ static int static_couplings(lua_State *L) {
       lbw_push_vector(L, field[k].value);
       lua_setfield(L, -2, field[k].name);
     }
+    push_coupling_text(L, of);
+    lbw_prints(L);
     lua_rawseti(L, -2, i + 1);
   }
   return 1;
@@ -322,12 +351,6 @@ static int core_note_error(lua_State *L) {
 /* Bonds, attachments and couplings that print lists, of each kind. */
 enum { JOINTS_PRINTED = 10 };
 
-static void add_vector(luaL_Buffer *out, const char *before, const double v[3], const char *unit) {
-  char text[200];
-  snprintf(text, sizeof text, "%s(%.4g, %.4g, %.4g) %s", before, v[0], v[1], v[2], unit);
-  luaL_addstring(out, text);
-}
-
 static void add_joint(luaL_Buffer *out, const char *kind, int number) {
   char text[40];
   snprintf(text, sizeof text, "\n  %s %d: ", kind, number);
@@ -343,30 +366,23 @@ static void add_rest(luaL_Buffer *out, const char *kind, int count) {
 }
 
 /* What joins the bodies, a line for each. */
-static void add_joints(luaL_Buffer *out, const bw_static *result) {
+static void add_joints(lua_State *L, luaL_Buffer *out, const bw_static *result) {
   for (int i = 0; i < result->bond_count && i < JOINTS_PRINTED; i++) {
-    const bw_joint_force *of = &result->bond[i];
-    char text[100];
     add_joint(out, "bond", i + 1);
-    add_vector(out, "force on side a ", of->force, "N");
-    if (!of->preloaded)
-      continue;
-    snprintf(text, sizeof text, ", preload %.4g N, shortening %.4g m", of->preload, of->shortening);
-    luaL_addstring(out, text);
+    push_force_text(L, &result->bond[i], on_bond);
+    luaL_addvalue(out);
   }
   add_rest(out, "bond", result->bond_count);
   for (int i = 0; i < result->attachment_count && i < JOINTS_PRINTED; i++) {
     add_joint(out, "attachment", i + 1);
-    add_vector(out, "force on the body ", result->attachment[i].force, "N");
+    push_force_text(L, &result->attachment[i], on_attachment);
+    luaL_addvalue(out);
   }
   add_rest(out, "attachment", result->attachment_count);
   for (int i = 0; i < result->coupling_count && i < JOINTS_PRINTED; i++) {
-    const bw_coupling_result *of = &result->coupling[i];
     add_joint(out, "coupling", i + 1);
-    add_vector(out, "remote point moves by ", of->displacement, "m");
-    add_vector(out, ", turns by ", of->displacement + 3, "rad");
-    add_vector(out, ", reaction ", of->reaction, "N");
-    add_vector(out, " and ", of->reaction + 3, "N m");
+    push_coupling_text(L, &result->coupling[i]);
+    luaL_addvalue(out);
   }
   add_rest(out, "coupling", result->coupling_count);
 }
@@ -396,7 +412,7 @@ static int static_tostring(lua_State *L) {
   luaL_Buffer out;
   luaL_buffinit(L, &out);
   luaL_addstring(&out, text);
-  add_joints(&out, result);
+  add_joints(L, &out, result);
   luaL_pushresult(&out);
   return 1;
 }

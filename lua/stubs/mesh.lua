@@ -268,7 +268,7 @@ function Mesh:scale(factor) end
 ---@return bw.Details? details
 function Mesh:subset(mask) end
 
----A region of a mesh: a named part of its elements, such as a part of an assembly or a layer.
+---A region of a mesh: a named part of its elements, such as a part of an assembly or a layer. `print` shows its size.
 ---@class bw.MeshRegion
 ---@field name string its name, its own among the regions of the mesh
 ---@field tag integer (-) its number in files

@@ -50,7 +50,7 @@ local Static = {}
 ---@field preload? number (N) that pulls the sides of a bond with a preload together; nil of others
 ---@field shortening? number (m) by which these sides overlap; nil of others
 
----The motion of a remote point and its loads. Moments are about the point.
+---The motion of a remote point and its loads. Moments are about the point. `print` shows motion and reactions.
 ---@class bw.CouplingResult
 ---@field displacement bw.Vector (m) of the point
 ---@field rotation bw.Vector (rad) of the point, small

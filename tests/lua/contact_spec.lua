@@ -24,6 +24,7 @@ describe("contact", function()
     assert.matches("nothing decides the position along the translation along %(1, 0, 0%)", tostring(contact))
     assert.matches("%d+ changes of the active set", tostring(contact))
     assert.matches("pair 1: %(0, 0, 120000%) N .*; error unknown: one mesh", tostring(contact))
+    assert.matches("^%(0, 0, 120000%) N .*; error unknown: one mesh$", tostring(contact.pairs[1]))
     assert.are.equal("cholesky", contact.report.solver)
     local path = os.tmpname() .. ".vtu"
     assert(contact:write(path))
