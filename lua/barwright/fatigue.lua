@@ -3,6 +3,7 @@
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local fine_boundary = require "barwright.fine_boundary"
+local histories = require "barwright.history"
 local members = require "barwright.members"
 local options = require "barwright.options"
 local shown = require "barwright.shown"
@@ -13,9 +14,23 @@ local fatigue = {}
 fatigue.__index = members("fatigue", fatigue, {})
 fatigue.__name = "barwright.fatigue"
 
--- The history of a load as a table of numbers, as long as that of the first load.
+-- The values of a file of times and values.
+local function read_values(path)
+  local rows, message, details = histories.rows(path)
+  if not rows then return nil, message, details end
+  for i, row in ipairs(rows) do rows[i] = row[2] end
+  return rows
+end
+
+-- The history of a load as a table of numbers, as long as that of the first load; nil, a message and details for a
+-- file that cannot be read.
 local function read_history(i, given, length)
   local history = options.kind(given) == "array" and given:totable() or given
+  if type(given) == "string" then
+    local message, details
+    history, message, details = read_values(given)
+    if not history then return nil, message, details end
+  end
   if type(history) ~= "table" or not options.countable(history) or #history < 2 then
     raise(("fatigue: load %d: 'history': a list of 2 numbers or more expected, got %s"):format(i,
       core.got(given)))
@@ -25,8 +40,9 @@ local function read_history(i, given, length)
       #history))
   end
   for k, value in ipairs(history) do
-    if type(value) ~= "number" then
-      raise(("fatigue: load %d: entry %d of the history: a number expected, got %s"):format(i, k, core.got(value)))
+    if type(value) ~= "number" or value ~= value or math.abs(value) == math.huge then
+      raise(("fatigue: load %d: entry %d of the history: a finite number expected, got %s"):format(i, k,
+        type(value) == "number" and tostring(value) or core.got(value)))
     end
   end
   return history
@@ -51,7 +67,8 @@ function fatigue.create(given)
     if one.static.mesh ~= first.mesh then
       raise(("fatigue: load %d: a static solution on the mesh of load 1 expected"):format(i))
     end
-    local history = read_history(i, one.history, length)
+    local history, message, details = read_history(i, one.history, length)
+    if not history then return nil, message, details end
     length = #history
     solutions[i] = one.static
     for t, value in ipairs(history) do

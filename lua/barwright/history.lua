@@ -33,16 +33,21 @@ local function fault(row, before)
   end
 end
 
-local function are_rows(rows)
-  if #rows == 0 then return false end
-  for i, row in ipairs(rows) do
-    if type(row) ~= "table" or fault(row, rows[i - 1]) then return false end
+-- Raises for what are no rows of ascending times.
+local function check_rows(what, rows)
+  if type(rows) ~= "table" or type(rows[1]) ~= "table" then
+    raise(("%s: a number, a function of time, rows {time, value} of ascending times or the path of a CSV file "
+      .. "expected, got %s"):format(what, core.got(rows)))
   end
-  return true
+  for i, row in ipairs(rows) do
+    local wrong = type(row) ~= "table" and "{time, value} expected, got " .. core.got(row)
+      or fault(row, rows[i - 1])
+    if wrong then raise(("%s: row %d: %s"):format(what, i, wrong)) end
+  end
 end
 
--- Rows of a file: two columns behind comments (#) and one line of headings.
-local function read_rows(path)
+--- Rows {time, value} of a file: two columns behind comments (#) and one line of headings.
+function history.rows(path)
   local text, why = read_file(path)
   if not text then return nil, why, {status = "io", file = path} end
   local rows, number, headings = {}, 0, false
@@ -77,12 +82,11 @@ function history.read(what, given)
   if finite(given) then return function() return given end end
   local rows = given
   if type(given) == "string" then
-    local read, message, details = read_rows(given)
+    local read, message, details = history.rows(given)
     if not read then return nil, message, details end
     rows = read
-  elseif type(given) ~= "table" or not are_rows(given) then
-    raise(("%s: a number, a function of time, rows {time, value} of ascending times or the path of a CSV file "
-      .. "expected, got %s"):format(what, core.got(given)))
+  else
+    check_rows(what, given)
   end
   return function(time) return interpolate(rows, time) end, rows
 end

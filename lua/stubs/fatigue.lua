@@ -28,7 +28,7 @@ function bw.rainflow(history) end
 ---The damage of one pass of a load history, at each node, by the signed von Mises stress. The stress is the sum of static solutions
 ---of unit loads, each times its history. Where materials meet, the largest damage of one of them counts. Numbers outside their ranges raise, and so do histories of different lengths.
 ---
----Errors: only those that every function may give.
+---Errors: io and format for a history in a file.
 ---
 ---Source: docs/theory/dynamics.md.
 ---```lua
@@ -51,7 +51,7 @@ function bw.fatigue(options) end
 ---A load and its history.
 ---@class bw.FatigueLoad
 ---@field static bw.Static the solution for a unit of the load, all on one mesh
----@field history number[]|bw.Array (-, n × 1) factors on it, as many for each load
+---@field history number[]|bw.Array|string (-, n × 1) factors on it, as many for each load; or the path of a CSV file with the columns time and factor, whose times must ascend
 
 ---A life curve of fully reversed stress: N = cycles (amplitude / a)^exponent.
 ---@class bw.LifeCurve

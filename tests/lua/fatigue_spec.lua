@@ -71,6 +71,20 @@ describe("fatigue", function()
     assert.is_true(quotient:max() < 1e-6)
   end)
 
+  it("takes histories of CSV files, and says where one has a gap", function()
+    local static = pulled {1, 0, 0}
+    local function of(history)
+      return bw.fatigue {loads = {{static = static, history = history}}, curve = {amplitude = 1}}
+    end
+    local path = folder .. "history.csv"
+    check.write(path, "time,load\n0,0\n0.1,1\n0.3,-0.5\n0.4,1\n")
+    assert.equal(of({0, 1, -0.5, 1}).passes, of(path).passes)
+    check.write(path, "time,load\n0,0\n0.1,\n0.3,-0.5\n")
+    check.fails("format", "line 3: a value is missing", of(path))
+    check.fails("io", "No such file", of(folder .. "none.csv"))
+    check.raises("load 1: entry 2 of the history: a finite number expected, got inf", of, {0, math.huge, 1})
+  end)
+
   it("refuses misuse in a sentence", function()
     local static = pulled {1, 0, 0}
     local function of(loads, curve) return function() bw.fatigue {loads = loads, curve = curve} end end

@@ -277,7 +277,7 @@ describe("heat", function()
     local heat, mesh = bar(metal)
     check.raises("has no conductivity", bw.heat, {mesh = mesh, material = bw.material.abs})
     check.raises("one of the options", heat.load, heat, {})
-    check.raises("ascending times", function()
+    check.raises("times must ascend", function()
       assert(heat:transient {initial = 0}):run {time = 1, step = 1, histories = {{{1, 2}, {1, 3}}}}
     end)
     check.fails("unconstrained", "no steady temperature", heat:solve())

@@ -110,8 +110,12 @@ describe("motion in time", function()
       check.fails("format", what, part:transient {step = 1e-4, loads = {path}})
     end
     check.fails("io", "none.csv", part:transient {step = 1e-4, loads = {folder .. "none.csv"}})
-    check.raises("the history of load 1: a number, a function of time, rows", part.transient, part,
+    check.raises("the history of load 1: row 2: the time 0 does not follow the time 0", part.transient, part,
       {step = 1e-4, loads = {{{0, 1}, {0, 2}}}})
+    check.raises("the history of load 1: row 2: a value is missing", part.transient, part,
+      {step = 1e-4, loads = {{{0, 1}, {1}}}})
+    check.raises("the history of load 1: a number, a function of time, rows", part.transient, part,
+      {step = 1e-4, loads = {{}}})
     check.raises("there is no load 2: the part has 1", part.transient, part, {step = 1e-4, loads = {[2] = 1}})
     check.raises("must return a finite number", part.transient, part,
       {step = 1e-4, loads = {function() return 0 / 0 end}})
