@@ -960,6 +960,17 @@ describe("commands that compute", function()
     check.near(0.01, object.supported_area_m2, 1e-9)
   end)
 
+  it("says that the regions of a mesh are taken as one material", function()
+    local mesh = assert(bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 1, 1}}:split("x < 0.05", "grip"))
+    assert(mesh:write(folder .. "regions.msh"))
+    local words = "modes " .. folder .. "regions.msh --count 1 --material steel"
+    local _, out = check.run(words)
+    assert.truthy(out:find("The regions rest, grip are all taken as steel; in Lua bw.model {materials = ...} "
+      .. "gives each its own.", 1, true), out)
+    local _, object = answer(words)
+    assert.same({"rest", "grip"}, object.regions)
+  end)
+
   it("modes has the frequencies of a beam, free and constrained", function()
     local _, object = answer("modes " .. beam .. " --material steel --count 2 --sure")
     local function bending(root) -- Euler and Bernoulli; shear and rotation lower it by some percent

@@ -337,6 +337,20 @@ function model.mesh(read, opts, out)
   return mesh
 end
 
+-- At most so many regions are named.
+local REGIONS_NAMED = 4
+
+-- Regions of a file, which the commands take as one material.
+local function report_regions(mesh, material, out)
+  local names, count = bw.json.list {}, #mesh.regions
+  for i, region in ipairs(mesh.regions) do names[i] = region.name end
+  out:json {regions = names}
+  if count < 2 then return end
+  out:say("The regions %s%s are all taken as %s; in Lua bw.model {materials = ...} gives each its own.",
+    table.concat(names, ", ", 1, math.min(count, REGIONS_NAMED)),
+    count > REGIONS_NAMED and (" and %d more"):format(count - REGIONS_NAMED) or "", material.name)
+end
+
 --- Says and keeps what a mesh is.
 function model.report_mesh(mesh, material, out)
   local size = {}
@@ -348,6 +362,7 @@ function model.report_mesh(mesh, material, out)
     box_low_m = mesh.box.min, box_high_m = mesh.box.max, volume_m3 = mesh.volume,
     area_m2 = mesh.boundary.area,
     mass_kg = material and material.density and material.density * mesh.volume or nil}
+  if material then report_regions(mesh, material, out) end
 end
 
 -- With --length critical the material needs a toughness: a sentence where it has none.
