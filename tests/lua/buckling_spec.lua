@@ -136,6 +136,23 @@ describe("buckling", function()
 end)
 
 describe("barwright buckle", function()
+  it("writes a page of the shapes with the sentences that it says", function()
+    local mesh = bw.mesh.box {max = {L, a, b}, cells = {24, 1, 2}, order = 2}
+    local body, page = folder .. "page.msh", folder .. "page.html"
+    assert(mesh:write(body))
+    for load, field in pairs {["--force max:x=-100,0,0"] = "von Mises stress under the load",
+      ["--worst 5N"] = "pressure of the load"} do
+      local words = "buckle %s --material steel --fix min:x %s --count 2 --report %s"
+      local _, out, err = check.run(words:format(body, load, page))
+      assert.equal("", err)
+      local text = check.read(page)
+      local factor = text:match "buckling shape 1: load factor ([%d.]+)"
+      assert.truthy(factor and out:find(factor, 1, true), out)
+      assert.truthy(text:find("buckling shape 2: load factor", 1, true) and text:find(field, 1, true))
+      assert.truthy(text:find("Linear theory: loads keep their directions", 1, true))
+    end
+  end)
+
   local path = folder .. "strut.msh"
   setup(function()
     assert(bw.mesh.box({max = {L, a, b}, cells = {24, 1, 2}, order = 2}):write(path))

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright buckle MODEL: how many times the load may grow before the part buckles.
 local bw = require "barwright"
+local buckle_page = require "barwright.command.buckle_page"
 local buckle_worst = require "barwright.command.buckle_worst"
 local loads_of = require "barwright.command.loads"
 local model = require "barwright.command.model"
@@ -50,43 +51,51 @@ local function report(found, opts, out)
   local buckling, errors, factors = found.buckling, found.errors, found.buckling.factors:totable()
   local verdict, words = judge(buckling, errors, opts.sign)
   out:say("")
+  local say, sentences = out:recorded()
   if #factors == 0 then
-    out:say("There is no load factor of the wanted sign to %s times the load.", shown.number(buckling.searched))
+    say("There is no load factor of the wanted sign to %s times the load.", shown.number(buckling.searched))
   else
-    out:say("It buckles at these multiples of the load%s:", opts.sign == "positive" and ""
+    say("It buckles at these multiples of the load%s:", opts.sign == "positive" and ""
       or " (negative: of the reversed load)")
   end
   for i, factor in ipairs(factors) do
-    out:say("  %2d  %10s   about %s too large in size", i, shown.number(factor), shown.error(errors[i]))
+    say("  %2d  %10s   about %s too large in size", i, shown.number(factor), shown.error(errors[i]))
   end
-  out:say("With these errors, or %s where that is more, %s.", shown.error(MIN_ERROR), words)
+  say("With these errors, or %s where that is more, %s.", shown.error(MIN_ERROR), words)
   local material, used = found.static.material, nil
   if material.strength and buckling.factor then
     used = found.static.utilisation:max() * buckling.factor
     if used > 1 then
-      out:say("The stress at the first factor is %s of the strength: the material may fail before.",
+      say("The stress at the first factor is %s of the strength: the material may fail before.",
         shown.percent(used))
     end
   end
-  out:say(buckling.counted and "A count of the load factors confirms that none is missing."
+  say(buckling.counted and "A count of the load factors confirms that none is missing."
     or "Not counted: a smaller factor may be missing.")
-  out:say "Linear theory: loads keep their directions, and shape and supports are perfect."
+  say "Linear theory: loads keep their directions, and shape and supports are perfect."
   out:json {verdict = verdict, load_factors = bw.json.list(factors), load_factor = buckling.factor,
     errors = bw.json.list(errors), counted = buckling.counted, searched = buckling.searched,
     utilisation_at_factor = used, fix = bw.json.list(opts.fix), material = opts.material,
     solver = buckling.report.solver}
-  return verdict
+  return verdict, sentences
 end
 
 local function run_worst(opts, out)
   local worst, why, details = buckle_worst.analyse(opts, out)
   if not worst then return out:fail(why, details) end
-  local verdict = buckle_worst.report(worst, opts, MIN_ERROR, out)
-  if (opts.picture or opts.vtu) and not worst.factor then
+  local verdict, sentences = buckle_worst.report(worst, opts, MIN_ERROR, out)
+  if (opts.picture or opts.vtu or opts.report) and not worst.factor then
     out:say "No file is written, since no load was found."
   end
   local failed = out:write_files {{worst.factor and opts.vtu, function() return worst:write(opts.vtu) end},
-    {worst.factor and opts.picture, function() return buckle_worst.picture(worst, opts) end}}
+    {worst.factor and opts.picture, function() return buckle_worst.picture(worst, opts, opts.picture) end},
+    {worst.factor and opts.report, function()
+      local displacement, message, more = worst:displacement()
+      if not displacement then return nil, message, more end
+      return buckle_page.write(opts.report, worst.buckling, {name = "pressure of the load", unit = "MPa",
+        values = worst:pressure(), scale = 1e-6, displacement = displacement, arrows = worst:arrows()}, sentences,
+        function(name) return buckle_worst.picture(worst, opts, name) end)
+    end}}
   if failed then return failed end
   return verdict == "holds" and 0 or 1
 end
@@ -105,6 +114,8 @@ local options = {
   model.elements_option,
   {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
     what = "linear or quadratic elements; linear ones are too stiff, and their factors too large"},
+  {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
+    what = "write a page with a 3D view of the shapes"},
   {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
     what = "write the shapes, for ParaView"},
   {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
@@ -133,11 +144,16 @@ return {
     if not loads then return out:misuse(message) end
     local found, why, details = analyse(opts, loads, out)
     if not found then return out:fail(why, details) end
-    local verdict = report(found, opts, out)
-    local buckling = found.buckling
+    local verdict, sentences = report(found, opts, out)
+    local buckling, static = found.buckling, found.static
     if opts.picture and buckling.count == 0 then out:say "No picture is written, since no shape was found." end
     local failed = out:write_files {{opts.vtu, function() return buckling:write(opts.vtu) end},
-      {buckling.count > 0 and opts.picture, function() return buckling:picture(1, opts.picture) end}}
+      {buckling.count > 0 and opts.picture, function() return buckling:picture(1, opts.picture) end},
+      {opts.report, function()
+        return buckle_page.write(opts.report, buckling, {name = "von Mises stress under the load", unit = "MPa",
+          values = static.von_mises, scale = 1e-6, displacement = static.displacement}, sentences,
+          function(name) return static:picture(name) end)
+      end}}
     if failed then return failed end
     return verdict == "holds" and 0 or 1
   end,

@@ -82,15 +82,15 @@ local function force_words(factor, opts)
 end
 
 --- A picture of the answer, with the force as the option gives it.
-function buckle_worst.picture(worst, opts)
-  return worst:picture(opts.picture, {title = ("Buckles at %s, %s times this load; another may need less")
+function buckle_worst.picture(worst, opts, path)
+  return worst:picture(path, {title = ("Buckles at %s, %s times this load; another may need less")
     :format(force_words(worst.factor, opts), shown.number(math.abs(worst.factor)))})
 end
 
 local words = {buckles = "the part buckles under %s", unsure = "the error leaves open whether it buckles under %s",
   holds = "no load of %s that was found buckles it"}
 
---- Says what was found; the verdict. `min_error`: what one mesh leaves open at least.
+--- Says what was found; the verdict, and the sentences. `min_error`: what one mesh leaves open at least.
 function buckle_worst.report(worst, opts, min_error, out)
   local factor, verdict = worst.factor, "unsure"
   local error = math.max(worst.mesh_error or 0, min_error)
@@ -100,26 +100,27 @@ function buckle_worst.report(worst, opts, min_error, out)
     verdict = "holds"
   end
   out:say("")
+  local say, sentences = out:recorded()
   if factor then
     local asked = core.quantity(opts.worst, "N")
-    out:say("Of the loads found, this one buckles the part first: %s on at least %s, a load factor of %s.",
+    say("Of the loads found, this one buckles the part first: %s on at least %s, a load factor of %s.",
       force_words(factor, opts), core.quantity(opts.contact, "m2"), shown.number(factor))
-    out:say("At a force of %s its pressures add up to the following%s:", asked,
+    say("At a force of %s its pressures add up to the following%s:", asked,
       factor < 0 and ", and a pull reverses them" or "")
     for _, arrow in ipairs(worst:arrows()) do
-      out:say("  %s at %s, on %s", shown.vector(arrow.force, "N"), core.point(arrow.at),
+      say("  %s at %s, on %s", shown.vector(arrow.force, "N"), core.point(arrow.at),
         core.quantity(arrow.area, "m2"))
     end
-    out:say("The mesh makes force and factor about %s too large in size.", shown.error(worst.mesh_error))
-    out:say("With this error, or %s where that is more, %s.", shown.error(min_error), words[verdict]:format(asked))
-    out:say(worst.counted and "A count of the load factors confirms that this load has no smaller one."
+    say("The mesh makes force and factor about %s too large in size.", shown.error(worst.mesh_error))
+    say("With this error, or %s where that is more, %s.", shown.error(min_error), words[verdict]:format(asked))
+    say(worst.counted and "A count of the load factors confirms that this load has no smaller one."
       or "The load factors of this load are not counted: a smaller one may be missing.")
   else
-    out:say "No load was found that buckles the part; one may exist."
+    say "No load was found that buckles the part; one may exist."
   end
-  out:say "The search is heuristic: another load may buckle the part sooner."
-  out:say "Whether the material fails at a smaller force is not computed: `barwright worst` answers that."
-  out:say "Linear theory: loads keep their directions, and shape and supports are perfect."
+  say "The search is heuristic: another load may buckle the part sooner."
+  say "Whether the material fails at a smaller force is not computed: `barwright worst` answers that."
+  say "Linear theory: loads keep their directions, and shape and supports are perfect."
   local factors = {}
   for i, load in ipairs(worst.loads) do factors[i] = load.factor end
   out:json {verdict = verdict, load_factors = bw.json.list(factors), load_factor = factor,
@@ -127,7 +128,7 @@ function buckle_worst.report(worst, opts, min_error, out)
     buckling_force_n = factor and math.abs(factor) * opts.worst, contact_m2 = opts.contact,
     friction = opts.friction, forbid = bw.json.list(opts.forbid), fix = bw.json.list(opts.fix),
     material = opts.material, analyses = worst.analyses}
-  return verdict
+  return verdict, sentences
 end
 
 return buckle_worst
