@@ -6,16 +6,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "mesh/singular_internal.h"
 #include "mesh/surface_internal.h"
-#include "mesh/surface_topology.h"
+#include "model/singular_sector.h"
 
 static const double along_normal = 0.999; /* cosine: a direction that is a facet's normal */
 static const double nothing = 1e-12;      /* of the largest nodal force */
 static const double pi = 3.14159265358979323846;
-/* A wedge that a plane of symmetry halves is re-entrant beyond 180 degrees by more than this:
- * facets of a round face that meets the plane squarely lean by half of their angle. */
-static const double facet_margin = 30 * 0.017453292519943295;
 
 enum { FIXED_X = 1, FIXED_ALL = 7, OTHERWISE = 8 };
 
@@ -27,6 +23,8 @@ typedef struct finder {
   double poisson;
   double *normal;  /* per facet, unit outward */
   uint8_t *corner; /* per facet: bw_corner, BW_CORNER_FREE where nothing constrains it */
+  uint8_t *cut;    /* per facet: whether another sector goes on there */
+  double margin;   /* (rad) of re-entrant edges in cuts */
 } finder;
 
 /* ---- borders of supports --------------------------------------------------------------------- */
@@ -67,6 +65,17 @@ static void classify(finder *f) {
         f->corner[t] = BW_CORNER_SLIDING;
     }
   }
+  for (int c = 0; c < model->coupling_count; c++) {
+    const bw_selection *on = model->coupling[c].on;
+    for (int32_t j = 0; j < on->facet_count && model->coupling[c].point.kind == BW_RIGID; j++)
+      if (!on->node_set)
+        f->corner[on->facet[j]] = BW_CORNER_FIXED;
+  }
+  for (int s = 0; s < 2 && model->cyclic; s++) {
+    const bw_selection *on = s == 0 ? model->cyclic->low : model->cyclic->high;
+    for (int32_t j = 0; j < on->facet_count; j++)
+      f->cut[on->facet[j]] = 1;
+  }
 }
 
 /* The direction on a facet away from its side. */
@@ -81,7 +90,8 @@ static void along_face(bwi_seam *seam, const bwi_topology *top, int64_t side,
     seam->inward[k] /= size;
 }
 
-/* Edges between a facet that is constrained like this and a free one. */
+/* Edges between a facet that is constrained like this and a free one; of free ones those in the
+ * cuts of a sector. */
 static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces *faces,
                               bw_corner corner) {
   f->seams.count = 0;
@@ -90,6 +100,8 @@ static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces
     if (top->start[e + 1] - top->start[e] != 2)
       continue;
     int32_t t1 = (int32_t)(side[0] / 3), t2 = (int32_t)(side[1] / 3);
+    if (corner == BW_CORNER_FREE || f->cut[t1] || f->cut[t2])
+      continue;
     if (f->corner[t1] + f->corner[t2] != (int)corner || f->corner[t1] == f->corner[t2])
       continue;
     bool first = f->corner[t1] != BW_CORNER_FREE;
@@ -99,7 +111,7 @@ static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces
     seam.angle =
         bwi_opening(top->point + 3 * (size_t)seam.end[0], top->point + 3 * (size_t)seam.end[1],
                     f->normal + 3 * (size_t)t1, f->normal + 3 * (size_t)t2, seam.inward);
-    if (corner == BW_CORNER_SLIDING && 2 * seam.angle - pi <= facet_margin)
+    if (corner == BW_CORNER_SLIDING && 2 * seam.angle - pi <= BWI_FACET_MARGIN)
       continue;
     /* the bisector of the whole wedge lies in the constrained face */
     if (corner == BW_CORNER_SLIDING)
@@ -108,8 +120,16 @@ static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces
     if (status != BW_OK)
       return status;
   }
+  if (f->model->cyclic) {
+    const bwi_sector_border border = {f->model->mesh, f->model->cyclic, top,    faces,
+                                      f->normal,      f->corner,        f->cut, f->margin};
+    bw_status status = bwi_sector_seams(f->context, &border, corner, &f->seams);
+    if (status != BW_OK)
+      return status;
+  }
   return bwi_singular_chain(f->context, f->places, &f->seams, top->points, top->point,
-                            BW_SINGULAR_SUPPORT, corner, f->poisson);
+                            corner == BW_CORNER_FREE ? BW_SINGULAR_EDGE : BW_SINGULAR_SUPPORT,
+                            corner, f->poisson);
 }
 
 static bw_status support_borders(finder *f, const bw_surface *boundary) {
@@ -120,6 +140,7 @@ static bw_status support_borders(finder *f, const bw_surface *boundary) {
   BW_TRY(bw_faces_find(f->context, boundary, 0, &faces));
   BW_TRY(find_borders(f, top, faces, BW_CORNER_FIXED));
   BW_TRY(find_borders(f, top, faces, BW_CORNER_SLIDING));
+  BW_TRY(find_borders(f, top, faces, BW_CORNER_FREE));
 done:
   bw_release(faces);
   bwi_topology_destroy(top);
@@ -149,6 +170,16 @@ static void mark_loads(const finder *f, uint8_t *mark) {
 static void mark_supports(const finder *f, uint8_t *mark) {
   for (int i = 0; i < f->model->support_count; i++) {
     const bw_selection *on = f->model->support[i].on;
+    for (int32_t j = 0; j < on->node_count && on->node_set; j++)
+      mark[on->node[j]] = 1;
+  }
+  for (int i = 0; i < f->model->attachment_count; i++) {
+    const bw_attachment *at = &f->model->attachment[i];
+    for (int32_t j = 0; j < at->on->node_count && at->on->node_set && !(at->mass > 0); j++)
+      mark[at->on->node[j]] = 1;
+  }
+  for (int i = 0; i < f->model->coupling_count; i++) {
+    const bw_selection *on = f->model->coupling[i].on;
     for (int32_t j = 0; j < on->node_count && on->node_set; j++)
       mark[on->node[j]] = 1;
   }
@@ -261,7 +292,11 @@ bw_status bw_singular_places_find(bw_context *context, const bw_model *model,
   BW_TRY(bw_singular_edges(context, surface ? surface : boundary, NULL, margin, &f.places));
   f.normal = BW_NEW(context, double, 3 * facets);
   f.corner = BW_NEW0(context, uint8_t, facets);
-  BW_TRY_MEMORY(f.normal && f.corner);
+  f.cut = BW_NEW0(context, uint8_t, facets);
+  f.margin = margin > 0 ? margin : BWI_FACET_MARGIN;
+  BW_TRY_MEMORY(f.normal && f.corner && f.cut);
+  if (model->cyclic)
+    BW_TRY(bwi_sector_without_cuts(context, model, &f.places));
   for (size_t t = 0; t < facets; t++) {
     double *n = f.normal + 3 * t;
     bwi_facet_normal(boundary->point, boundary->triangle + 3 * t, n);
@@ -280,6 +315,7 @@ done:
   bw_release(boundary);
   bw_free(f.normal);
   bw_free(f.corner);
+  bw_free(f.cut);
   bw_free(f.seams.seam);
   return status;
 }

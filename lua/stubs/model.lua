@@ -349,8 +349,9 @@ function Model:clear_loads() end
 ---@return bw.Details? details
 function Model:force_vector() end
 
----Places where the stress has no finite value: re-entrant edges, borders of supports, forces and supports at single nodes and
----along lines. Exponents at supports depend on Poisson's ratio.
+---Places where the stress has no finite value: re-entrant edges, borders of supports and of rigid couplings, forces and supports at
+---single nodes and along lines. Exponents at supports depend on Poisson's ratio. Of a sector of cyclic symmetry they are those of
+---the whole wheel: a cut face has no edges of its own.
 ---
 ---Errors: geometry (the surface is open, or faces inwards).
 ---

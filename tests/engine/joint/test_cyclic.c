@@ -6,6 +6,7 @@
 
 #include "assemble/internal.h"
 #include "barwright/joint.h"
+#include "barwright/singular_places.h"
 
 /* A quarter of a square block about the z axis, of an orthotropic material with axes of its own. */
 static bw_model *quarter(bw_context *context, int order) {
@@ -153,6 +154,7 @@ static void memory_failures(void **state) {
   bw_static *result = NULL, *all = NULL;
   bw_modes *modes = NULL, *shapes = NULL;
   bw_selection *foot = NULL;
+  bw_singular_places *places = NULL;
   const double point[3] = {0, 0, 0}, z[3] = {0, 0, 1};
   bw_modes_options options;
   bw_modes_options_default(&options);
@@ -177,6 +179,7 @@ static void memory_failures(void **state) {
   check_allocations(context, whole, bw_model_whole(context, model, &whole));
   check_allocations(context, all, bw_static_whole(context, result, &all));
   check_allocations(context, shapes, bw_modes_whole(context, modes, &shapes));
+  check_allocations(context, places, bw_singular_places_find(context, model, NULL, 0, &places));
   bw_release(result);
   bw_release(modes);
   bw_release(foot);
