@@ -20,6 +20,7 @@ static const double spring = 1e-6;               /* of the stiffness of the moti
 static const double stiffer = 100, softer = 0.1; /* from one try to the next */
 static const double stiffest = 1e8;              /* of the softest springs */
 static const double rounding = 1e-12;            /* of the diagonal of the mesh */
+static const double settled = 1e-4; /* of a facet: motion that leaves what it faces opposite */
 static const double nearly =
     0.01; /* of the load, on springs: the next step takes most of it away */
 
@@ -54,12 +55,31 @@ static void problem_clear(bwi_contact_problem *c) {
   bw_free(c->h);
 }
 
+/* The smallest size of facets that may touch. */
+static double find_facet(const bwi_contact_rows *rows) {
+  const bw_mesh *mesh = rows->mesh;
+  const double centre[3] = {1. / 3, 1. / 3, 1. / 3};
+  double least = INFINITY, normal[3];
+  for (int i = 0; i < rows->pair_count; i++)
+    for (int side = 0; side < (rows->pair[i].against ? 2 : 1); side++) {
+      const bw_selection *facets = side ? rows->pair[i].against : rows->pair[i].on;
+      for (int32_t f = 0; f < facets->facet_count; f++) {
+        bwi_boundary_normal(mesh, facets->facet[f], centre, normal);
+        least = fmin(least, sqrt(bw_norm(normal)));
+      }
+    }
+  return least;
+}
+
 static bw_status prepare(bw_context *context, bwi_contact_problem *c, int pair_count,
                          const bw_contact_pair *pair, bw_system *given) {
   bw_status status = BW_OK;
   bw_statics_options without = {.inertia_relief = true, .tolerance = 1e-6};
   double min[3], max[3];
-  BW_TRY(bwi_contact_rows_create(context, c->model->mesh, pair_count, pair, &c->rows));
+  for (int i = 0; i < pair_count; i++)
+    c->finite = c->finite || (pair[i].against && c->options->finite_sliding);
+  BW_TRY(bwi_contact_rows_create(context, c->model->mesh, pair_count, pair, c->finite, &c->rows));
+  c->facet = find_facet(&c->rows);
   for (int i = 0; i < pair_count; i++)
     c->curved = c->curved || (pair[i].with && pair[i].with->kind != BW_RIGID_PLANE);
   BW_TRY(bw_system_of_model(context, c->model, c->options->solver, given, &c->system));
@@ -176,7 +196,7 @@ static bw_status find_start(bw_context *context, bwi_contact_problem *c) {
       for (int r = c->rows.first[i] + along;
            r < (along ? c->rows.first[i + 1] : c->rows.first[i] + 1); r++) {
         q[count] = along ? 0 : c->q[r];
-        area[count] = c->rows.area[i];
+        area[count] = c->rows.area[i] > 0 ? c->rows.area[i] : 1; /* B is 0 there */
         pulls[count] = along > 0;
         memcpy(e + (int64_t)count++ * m, c->e + (int64_t)r * m, (size_t)m * sizeof *e);
       }
@@ -284,12 +304,17 @@ done:
   return status;
 }
 
-/* u of the present pressures and motions. */
-static void find_displacement(bwi_contact_problem *c) {
+/* u of the present pressures and motions; the largest change. */
+static double find_displacement(bwi_contact_problem *c) {
+  double moved = 0;
   for (int64_t i = 0; i < bwi_contact_size(c); i++)
-    c->now[i] = c->base[i] + c->pressed[i];
+    c->pressed[i] += c->base[i];
   if (c->motions > 0)
-    bw_rigid_modes_add(c->system->dof_map, c->a, c->now);
+    bw_rigid_modes_add(c->system->dof_map, c->a, c->pressed);
+  for (int64_t i = 0; i < bwi_contact_size(c); i++)
+    moved = fmax(moved, fabs(c->pressed[i] - c->now[i]));
+  memcpy(c->now, c->pressed, (size_t)bwi_contact_size(c) * sizeof *c->now);
+  return moved;
 }
 
 /* Whether the gaps are those of contact; *worst (m) and *at the candidate that is farthest off. */
@@ -297,6 +322,8 @@ static bool has_converged(const bwi_contact_problem *c, const double *gap, doubl
   *worst = 0;
   *at = 0;
   for (int i = 0; i < c->count; i++) {
+    if (!(c->rows.area[i] > 0))
+      continue;
     double mean = gap[c->rows.first[i]] / c->rows.area[i];
     double off = c->p[c->rows.first[i]] > 0 ? fabs(mean) : fmax(-mean, 0);
     if (off > *worst) {
@@ -318,16 +345,25 @@ static bw_status solve_step(bw_context *context, bwi_contact_problem *c) {
   for (int i = 1; i <= c->options->max_iterations; i++) {
     c->iterations++;
     BW_TRY(linearise(context, c, gap));
-    if (c->iterations > 1 && c->curved)
+    if (c->iterations > 1 && (c->curved || c->finite))
       BW_TRY(bwi_contact_renew(context, c));
     else if (c->iterations == 1 && c->motions > 0)
       BW_TRY(find_start(context, c));
     BW_TRY(solve_linearised(context, c));
-    find_displacement(c);
+    bool stays = find_displacement(c) <= settled * c->facet;
+    if (c->finite && !c->curved && stays)
+      goto done;
     BW_TRY(bwi_contact_rows_linearise(context, &c->rows, c->now, gap));
+    if (c->finite && !stays)
+      continue;
     if (!c->curved || has_converged(c, gap, &worst, &at))
       goto done;
   }
+  if (c->finite && worst == 0)
+    BW_TRY(bw_fail(context, BW_CONVERGENCE,
+                   "contact in finite sliding does not come to rest in %d iterations of step %d: "
+                   "what faces what keeps changing. Take more steps",
+                   c->options->max_iterations, c->step));
   const double *x = c->rows.mesh->node + 3 * (int64_t)c->rows.node[at];
   status = bw_fail(context, BW_CONVERGENCE,
                    "contact does not converge in %d iterations: pair %d is %.3g m off its surface "

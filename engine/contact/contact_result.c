@@ -5,13 +5,14 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/dense.h"
 #include "contact/internal.h"
 #include "linear/blas.h"
 #include "model/internal.h"
 #include "statics/internal.h"
 
 static const double undecided = 1e-9; /* of the stiffest motion */
-static const double large_rotation = 0.05;
+static const double large_rotation = 0.05, largest_rotation = 0.2;
 static const double large_displacement = 0.1; /* of the longest side */
 static const double coarse = 0.25; /* of the elastic displacement: penetration that is too much */
 
@@ -142,7 +143,7 @@ static void take_gaps(const bwi_contact_problem *c, bw_contact *out) {
     const bw_selection *on = out->pair[pair].on;
     out->state[pair].gap = INFINITY;
     for (int k = 0; k < c->count && !out->pair[pair].with; k++)
-      if (c->rows.of[k] == pair) {
+      if (c->rows.of[k] == pair && c->rows.area[k] > 0) {
         int32_t r = c->rows.first[k];
         double gap = c->p[r] > 0 ? 0 : c->w[r] / c->rows.area[k];
         out->gap[c->rows.node[k]] = fmin(out->gap[c->rows.node[k]], gap);
@@ -236,6 +237,39 @@ done:
   return status;
 }
 
+/* (rad) The rotation of a body, by least squares over its nodes. */
+static double body_rotation(const bwi_contact_problem *c, int32_t body) {
+  const bw_dof_map *dof_map = c->system->dof_map;
+  const double *centre = dof_map->body_centre + 3 * (int64_t)body;
+  int32_t begin = dof_map->body_start[body], end = dof_map->body_start[body + 1];
+  double mean[3] = {0}, inertia[9] = {0}, rotation[3] = {0}, middle[3] = {0};
+  for (int32_t n = begin; n < end; n++)
+    for (int k = 0; k < 3; k++) {
+      int64_t i = 3 * (int64_t)dof_map->body_node[n] + k;
+      mean[k] += c->now[i] / (end - begin);
+      middle[k] += (c->model->mesh->node[i] - centre[k]) / (end - begin);
+    }
+  for (int32_t n = begin; n < end; n++) {
+    double arm[3], u[3], turn[3];
+    for (int k = 0; k < 3; k++) {
+      int64_t i = 3 * (int64_t)dof_map->body_node[n] + k;
+      arm[k] = c->model->mesh->node[i] - centre[k] - middle[k];
+      u[k] = c->now[i] - mean[k];
+    }
+    bw_cross(arm, u, turn);
+    for (int k = 0; k < 3; k++) {
+      rotation[k] += turn[k];
+      for (int l = 0; l < 3; l++)
+        inertia[3 * k + l] += (k == l ? bw_dot(arm, arm) : 0) - arm[k] * arm[l];
+    }
+  }
+  if (!bwi_cholesky(3, inertia, 0))
+    return 0;
+  bwi_lower_solve(3, inertia, rotation);
+  bwi_upper_solve(3, inertia, rotation);
+  return bw_norm(rotation);
+}
+
 /* A warning that the result keeps. */
 BW_PRINTF(3, 4)
 static void note(bw_context *context, bwi_text *notes, const char *format, ...) {
@@ -275,6 +309,14 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
           "by %.3g m: its facets are too large for what it touches. Refine them",
           i + 1, out->state[i].penetration, c->elastic);
   }
+  for (int i = 0; i < out->pair_count && !c->finite; i++) {
+    double slid = out->pair[i].with ? 0 : bwi_contact_rows_slid(&c->rows, i, c->p, c->now);
+    if (slid > c->facet)
+      note(context, &notes,
+           "contact pair %d slides by %.3g m, more than its smallest facet of %.3g m, and what "
+           "faces what is that of the undeformed shape: take finite sliding",
+           i + 1, slid, c->facet);
+  }
   for (const char *motion = out->free_text; *motion;) {
     int length = (int)strcspn(motion, "\n");
     note(context, &notes,
@@ -283,14 +325,21 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
     motion += length + (motion[length] == '\n');
   }
   for (int32_t b = 0; b < dof_map->mesh->component_count; b++) {
-    double rotation[3] = {0};
-    for (int32_t m = dof_map->rigid_mode_start[b]; m < dof_map->rigid_mode_start[b + 1]; m++)
-      for (int k = 0; k < 3; k++)
-        rotation[k] += c->a[m] * dof_map->rigid_mode[m].rotation[k];
-    if (bw_norm(rotation) > large_rotation)
+    double rotation = body_rotation(c, b);
+    out->rotation = fmax(out->rotation, rotation);
+    if (c->finite && rotation > largest_rotation) {
+      bw_free(notes.bytes);
+      return bw_fail(
+          context, BW_LIMIT,
+          "body %d rotates by %.2g rad in finite sliding, which takes rotations as small "
+          "and at most %g: turn it in the mesh, or support it against turning",
+          b + 1, rotation, largest_rotation);
+    }
+    if (rotation > large_rotation)
       note(context, &notes,
-           "body %d rotates by %.2g rad on its contact: rotations are taken as small", b + 1,
-           bw_norm(rotation));
+           "body %d rotates by %.2g rad on its contact: rotations are taken as small, and the "
+           "ends of a body are off by %.2g of their distance from its axis",
+           b + 1, rotation, rotation * rotation / 2);
   }
   if (c->elastic > large_displacement * side)
     note(context, &notes,

@@ -16,6 +16,8 @@ enum {
   MOST_FRICTION = 100
 };
 
+static const double sliver = 1e-4; /* of a candidate's area: what faces so little faces nothing */
+
 /* The points of the rule on a facet; how many. */
 static int rule(bool cut, double (*barycentric)[3], double *weight) {
   double inner[BW_QUADRATURE_POINTS][3], part[BW_QUADRATURE_POINTS];
@@ -79,7 +81,7 @@ static bw_status add_points(bw_context *context, bwi_contact_rows *rows, int pai
   const bw_selection *on = rows->pair[pair].on;
   double barycentric[MOST_POINTS][3], weight[MOST_POINTS];
   int points = rule(rows->pair[pair].against, barycentric, weight);
-  int64_t first = rows->point_count, count;
+  int64_t first = rows->point_count, count = 0;
   bw_status status = BW_OK;
   for (int32_t f = 0; f < on->facet_count; f++) {
     const int32_t *node = mesh->facet + (int64_t)on->facet[f] * mesh->nodes_per_facet;
@@ -90,6 +92,7 @@ static bw_status add_points(bw_context *context, bwi_contact_rows *rows, int pai
       *point = (bwi_contact_point){.facet = on->facet[f],
                                    .pair = pair,
                                    .area = weight[p] * bw_norm(normal) / 2,
+                                   .whole = weight[p] * bw_norm(normal) / 2,
                                    .opposite = -1};
       bw_facet_shape(mesh->order, barycentric[p], point->shape);
       for (int k = 0; k < 3; k++) {
@@ -100,8 +103,13 @@ static bw_status add_points(bw_context *context, bwi_contact_rows *rows, int pai
   }
   if (!rows->pair[pair].against)
     return BW_OK;
-  count = rows->point_count - first;
-  BW_TRY(bwi_contact_find_opposite(context, mesh, &rows->pair[pair], &count, rows->point + first));
+  BW_TRY(bwi_contact_find_opposite(context, mesh, &rows->pair[pair], false,
+                                   rows->point_count - first, rows->point + first));
+  if (rows->finite)
+    return BW_OK;
+  for (int64_t p = first; p < rows->point_count; p++) /* the others never touch */
+    if (rows->point[p].opposite >= 0)
+      rows->point[first + count++] = rows->point[p];
   rows->point_count = first + count;
   if (count == 0)
     status =
@@ -133,12 +141,14 @@ static void number_corners(bwi_contact_rows *rows, int pair, int64_t first, int3
 }
 
 bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int pair_count,
-                                  const bw_contact_pair *pair, bwi_contact_rows *rows) {
+                                  const bw_contact_pair *pair, bool finite,
+                                  bwi_contact_rows *rows) {
   bw_status status = BW_OK;
   int64_t facets = 0, points = 0;
   double barycentric[MOST_POINTS][3], weight[MOST_POINTS];
   int32_t *number = BW_NEW(context, int32_t, mesh->node_count);
-  *rows = (bwi_contact_rows){.mesh = mesh, .pair_count = pair_count, .pair = pair};
+  *rows =
+      (bwi_contact_rows){.mesh = mesh, .pair_count = pair_count, .pair = pair, .finite = finite};
   BW_TRY_MEMORY(number);
   for (int i = 0; i < pair_count; i++) {
     BW_TRY(check_pair(context, mesh, i, &pair[i]));
@@ -163,6 +173,11 @@ bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int 
   for (int32_t i = 0; i < rows->count; i++)
     rows->first[i + 1] = rows->first[i] + (pair[rows->of[i]].friction > 0 ? 3 : 1);
   rows->row_count = rows->first[rows->count];
+  if (finite) {
+    rows->whole = BW_NEW(context, double, rows->count);
+    BW_TRY_MEMORY(rows->whole);
+    memcpy(rows->whole, rows->area, (size_t)rows->count * sizeof *rows->area);
+  }
   rows->touching = BW_NEW(context, int64_t, 3 * rows->point_count);
   rows->start = BW_NEW0(context, int64_t, rows->row_count + 1);
   BW_TRY_MEMORY(rows->touching && rows->start);
@@ -177,6 +192,7 @@ void bwi_contact_rows_clear(bwi_contact_rows *rows) {
   bw_free(rows->node);
   bw_free(rows->of);
   bw_free(rows->area);
+  bw_free(rows->whole);
   bw_free(rows->point);
   bw_free(rows->touching);
   bw_free(rows->start);
@@ -200,6 +216,25 @@ static void at_point(const bw_mesh *mesh, const bwi_contact_point *point, const 
   add_at(mesh, point->facet, point->shape, 1, u, out);
   if (point->opposite >= 0)
     add_at(mesh, point->opposite, point->far, -1, u, out);
+}
+
+double bwi_contact_rows_slid(const bwi_contact_rows *rows, int pair, const double *p,
+                             const double *u) {
+  double most = 0;
+  for (int64_t n = 0; n < rows->point_count; n++) {
+    const bwi_contact_point *point = &rows->point[n];
+    double pressure = 0, at[3], along;
+    for (int k = 0; k < 3; k++)
+      pressure += point->hat[k] * p[rows->first[point->candidate[k]]];
+    if (point->pair != pair || !(pressure > 0))
+      continue;
+    at_point(rows->mesh, point, u, at);
+    along = bw_dot(at, point->normal);
+    for (int k = 0; k < 3; k++)
+      at[k] -= along * point->normal[k];
+    most = fmax(most, bw_norm(at));
+  }
+  return most;
 }
 
 /* Two tangents of each candidate with friction, about the mean of its normals: near to those
@@ -344,8 +379,43 @@ done:
   return status;
 }
 
+/* What the points against facets face where they are now, and the areas of what faces something. */
+static bw_status face_again(bw_context *context, bwi_contact_rows *rows,
+                            const double *displacement) {
+  bw_status status = BW_OK;
+  bw_mesh moved = *rows->mesh; /* borrowed but for its nodes */
+  double *node = BW_NEW(context, double, 3 * (int64_t)moved.node_count);
+  BW_TRY_MEMORY(node);
+  for (int64_t i = 0; i < 3 * (int64_t)moved.node_count; i++)
+    node[i] = rows->mesh->node[i] + displacement[i];
+  moved.node = node;
+  for (int64_t p = 0, end; p < rows->point_count; p = end) {
+    const bw_contact_pair *pair = &rows->pair[rows->point[p].pair];
+    for (end = p; end < rows->point_count && rows->point[end].pair == rows->point[p].pair;)
+      end++;
+    if (pair->against)
+      BW_TRY(bwi_contact_find_opposite(context, &moved, pair, true, end - p, rows->point + p));
+  }
+  memset(rows->area, 0, (size_t)rows->count * sizeof *rows->area);
+  for (int64_t p = 0; p < rows->point_count; p++) {
+    bwi_contact_point *point = &rows->point[p];
+    point->area = rows->pair[point->pair].against && point->opposite < 0 ? 0 : point->whole;
+    for (int k = 0; k < 3; k++)
+      rows->area[point->candidate[k]] += point->area * point->hat[k];
+  }
+  for (int32_t i = 0; i < rows->count; i++)
+    if (rows->area[i] < sliver * rows->whole[i])
+      rows->area[i] = 0;
+done:
+  bw_free(node);
+  return status;
+}
+
 bw_status bwi_contact_rows_linearise(bw_context *context, bwi_contact_rows *rows,
                                      const double *displacement, double *gap) {
+  bw_status status = BW_OK;
+  if (rows->finite)
+    BW_TRY(face_again(context, rows, displacement));
   memset(gap, 0, (size_t)rows->row_count * sizeof *gap);
   for (int64_t p = 0; p < rows->point_count; p++) {
     bwi_contact_point *point = &rows->point[p];
@@ -356,14 +426,18 @@ bw_status bwi_contact_rows_linearise(bw_context *context, bwi_contact_rows *rows
       add_at(rows->mesh, point->facet, point->shape, 1, rows->mesh->node, x);
       point->gap = bwi_rigid_gap(pair->with, x, point->normal);
     } else
-      point->gap = point->apart + bw_dot(point->normal, x);
+      point->gap = point->apart + (rows->finite ? 0 : bw_dot(point->normal, x));
     point->gap -= pair->interference;
+    if (point->area == 0)
+      point->gap = 0;
     for (int k = 0; k < 3; k++)
       gap[rows->first[point->candidate[k]]] += point->area * point->hat[k] * point->gap;
   }
   if (rows->row_count > rows->count)
     take_tangents(rows);
-  return take_entries(context, rows);
+  BW_TRY(take_entries(context, rows));
+done:
+  return status;
 }
 
 void bwi_contact_rows_measure(const bwi_contact_rows *rows, const double *u, double *gap) {

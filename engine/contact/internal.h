@@ -33,12 +33,13 @@ typedef struct bwi_contact_point {
   int32_t candidate[3]; /* of the facet's corners, */
   double hat[3];        /* and their hat functions */
   double shape[6];      /* of the facet's nodes */
-  double area;          /* weight times area */
+  double area;          /* weight times area; in finite sliding 0 where it faces nothing: */
+  double whole;         /* else it is this */
   double normal[3];     /* outward from the obstacle, where the point is now */
   double gap;           /* there */
   int32_t opposite;     /* against facets: that which the point faces, */
   double far[6];        /* the shapes of its nodes there, */
-  double apart;         /* and the gap without displacement */
+  double apart;         /* and the gap without displacement; in finite sliding: now */
 } bwi_contact_point;
 
 /* The rows B of all pairs: a candidate is a corner of the facets of one pair. It has a row along
@@ -47,10 +48,12 @@ typedef struct bwi_contact_rows {
   const bw_mesh *mesh;
   int pair_count;
   const bw_contact_pair *pair;
+  bool finite;   /* what points face is found where they are now */
   int32_t count; /* of candidates, pair by pair, by ascending nodes */
   int32_t *node; /* (count) */
   int32_t *of;   /* (count) the pair */
-  double *area;  /* (count) integral of the hat function */
+  double *area;  /* (count) integral of the hat function; 0: it faces nothing */
+  double *whole; /* (count) the same of all points; NULL without finite sliding */
   int32_t row_count;
   int32_t *first; /* (count + 1) row of each candidate, which is that along the normal */
   double
@@ -64,7 +67,7 @@ typedef struct bwi_contact_rows {
 } bwi_contact_rows;
 /* BW_INVALID for a selection of another mesh, BW_EMPTY for one without a facet. */
 bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int pair_count,
-                                  const bw_contact_pair *pair, bwi_contact_rows *rows);
+                                  const bw_contact_pair *pair, bool finite, bwi_contact_rows *rows);
 void bwi_contact_rows_clear(bwi_contact_rows *rows);
 /* Takes normals and gaps where the displacement brings the points, and B there; gap (row_count) are
  * their integrals with the hat functions, 0 along tangents. */
@@ -78,12 +81,16 @@ void bwi_contact_rows_force(const bwi_contact_rows *rows, const double *p, doubl
 void bwi_contact_rows_pair_force(const bwi_contact_rows *rows, int pair, bool friction,
                                  const double *p, double *force);
 
+/* (m) How far a point of a pair under pressure is displaced along what it touches. */
+double bwi_contact_rows_slid(const bwi_contact_rows *rows, int pair, const double *p,
+                             const double *u);
+
 /* ---- opposite_facets.c ----------------------------------------------------------------------- */
 
-/* Finds what the points of a pair against facets face in the undeformed shape, and leaves out those
- * that face none: *count shrinks. */
+/* Finds what the points of a pair against facets face in the shape of `mesh`, which may have
+ * moved; -1: nothing. */
 bw_status bwi_contact_find_opposite(bw_context *context, const bw_mesh *mesh,
-                                    const bw_contact_pair *pair, int64_t *count,
+                                    const bw_contact_pair *pair, bool moved, int64_t count,
                                     bwi_contact_point *point);
 
 /* ---- complementarity.c ----------------------------------------------------------------------- */
@@ -167,7 +174,9 @@ typedef struct bwi_contact_problem {
   int step;         /* of options->steps, from 1 */
   bwi_contact_rows rows;
   int count, motions;
-  bool curved;
+  bool curved;     /* rigid surfaces are */
+  bool finite;     /* sliding between parts */
+  double facet;    /* (m) size of their facets */
   double young;    /* of the first element, to tell sizes */
   double *base;    /* (node_count x 3) u_0: that of the loads of this step */
   double *load;    /* (motions) R^T f of this step */

@@ -117,8 +117,8 @@ bw_status bwi_contact_take_deepest(bw_context *context, bwi_contact_problem *c, 
   int32_t *which = BW_NEW(context, int32_t, c->count);
   BW_TRY_MEMORY(list && which);
   for (int i = 0; i < c->count; i++) {
-    double gap = c->w[c->rows.first[i]] / c->rows.area[i];
-    if (c->place[i] < 0 && gap < -slack)
+    double area = c->rows.area[i], gap = c->w[c->rows.first[i]] / area;
+    if (area > 0 && c->place[i] < 0 && gap < -slack)
       list[found++] = (deep){gap, i};
   }
   qsort(list, (size_t)found, sizeof *list, deeper);
@@ -138,6 +138,9 @@ bw_status bwi_contact_renew(bw_context *context, bwi_contact_problem *c) {
   for (int k = 0; k < before; k++) {
     int32_t i = c->member[k];
     c->place[i] = -1;
+    if (!(c->rows.area[i] > 0))
+      memset(c->p + c->rows.first[i], 0,
+             (size_t)(c->rows.first[i + 1] - c->rows.first[i]) * sizeof *c->p);
     if (c->p[c->rows.first[i]] > 0) {
       c->active[c->working] = 1;
       append(c, i);
@@ -245,7 +248,8 @@ bw_status bwi_contact_measure_all(bw_context *context, bwi_contact_problem *c) {
   bwi_contact_rows_measure(&c->rows, c->pressed, c->w);
   c->elastic = 0;
   for (int i = 0; i < c->count; i++)
-    c->elastic = fmax(c->elastic, fabs(c->w[c->rows.first[i]]) / c->rows.area[i]);
+    if (c->rows.area[i] > 0)
+      c->elastic = fmax(c->elastic, fabs(c->w[c->rows.first[i]]) / c->rows.area[i]);
   for (int r = 0; r < c->rows.row_count; r++)
     c->w[r] += c->q[r] + bwi_dot(c->motions, c->e + (int64_t)r * c->motions, c->a);
 done:

@@ -159,13 +159,14 @@ static bw_contact_pair read_pair(lua_State *L, int i) {
   return pair;
 }
 
-/* model:contact(pairs, {solver, tolerance, max_iterations, steps, after}) */
+/* model:contact(pairs, {solver, tolerance, max_iterations, steps, finite_sliding, after}) */
 static int model_contact(lua_State *L) {
   static const lbw_option list[] = {
       {"solver", LBW_OTHER, 0},
       {"tolerance", LBW_REAL, offsetof(bw_contact_options, tolerance)},
       {"max_iterations", LBW_INT, offsetof(bw_contact_options, max_iterations)},
       {"steps", LBW_INT, offsetof(bw_contact_options, steps)},
+      {"finite_sliding", LBW_BOOLEAN, offsetof(bw_contact_options, finite_sliding)},
       {"after", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   bw_contact_options options;
@@ -338,6 +339,11 @@ INTEGER(contact_solves, solves)
 INTEGER(contact_steps, steps)
 #undef INTEGER
 
+static int contact_rotation(lua_State *L) {
+  lua_pushnumber(L, self(L)->rotation);
+  return 1;
+}
+
 static int contact_report(lua_State *L) {
   lbw_push_report(L, &self(L)->report);
   return 1;
@@ -382,21 +388,15 @@ static const luaL_Reg surface_properties[] = {
 static const luaL_Reg surface_meta[] = {{"__tostring", surface_tostring}, {NULL, NULL}};
 const lbw_class lbw_rigid_surface_class = {"rigid_surface", no_methods, surface_properties,
                                            surface_meta, NULL};
-static const luaL_Reg properties[] = {{"static", contact_static},
-                                      {"mesh", contact_mesh},
-                                      {"pressure", contact_pressure},
-                                      {"gap", contact_gap},
-                                      {"traction", contact_traction},
-                                      {"slip", contact_slip},
-                                      {"status", contact_status},
-                                      {"steps", contact_steps},
-                                      {"pairs", contact_pairs},
-                                      {"undetermined", contact_undetermined},
-                                      {"iterations", contact_iterations},
-                                      {"changes", contact_changes},
-                                      {"solves", contact_solves},
-                                      {"report", contact_report},
-                                      {NULL, NULL}};
+static const luaL_Reg properties[] = {
+    {"static", contact_static},         {"mesh", contact_mesh},
+    {"pressure", contact_pressure},     {"gap", contact_gap},
+    {"traction", contact_traction},     {"slip", contact_slip},
+    {"status", contact_status},         {"steps", contact_steps},
+    {"pairs", contact_pairs},           {"undetermined", contact_undetermined},
+    {"iterations", contact_iterations}, {"changes", contact_changes},
+    {"rotation", contact_rotation},     {"solves", contact_solves},
+    {"report", contact_report},         {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", contact_tostring}, {NULL, NULL}};
 const lbw_class lbw_contact_class = {"contact", no_methods, properties, meta, NULL};
 

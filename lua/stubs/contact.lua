@@ -91,7 +91,8 @@ function RigidSurface:close() end
 ---@field steps integer (count) in which the loads grew, with those of the contact before
 ---@field pairs bw.ContactState[] what each pair does
 ---@field undetermined string[] motions along which nothing decides the position, such as "translation along (1, 0, 0)"; stress and pressure do not depend on it
----@field iterations integer (count) of linearisations
+---@field iterations integer (count) of linearisations; in finite sliding as often what faces what is found
+---@field rotation number (rad) the largest of a part, by least squares over its nodes
 ---@field changes integer (count) candidates that entered or left the active set
 ---@field solves integer (count) right-hand sides that were solved with the part's factor
 ---@field report bw.SolverReport of the equations

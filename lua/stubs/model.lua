@@ -664,6 +664,7 @@ function Model:contact(pairs, options) end
 ---@field tolerance? number (-) mean gap of a corner in contact with a curved surface over the largest displacement of the facets. Range: above 0, below 1. Default: 1e-6
 ---@field max_iterations? integer (count) of linearisations of curved surfaces in each step, 1 or more. Default: 30
 ---@field steps? integer (count) in which the loads grow in proportion, 1 or more; with friction the result depends on their path. Default: 1
+---@field finite_sliding? boolean between parts: what faces what is found in the displaced shape, again until it stays; rotations are at most 0.2 rad. Default: false, what faces what is that of the undeformed shape
 ---@field after? bw.Contact with friction: the path goes on from the loads, the place and the slip of this contact with the same mesh, material, supported nodes and selections. Default: from rest, without load
 
 ---The equations of the model, ready for many right-hand sides: with a factor, or with the preconditioner of conjugate

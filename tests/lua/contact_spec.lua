@@ -107,6 +107,34 @@ describe("contact", function()
     check.raises("option 'after': this contact is closed", part.contact, part, pairs, {after = pressed})
   end)
 
+  it("follows parts that slide over facets", function()
+    local nodes, elements = {}, {}
+    for body = 0, 1 do
+      local box = bw.mesh.box {min = {0.15 * body, 0, 0.1 * body},
+        max = {body == 0 and 0.5 or 0.25, 0.1, 0.1 + 0.1 * body},
+        cells = {body == 0 and 10 or 3, 2, 2}}
+      local first = #nodes
+      for _, p in ipairs(box.nodes:totable()) do nodes[#nodes + 1] = {p[1], p[2], p[3] + 1e-6 * body} end
+      for _, e in ipairs(box.elements:totable()) do
+        for k = 1, #e do e[k] = e[k] + first end
+        elements[#elements + 1] = e
+      end
+    end
+    local both = assert(bw.mesh.new {nodes = nodes, elements = elements})
+    local part = bw.model {mesh = both, material = bw.material.steel}
+    part:fix(both.boundary:below("z", 0))
+    part:prescribe(both.boundary:above("z", 0.2 + 1e-6), {0.2, 0, -1e-5})
+    local joint = both.boundary:above("z", 0.09):below("z", 0.11)
+    local pairs = {{on = joint:facing {0, 0, -1}, with = joint:facing {0, 0, 1}, friction = 0.2}}
+    local near = assert(part:contact(pairs))
+    local far = assert(part:contact(pairs, {finite_sliding = true, steps = 2}))
+    assert.is_true(far.iterations > 2)
+    assert.is_true(far.rotation < 1e-3)
+    assert.is_true(math.abs(far.pairs[1].slip - 0.2) < 1e-3 and far.pairs[1].force[3] > 1e3)
+    assert.is_true(near.iterations == 1)
+    check.raises("option 'finite_sliding'", part.contact, part, pairs, {finite_sliding = 1})
+  end)
+
   it("says what nothing stops", function()
     local contact, message, details = block {force = {0, 10, -100}}:contact {{on = foot, with = floor}}
     assert.is_nil(contact)

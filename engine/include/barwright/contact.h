@@ -59,6 +59,8 @@ typedef struct bw_contact_options {
   int max_iterations;      /* (count) of linearisations in each step, 1 or more; default 30 */
   int steps; /* (count) in which the loads grow in proportion, 1 or more; default 1. With friction
                 the result depends on the path of the loads */
+  bool finite_sliding;     /* between parts: what faces what is found in the displaced shape, again
+                              until it stays; default false. Rotations stay small */
   const bw_contact *after; /* with friction, borrowed: the path goes on from the loads, the place
                               and the slip of this contact with the same pairs; default NULL: at
                               rest, without load */
@@ -111,13 +113,15 @@ struct bw_contact {
   int iterations;      /* linearisations */
   int changes;         /* of the active set: candidates that entered or left it */
   int solves;          /* right-hand sides solved for */
+  double rotation;     /* (rad) the largest of a body, by least squares over its nodes */
   int free_count;      /* motions along which nothing decides the position */
   char *free_text;     /* these motions, one in each line; "" without */
   char *notes; /* what the result leaves undecided and what is beyond its theory: the warnings of
                   bw_contact_solve, one in each line; "" without */
   bw_solver_report report; /* of the equations */
 };
-/* A model in contact by pair (pair_count, 1 or more), for small displacements and small sliding.
+/* A model in contact by pair (pair_count, 1 or more), for small strains and rotations, and for
+ * small sliding unless `finite_sliding`.
  * `given` as of bw_system_of_model. `options` may be NULL. A warning names pairs that stay open or
  * penetrate for want of smaller facets, motions that nothing decides, and rotations that are not
  * small. BW_UNCONSTRAINED where neither supports nor contact balance the load, and for loads of
@@ -126,9 +130,10 @@ struct bw_contact {
  * selection of another mesh, a pair without exactly one of `with` and `against`, which may have no
  * node in common with `on`, facets of which none faces those, an `after` of another mesh, material,
  * facets or supported nodes or without friction, and where supports press the body into a surface;
- * BW_EMPTY for a selection without a facet, BW_LIMIT for more than 8000 unknowns of corners that
- * touch, one each or three with friction, or 6000 free rigid-body modes, BW_UNSUPPORTED for an
- * external solver; those of bw_statics and bw_system_solve. */
+ * BW_EMPTY for a selection without a facet, BW_LIMIT for a body that rotates by more than 0.2 rad
+ * in finite sliding, for more than 8000 unknowns of corners that touch, one each or three with
+ * friction, or 6000 free rigid-body modes, BW_UNSUPPORTED for an external solver; those of
+ * bw_statics and bw_system_solve. */
 BW_API bw_status bw_contact_solve(bw_context *context, const bw_model *model, int pair_count,
                                   const bw_contact_pair *pair, bw_system *given,
                                   const bw_contact_options *options, bw_contact **contact);
