@@ -603,7 +603,7 @@ bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system
   drop->modes = bw_retain(modes);
   BW_TRY(begin(context, &run, drop));
   run.slack = 1e-10 * run.points.radius;
-  run.margin = 10 * drop->speed * first_fraction / run.motion.omega[run.motion.modes - 1];
+  run.margin = 2 * drop->speed * first_fraction / run.motion.omega[run.motion.modes - 1];
   BW_TRY(follow_drop(context, &run, drop));
   if (system)
     *system = bw_retain(run.system);

@@ -43,21 +43,28 @@ typedef struct bwi_drop_points {
   double radius;     /* of the body about its centre of mass */
 } bwi_drop_points;
 
-/* Columns of the compliance that were solved for together. */
+enum { BWI_DROP_COLUMNS = 16 };
+
+/* Columns of the compliance that were solved for together: displacements under unit forces less
+ * what the modes have of them. Some are of points that came near and may become candidates. */
 typedef struct bwi_drop_columns {
   struct bwi_drop_columns *next;
   int count;
-  double *field; /* (count x node_count x 3) */
+  int32_t point[BWI_DROP_COLUMNS];
+  double push[3 * BWI_DROP_COLUMNS]; /* the forces, in the body's frame */
+  double size[BWI_DROP_COLUMNS];     /* the longest displacement of a point */
+  double whole[BWI_DROP_COLUMNS];    /* the compliance of the point, modes included */
+  double *field;                     /* (count x node_count x 3) */
 } bwi_drop_columns;
 
 /* The contact of one impact: w = gap + S force >= 0, force >= 0, w force = 0. */
 typedef struct bwi_drop_touch {
   int count;
-  int32_t *point;  /* (count) */
-  double *push;    /* (count x 3) the normal in the body's frame when it became a candidate */
-  double **column; /* (count) displacement under a unit force less what the modes have of it */
-  double *size;    /* (count) the longest displacement of a point in it */
-  double *s;       /* (count x count) */
+  int32_t *point;                  /* (count) */
+  double *push;                    /* (count x 3) the force of its column, in the body's frame */
+  double **column;                 /* (count) of `columns` */
+  double *size;                    /* (count) the longest displacement of a point in it */
+  double *s;                       /* (count x count) */
   double *gap, *force, *w, *slack; /* (count) */
   double *normal, *arm;            /* (count x 3) in space; arm from the centre of mass */
   uint8_t *active;                 /* (count) */

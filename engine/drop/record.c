@@ -99,24 +99,28 @@ static bw_status displacements(bw_context *context, const bwi_drop_run *run,
                                const bwi_drop_states *states, int first, double *u) {
   bw_status status = BW_OK;
   const bwi_drop_touch *t = &run->touch;
-  int m = run->motion.modes, size = 3 * run->model->mesh->node_count, last = t->count;
+  int m = run->motion.modes, size = 3 * run->model->mesh->node_count;
   const int batch = BATCH, count = states->count - first < BATCH ? states->count - first : BATCH;
   const double one = 1, none = 0;
-  double *factor = BW_NEW0(context, double, (int64_t)BATCH *(m > t->count ? m : t->count));
+  double *factor =
+      BW_NEW0(context, double, (int64_t)BATCH *(m > BWI_DROP_COLUMNS ? m : BWI_DROP_COLUMNS));
   BW_TRY_MEMORY(factor);
   for (int i = 0; i < count; i++)
     memcpy(factor + (size_t)i * (size_t)m, states->state[first + i].data,
            (size_t)m * sizeof *factor);
   bwi_blas_enter();
   dgemm_("T", "T", &batch, &size, &m, &one, factor, &m, run->modes->shape, &size, &none, u, &batch);
-  for (const bwi_drop_columns *c = t->columns; c; c = c->next) { /* the last ones come first */
+  for (const bwi_drop_columns *c = t->columns; c; c = c->next) {
     int width = c->count;
-    last -= width;
     memset(factor, 0, (size_t)BATCH * (size_t)width * sizeof *factor);
-    for (int i = 0; i < count; i++) {
-      const bwi_drop_state *state = &states->state[first + i];
-      for (int j = 0; j < width && last + j < state->count; j++)
-        factor[i * width + j] = state->data[m + last + j];
+    for (int j = 0; j < t->count; j++) {
+      if (t->column[j] < c->field || t->column[j] >= c->field + (int64_t)width * size)
+        continue;
+      int column = (int)((t->column[j] - c->field) / size);
+      for (int i = 0; i < count; i++) {
+        const bwi_drop_state *state = &states->state[first + i];
+        factor[i * width + column] = j < state->count ? state->data[m + j] : 0;
+      }
     }
     dgemm_("T", "T", &batch, &size, &width, &one, factor, &width, c->field, &size, &one, u, &batch);
   }

@@ -10,12 +10,19 @@
 #include "drop/internal.h"
 #include "linear/blas.h"
 
-enum { BATCH = 16, MOST = 2000, POWER_STEPS = 30 };
+enum {
+  BATCH = BWI_DROP_COLUMNS,
+  TOGETHER = 8, /* solutions that take less than two of one do */
+  MOST = 2000,
+  POWER_STEPS = 30
+};
 
 /* Of the body's radius: by how much points may come nearer before all are looked at again. */
 static const double travel = 0.02;
 /* Of the compliance of a node: what the modes must leave. */
 static const double least_left = 1e-6;
+/* Cosine of the angle, 0.01 rad, within which a column's force is along the normal. */
+static const double along_normal = 0.99995;
 /* Of the largest diagonal entry: redundant candidates are singular. */
 static const double shift = 1e-12;
 
@@ -218,56 +225,123 @@ done:
   return status;
 }
 
-/* The displacements under unit forces at the last `more` candidates, less what the modes have. */
-static bw_status solve_columns(bw_context *context, bwi_drop_run *run, int more) {
+/* The normal at a point, in the body's frame. */
+static void push_at(const bwi_drop_run *run, int32_t point, double push[3]) {
+  double normal[3], arm[3];
+  gap_at(run, point, NULL, normal, arm);
+  to_body(run->motion.turn, normal, push);
+}
+
+/* A block that has a column of the point for this force, and its number there; or NULL. */
+static const bwi_drop_columns *find_column(const bwi_drop_touch *t, int32_t point,
+                                           const double push[3], int *number) {
+  for (const bwi_drop_columns *c = t->columns; c; c = c->next)
+    for (int j = 0; j < c->count; j++)
+      if (c->point[j] == point && bw_dot(c->push + 3 * j, push) > along_normal) {
+        *number = j;
+        return c;
+      }
+  return NULL;
+}
+
+/* Takes from displacements under unit forces what the modes have of them. */
+static void leave_modes(const bwi_drop_run *run, bwi_drop_columns *c, double *weight) {
+  int m = run->motion.modes, size = 3 * run->model->mesh->node_count;
+  const double one = 1;
+  for (int j = 0; j < c->count; j++) {
+    const double *push = c->push + 3 * j;
+    const double *basis = run->points.basis + 3 * (int64_t)c->point[j] * m;
+    for (int k = 0; k < m; k++)
+      weight[j * m + k] =
+          -(push[0] * basis[k] + push[1] * basis[m + k] + push[2] * basis[2 * m + k]) /
+          run->modes->eigenvalue[k];
+  }
+  bwi_blas_enter();
+  dgemm_("N", "N", &size, &c->count, &m, &one, run->modes->shape, &size, weight, &m, &one, c->field,
+         &size);
+  bwi_blas_leave();
+}
+
+/* Columns of up to BATCH points. */
+static bw_status solve_columns(bw_context *context, bwi_drop_run *run, int count,
+                               const int32_t *point) {
   bw_status status = BW_OK;
   bwi_drop_touch *t = &run->touch;
   const bwi_drop_points *p = &run->points;
-  int m = run->motion.modes, first = t->count - more;
   int64_t size = 3 * (int64_t)run->model->mesh->node_count;
-  bwi_drop_columns *columns = BW_NEW0(context, bwi_drop_columns, 1);
-  double *weight = BW_NEW(context, double, m);
-  BW_TRY_MEMORY(columns && weight);
-  columns->count = more;
-  columns->field = BW_NEW0(context, double, size *more);
-  BW_TRY_MEMORY(columns->field);
-  for (int j = 0; j < more; j++)
-    memcpy(columns->field + j * size + 3 * (int64_t)p->node[t->point[first + j]],
-           t->push + 3 * (first + j), 3 * sizeof(double));
-  BW_TRY(bw_system_solve(context, run->system, more, columns->field, columns->field));
-  run->solves += more;
-  for (int j = 0; j < more; j++) {
-    double *field = columns->field + j * size, longest = 0;
-    const double *push = t->push + 3 * (first + j);
-    const double *basis = p->basis + 3 * (int64_t)t->point[first + j] * m;
-    const double *own = field + 3 * (int64_t)p->node[t->point[first + j]];
-    double whole = bw_dot(push, own);
-    for (int k = 0; k < m; k++) {
-      double part = push[0] * basis[k] + push[1] * basis[m + k] + push[2] * basis[2 * m + k];
-      const double *shape = run->modes->shape + k * size;
-      weight[k] = -part / run->modes->eigenvalue[k];
-      for (int64_t i = 0; i < size; i++)
-        field[i] += weight[k] * shape[i];
-    }
-    if (!(bw_dot(push, own) > least_left * whole))
-      BW_TRY(bw_fail(context, BW_INVALID,
-                     "the %d modes leave nothing of the compliance of this mesh to the contact: "
-                     "take fewer modes",
-                     m));
-    for (int32_t i = 0; i < p->count; i++)
-      longest = fmax(longest, bw_norm(field + 3 * (int64_t)p->node[i]));
-    t->column[first + j] = field;
-    t->size[first + j] = longest;
+  bwi_drop_columns *c = BW_NEW0(context, bwi_drop_columns, 1);
+  double *weight = BW_NEW(context, double, (int64_t)count * run->motion.modes);
+  BW_TRY_MEMORY(c && weight);
+  c->field = BW_NEW0(context, double, size *count);
+  BW_TRY_MEMORY(c->field);
+  c->count = count;
+  for (int j = 0; j < count; j++) {
+    c->point[j] = point[j];
+    push_at(run, point[j], c->push + 3 * j);
+    memcpy(c->field + j * size + 3 * (int64_t)p->node[point[j]], c->push + 3 * j,
+           3 * sizeof(double));
   }
-  columns->next = t->columns;
-  t->columns = columns;
-  columns = NULL;
+  BW_TRY(bw_system_solve(context, run->system, count, c->field, c->field));
+  run->solves += count;
+  for (int j = 0; j < count; j++)
+    c->whole[j] = bw_dot(c->push + 3 * j, c->field + j * size + 3 * (int64_t)p->node[point[j]]);
+  leave_modes(run, c, weight);
+  for (int j = 0; j < count; j++)
+    for (int32_t i = 0; i < p->count; i++)
+      c->size[j] = fmax(c->size[j], bw_norm(c->field + j * size + 3 * (int64_t)p->node[i]));
+  c->next = t->columns;
+  t->columns = c;
+  c = NULL;
 done:
-  if (columns)
-    bw_free(columns->field);
-  bw_free(columns);
+  if (c)
+    bw_free(c->field);
+  bw_free(c);
   bw_free(weight);
   return status;
+}
+
+/* The nearest points behind the `count` that have no column, until there are TOGETHER of them: the
+ * next that touch are among these, most often. */
+static int add_nearest(const bwi_drop_run *run, int count, int32_t *point) {
+  const bwi_drop_touch *t = &run->touch;
+  double gap[TOGETHER];
+  int first = count, number;
+  for (int32_t i = 0; i < t->near_count; i++) {
+    double own = rigid_gap_at(run, t->near[i]), push[3];
+    bool known = t->candidate[t->near[i]] || (count == TOGETHER && own >= gap[count - 1]);
+    for (int j = 0; j < first; j++)
+      known = known || point[j] == t->near[i];
+    if (known)
+      continue;
+    push_at(run, t->near[i], push);
+    if (find_column(t, t->near[i], push, &number))
+      continue;
+    int at = count < TOGETHER ? count++ : count - 1;
+    for (; at > first && gap[at - 1] > own; at--) {
+      gap[at] = gap[at - 1];
+      point[at] = point[at - 1];
+    }
+    gap[at] = own;
+    point[at] = t->near[i];
+  }
+  return count;
+}
+
+/* Columns of the first points that have none, of `count`, and of those nearest. */
+static bw_status solve_next(bw_context *context, bwi_drop_run *run, int count,
+                            const int32_t *point) {
+  int32_t lacks[BATCH];
+  int lacking = 0, number;
+  for (int i = 0; i < count && lacking < BATCH; i++) {
+    double push[3];
+    push_at(run, point[i], push);
+    if (!find_column(&run->touch, point[i], push, &number))
+      lacks[lacking++] = point[i];
+  }
+  if (lacking < TOGETHER)
+    lacking = add_nearest(run, lacking, lacks);
+  bw_status status = bw_check_cancel(context);
+  return status == BW_OK ? solve_columns(context, run, lacking, lacks) : status;
 }
 
 /* Rows and columns of S of the last `more` candidates. */
@@ -356,31 +430,36 @@ static bw_status add_candidates(bw_context *context, bwi_drop_run *run, int more
                                 const int32_t *which) {
   bw_status status = BW_OK;
   bwi_drop_touch *t = &run->touch;
+  int64_t size = 3 * (int64_t)run->model->mesh->node_count;
   if (t->count + more > MOST)
     return bw_fail(context, BW_LIMIT,
                    "more than %d nodes touch in one impact: mesh the faces that land coarser, or "
                    "tilt the body",
                    MOST);
-  for (int begin = 0; begin < more; begin += BATCH) {
-    int batch = more - begin < BATCH ? more - begin : BATCH;
-    BW_TRY(bw_check_cancel(context));
-    BW_TRY(grow(context, t, batch));
-    for (int j = 0; j < batch; j++) {
-      int32_t point = which[begin + j];
-      double normal[3], arm[3];
-      int c = t->count++;
-      gap_at(run, point, NULL, normal, arm);
-      t->point[c] = point;
-      t->slack[c] = run->slack;
-      t->force[c] = 0;
-      t->size[c] = 0;
-      t->active[c] = 0;
-      t->candidate[point] = 1;
-      to_body(run->motion.turn, normal, t->push + 3 * c);
-    }
-    BW_TRY(solve_columns(context, run, batch));
-    extend_compliance(run, batch);
+  BW_TRY(grow(context, t, more));
+  for (int j = 0; j < more; j++) {
+    int c = t->count++, number = 0;
+    double push[3];
+    t->point[c] = which[j];
+    t->slack[c] = run->slack;
+    t->force[c] = 0;
+    t->active[c] = 0;
+    t->candidate[which[j]] = 1;
+    push_at(run, which[j], push);
+    const bwi_drop_columns *of;
+    while (!(of = find_column(t, which[j], push, &number)))
+      BW_TRY(solve_next(context, run, more - j, which + j));
+    memcpy(t->push + 3 * c, of->push + 3 * number, sizeof push);
+    t->column[c] = of->field + number * size;
+    t->size[c] = of->size[number];
+    double left = bw_dot(t->push + 3 * c, t->column[c] + 3 * (int64_t)run->points.node[which[j]]);
+    if (!(left > least_left * of->whole[number]))
+      BW_TRY(bw_fail(context, BW_INVALID,
+                     "the %d modes leave nothing of the compliance of this mesh to the contact: "
+                     "take fewer modes",
+                     run->motion.modes));
   }
+  extend_compliance(run, more);
   if (t->count >= 2 * t->stiffest_of)
     BW_TRY(find_stiffest(context, run));
 done:

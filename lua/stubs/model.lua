@@ -602,7 +602,7 @@ function Model:response_spectrum(options) end
 ---The part falls on a rigid plane and is followed in time: free fall, impacts, bounces. It is linear elastic about its motion as a
 ---rigid body. Its modes and the compliance that they leave out carry the contact, without friction. The mesh shows its attitude
 ---when it touches; positions and times count from then. The model keeps the equations, and `modes` of a former drop
----serve the next: a drop then takes one solution for each node that touches.
+---serve the next: a drop then takes solutions for nodes that touch or lie beside, eight or more at once.
 ---
 ---A warning says when the part turns by more than 0.1 rad while it touches, and when the energy is not kept.
 ---
