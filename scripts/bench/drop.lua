@@ -20,8 +20,15 @@ local surface = assert(bw.surface.implicit(body, {min = min, max = max, cells = 
 local mesh = assert(bw.mesh.fill(surface, {elements = opts.elements, order = 2}))
 local part = bw.model {mesh = mesh, material = bw.material.pla}
 print(("%d tet10, %d nodes"):format(mesh.element_count, mesh.node_count))
+local processor = os.clock()
 local drops = assert(bw.random_drops(part, {drops = opts.drops}))
+processor = os.clock() - processor
+local scratch = drops.first_seconds * opts.drops
 print(drops)
+print(("drops: %.3g s, %.3g s of processor time, %.1f solutions each"):format(drops.seconds, processor,
+  drops.solves / opts.drops))
+print(("first drop: %.3g s; equations and modes made for each drop: %.3g s, %.1f times as much"):format(
+  drops.first_seconds, scratch, scratch / drops.seconds))
 local test = assert(bw.drop_test(part, {drops = opts.quasi_static}))
 print(test)
 print(("drop test: %.3g s"):format(test.seconds))
@@ -29,7 +36,8 @@ local begin = bw.seconds()
 local worst = assert(bw.worst_case(part, {force = 100}))
 print(("worst case: %.3g s"):format(bw.seconds() - begin))
 local row = {elements = mesh.element_count, drops = opts.drops, drops_s = drops.seconds,
-  each_from_scratch_s = drops.first_seconds * opts.drops, quasi_static = opts.quasi_static,
+  drops_processor_s = processor, first_s = drops.first_seconds,
+  each_from_scratch_s = scratch, times_less = scratch / drops.seconds, quasi_static = opts.quasi_static,
   drop_test_s = test.seconds, energy_error = drops.energy_error, with_drop_test = drops:correlation(test),
   with_worst_case = drops:correlation(worst), drop_test_with_worst_case = test:correlation(worst)}
 print(("rank correlations: drops and drop test %.3f, drops and worst case %.3f, the last two %.3f"):format(
