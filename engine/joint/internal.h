@@ -82,6 +82,9 @@ bw_status bwi_points_open(bw_context *context, bwi_reduction *r);
 /* Adds the springs (else the masses) of remote points to a reduced matrix, which is replaced. */
 bw_status bwi_points_add(bw_context *context, const bwi_reduction *r, bool springs,
                          bw_sparse_matrix **matrix);
+/* Adds P^T s P of one point, which couples all nodes of a distributed one. */
+bw_status bwi_points_add_one(bw_context *context, const bwi_reduction *r, int point,
+                             const double s[6][6], bw_sparse_matrix **matrix);
 /* b += P^T (load - S h), with the weight of masses in `gravity` (m/s2). */
 void bwi_points_load(const bwi_reduction *r, const double gravity[3], double *b);
 /* Motions of the points and what they exert: of distributed ones from the residual K u - f in
@@ -121,6 +124,11 @@ bw_status bwi_joined_pairs(bw_context *context, const bw_modes_options *options,
                            const bw_operator *k, const bw_operator *m, bw_eigenpairs **pairs);
 /* BW_SINGULAR for a residual that is negative where the elimination failed, or too large. */
 bw_status bwi_joined_check_residual(bw_context *context, double residual);
+/* Adds the stiffness that levers of remote points have by the load of a static solution, whose
+ * model has not changed, to T^T K_sigma T. BW_UNSUPPORTED for a moment about which it is not
+ * symmetric. */
+bw_status bwi_levers_add(bw_context *context, const bw_static *solution,
+                         const bwi_joined_equations *q, bw_sparse_matrix **matrix);
 /* BW_UNCONSTRAINED, with what moves. */
 bw_status bwi_joined_fail_free(bw_context *context, const bwi_joined_equations *q);
 

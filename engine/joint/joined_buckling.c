@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Load factors of models with bonds and springs: T^T (K + lambda K_sigma) T x = 0. Springs and
- * bonds carry no stress of their own, and attached masses only load. The lever of a remote point
- * has a stiffness by its load, which is not in K_sigma: couplings are refused. */
+/* Load factors of joined models: T^T (K + lambda K_sigma) T x = 0. Springs and bonds carry no
+ * stress of their own, and masses only load. The lever of a remote point has a stiffness by its
+ * load (levers.c). */
 #include "barwright/job.h"
 #include "buckling/internal.h"
 #include "joint/internal.h"
@@ -56,25 +56,24 @@ static bw_status at_nodes(bw_context *context, void *data, const double *x, doub
 static bw_status prepare(bw_context *context, const bw_static *solution, pencil *p) {
   bw_status status = BW_OK;
   bwi_joined_equations *q = &p->equations;
+  bw_sparse_matrix *matrix = NULL;
   double *values = NULL;
   if (solution->model->cyclic)
     return bw_model_refuse_joints(context, solution->model);
-  if (solution->model->coupling_count > 0)
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "the model has couplings: a load on a remote point turns with its lever, which "
-                   "load factors do not know yet; load the face itself");
   BW_TRY(bwi_joined_open(context, solution->model, true, q));
   if (q->rigid_count > 0)
     BW_TRY(bwi_joined_fail_free(context, q));
   values = BW_NEW(context, double, q->pattern->block_count);
   BW_TRY_MEMORY(values);
   BW_TRY(bw_stress_stiffness(context, q->pattern, solution->model, solution->displacement, values));
-  BW_TRY(bwi_joined_operator(context, q, values, 1, "initial stress of the joined bodies",
-                             &p->stress));
+  BW_TRY(bwi_reduce_matrix(context, &q->reduction, q->pattern, values, 1, &matrix));
+  BW_TRY(bwi_levers_add(context, solution, q, &matrix));
+  BW_TRY(bw_operator_of_matrix(context, matrix, "initial stress of the joined bodies", &p->stress));
   BW_TRY(bwi_matrix_pair_open(context, q->k->matrix, p->stress->matrix, &p->pair));
   BW_TRY(bwi_matrix_pair_factor(context, &p->pair, 0, NULL, q->k->name.text,
                                 "a coarser mesh needs less", &p->factor));
 done:
+  bw_release(matrix);
   bw_free(values);
   return status;
 }

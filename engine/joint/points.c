@@ -303,28 +303,40 @@ done:
   return status;
 }
 
-bw_status bwi_points_add(bw_context *context, const bwi_reduction *r, bool springs,
-                         bw_sparse_matrix **matrix) {
+bw_status bwi_points_add_one(bw_context *context, const bwi_reduction *r, int point,
+                             const double s[6][6], bw_sparse_matrix **matrix) {
   bw_status status = BW_OK;
   moves m = {0};
-  for (int p = 0; p < r->point_count; p++) {
-    const bw_remote_point *point = &r->coupling[p].point;
-    double s[6][6];
-    bw_sparse_matrix *sum = NULL;
-    if (springs ? !bwi_point_has_springs(point) : !bwi_point_has_mass(point))
-      continue;
-    matrix_of(point, springs, s);
-    BW_TRY(moves_of(context, r, p, &m));
-    BW_TRY(merge(context, *matrix, &m, s, &sum));
-    bw_release(*matrix);
-    *matrix = sum;
-    bw_free(m.column);
-    bw_free(m.value);
-    m = (moves){0};
-  }
+  bw_sparse_matrix *sum = NULL;
+  const bw_coupling *c = &r->coupling[point];
+  if (c->point.kind == BW_DISTRIBUTED && c->node_count > MAX_DENSE_NODES)
+    return bw_fail(context, BW_LIMIT,
+                   "the distributed coupling %d has %d nodes, and the lever of its remote point "
+                   "couples each with all others: at most %d are possible; make it rigid, or "
+                   "couple a smaller face",
+                   point + 1, c->node_count, MAX_DENSE_NODES);
+  BW_TRY(moves_of(context, r, point, &m));
+  BW_TRY(merge(context, *matrix, &m, s, &sum));
+  bw_release(*matrix);
+  *matrix = sum;
 done:
   bw_free(m.column);
   bw_free(m.value);
+  return status;
+}
+
+bw_status bwi_points_add(bw_context *context, const bwi_reduction *r, bool springs,
+                         bw_sparse_matrix **matrix) {
+  bw_status status = BW_OK;
+  for (int p = 0; p < r->point_count; p++) {
+    const bw_remote_point *point = &r->coupling[p].point;
+    double s[6][6];
+    if (springs ? !bwi_point_has_springs(point) : !bwi_point_has_mass(point))
+      continue;
+    matrix_of(point, springs, s);
+    BW_TRY(bwi_points_add_one(context, r, p, s, matrix));
+  }
+done:
   return status;
 }
 

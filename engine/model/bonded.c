@@ -35,11 +35,12 @@ bw_status bw_model_refuse_joints(bw_context *context, const bw_model *model) {
       length += snprintf(list + length, sizeof list - (size_t)length, "%s%d %s%s",
                          kinds++ > 0 ? " and " : "", kind[k].count, kind[k].name,
                          kind[k].count == 1 ? "" : "s");
-  return bw_fail(context, BW_UNSUPPORTED,
-                 "the model has %s: it gives static solutions, modes, %sharmonic responses and "
-                 "response spectra, but not what needs its equations otherwise; join the bodies in "
-                 "one mesh, and leave masses, springs and remote points out for that",
-                 list, model->coupling_count > 0 ? "" : "load factors, ");
+  return bw_fail(
+      context, BW_UNSUPPORTED,
+      "the model has %s: it gives static solutions, modes, load factors, harmonic responses "
+      "and response spectra, but not what needs its equations otherwise; join the bodies "
+      "in one mesh, and leave masses, springs and remote points out for that",
+      list);
 }
 
 bw_status bwi_motions_open(bw_context *context, const bw_dof_map *dof_map, int count,

@@ -263,7 +263,7 @@ function Model:clear_attachments() end
 ---and its force and moment spread over the face as tractions that vary linearly. The point can carry a force, a moment, a mass and
 ---springs to the ground, and its displacement and rotation can be prescribed. `static.couplings` has its motion and reactions.
 ---Supports on nodes of a rigid coupling must agree with what the point prescribes. A model with couplings gives static solutions,
----modes, harmonic responses, whose `curve` knows remote points, and response spectra. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set. Nodes in
+---modes, load factors, harmonic responses, whose `curve` knows remote points, and response spectra. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set. Nodes in
 ---two rigid couplings raise.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}

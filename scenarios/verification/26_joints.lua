@@ -130,3 +130,26 @@ for _, held in ipairs {true, false} do
       :near(largest(whole, false), {relative = 1e-8, source = "the whole body"})
   end)
 end
+
+-- A column of length L under a force on a rigid lever a beyond its end, which is at w(L) + a w'(L): cos kL =
+-- a k sin kL with k^2 = F / EI. Shear lowers the force as Engesser has it.
+for _, kind in ipairs {"distributed", "rigid"} do
+  scenario(("Column under a rigid lever, %s coupling"):format(kind), function(t)
+    local L, h, w = 1, 0.02, 0.03
+    local mesh = bw.mesh.box {max = {L, h, w}, cells = {30, 1, 1}, order = 2}
+    for _, a in ipairs {0, 0.3, 1} do
+      local part = bw.model {mesh = mesh, material = straight}
+      part:fix(mesh.boundary:below("x", 0))
+      part:couple {on = mesh.boundary:above("x", L), kind = kind, at = {L + a, h / 2, w / 2}, force = {-1, 0, 0}}
+      local factor = t:require(t:require(part:solve()):buckling {count = 1}).factors[1]
+      local low, high = 1e-3, math.pi / 2 / L
+      for _ = 1, 100 do
+        local k = (low + high) / 2
+        if math.cos(k * L) > a * k * math.sin(k * L) then low = k else high = k end
+      end
+      local load = young * w * h ^ 3 / 12 * low ^ 2
+      expect(factor, ("critical force, lever of %g m"):format(a), "N"):near(
+        load / (1 + 1.2 * load / (young / 2 * h * w)), {relative = 2e-4, source = "Euler, Engesser"})
+    end
+  end)
+end

@@ -524,6 +524,28 @@ static void memory_failures(void **state) {
   close_bar(&b);
 }
 
+/* Of load factors under the force of a lever. */
+static void buckling_memory_failures(void **state) {
+  bw_context *context = check_context(state);
+  for (int kind = 0; kind < 2; kind++) {
+    bar b = make_bar(context, 1, 0.1, 0.2, (const int[3]){3, 1, 1}, 1, 0);
+    bw_remote_point point = {.kind = kind ? BW_DISTRIBUTED : BW_RIGID, .at = {1.2, 0.01, 0.1}};
+    bw_static *result = NULL;
+    bw_buckling *buckling = NULL;
+    bw_buckling_options options;
+    bw_buckling_options_default(&options);
+    options.count = 1;
+    point.load[0] = -1;
+    check_ok(context, bw_model_fix(context, b.model, b.root));
+    check_ok(context, bw_model_couple(context, b.model, b.tip, &point));
+    check_ok(context, bw_set_threads(context, 1));
+    check_ok(context, bw_joined_statics(context, b.model, NULL, &result));
+    check_allocations(context, buckling, bw_joined_buckling(context, result, &options, &buckling));
+    bw_release(result);
+    close_bar(&b);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(a_moment_bends),
@@ -538,6 +560,7 @@ int main(void) {
       check_test(supports_that_agree),
       check_test(refuses),
       check_test(memory_failures),
+      check_test(buckling_memory_failures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
