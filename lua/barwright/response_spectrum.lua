@@ -3,7 +3,10 @@
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local nodal_files = require "barwright.nodal_files"
+local options = require "barwright.options"
 local shown = require "barwright.shown"
+
+local raise = core.raise
 
 local class = core.classes.response_spectrum
 local spectrum = class.methods
@@ -47,5 +50,79 @@ function class.tostring(self)
   return table.concat(lines, "\n")
 end
 
-arguments.methods("response_spectrum", spectrum, nil, {write = "path: string, options?: options",
-  picture = "path: string, options?: options"})
+-- ---- several directions --------------------------------------------------------------------------
+
+local combined = {}
+combined.__index = combined
+
+-- The largest value of up to three, in any order, of the first and 0.4 of each other.
+local most_of = {"a", "max(a + 0.4 * b, b + 0.4 * a)",
+  "max(max(a + 0.4 * (b + c), b + 0.4 * (a + c)), c + 0.4 * (a + b))"}
+local rules = {srss = {"a", "sqrt(a^2 + b^2)", "sqrt(a^2 + b^2 + c^2)"}, ["100-40-40"] = most_of}
+local rule_words = {srss = "square root of the sum of squares (SRSS)",
+  ["100-40-40"] = "100-40-40 rule: 100 % of one and 40 % of each other"}
+
+-- Of one model, along directions at right angles.
+local function check_others(responses)
+  if #responses > 3 then
+    raise(("combine: %d directions: at most 3 are at right angles"):format(#responses))
+  end
+  for k = 2, #responses do
+    if core.class_name(responses[k]) ~= "response_spectrum" then
+      raise(("combine: argument 'others': a response spectrum expected at %d, got %s"):format(k - 1,
+        core.got(responses[k])))
+    end
+    if responses[k].mesh ~= responses[1].mesh then
+      raise(("combine: response %d is of another mesh"):format(k))
+    end
+    for j = 1, k - 1 do
+      local p, q = responses[j].direction, responses[k].direction
+      if math.abs(p[1] * q[1] + p[2] * q[2] + p[3] * q[3]) > 1e-6 then
+        raise(("combine: responses %d and %d are not along directions at right angles"):format(j, k))
+      end
+    end
+  end
+end
+
+--- The largest response to directions that shake at once; see lua/stubs/response_spectrum.lua.
+function spectrum:combine(others, given)
+  local opts = options.read("combine", given or {},
+    {rule = {type = "string", default = "srss", one_of = {"srss", "100-40-40"}}})
+  local responses = {self, table.unpack(others)}
+  check_others(responses)
+  local formula = rules[opts.rule][#responses]
+  local function of(name)
+    local parts = {}
+    for k, r in ipairs(responses) do parts[("abc"):sub(k, k)] = r[name] end
+    return core.array.map(formula, parts)
+  end
+  local out = {rule = opts.rule, responses = responses, mesh = self.mesh, displacement = of "displacement",
+    von_mises = of "von_mises", base_force = {}}
+  for j = 1, 3 do
+    local parts = {}
+    for k, r in ipairs(responses) do parts[("abc"):sub(k, k)] = core.array.new {r.base_force[j]} end
+    out.base_force[j] = core.array.map(formula, parts)[1]
+  end
+  return setmetatable(out, combined)
+end
+
+combined.write, combined.picture = spectrum.write, spectrum.picture
+
+function combined:__tostring()
+  local lines = {("response spectra of %d directions at once, by the %s"):format(#self.responses,
+    rule_words[self.rule])}
+  for _, r in ipairs(self.responses) do
+    local x, y, z = table.unpack(r.direction)
+    lines[#lines + 1] = ("  along (%s, %s, %s): largest von Mises stress %s"):format(shown.number(x),
+      shown.number(y), shown.number(z), core.quantity(r.von_mises:max(), "Pa"))
+  end
+  lines[#lines + 1] = ("  largest displacement component %s, von Mises stress %s, force on the supports %s; "
+    .. "errors of the combination and of the mesh unknown"):format(core.quantity(self.displacement:max(), "m"),
+    core.quantity(self.von_mises:max(), "Pa"), shown.vector(self.base_force, "N"))
+  return table.concat(lines, "\n")
+end
+
+local files = {write = "path: string, options?: options", picture = "path: string, options?: options"}
+arguments.methods("combined_spectrum", combined, combined, files)
+arguments.methods("response_spectrum", spectrum, nil, {write = files.write, picture = files.picture,
+  combine = "others: table, options?: options"})

@@ -52,5 +52,61 @@ function ResponseSpectrum:write(path, options) end
 ---@return bw.Details? details
 function ResponseSpectrum:picture(path, options) end
 
+---The largest response when the base moves along several directions at once, each with a spectrum of its own. The directions
+---are at right angles, and their motions do not depend on each other. Responses of other meshes and directions raise.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local function along(d) return assert(part:response_spectrum {points = {{10, 5}, {2000, 3}}, direction = d}) end
+---print(along {1, 0, 0}:combine({along {0, 1, 0}, along {0, 0, 1}}, {rule = "100-40-40"}))
+---```
+---
+---Source: [theory](../theory/dynamics.md#response-spectrum).
+---@param others bw.ResponseSpectrum[] those of the other directions, one or two
+---@param options? bw.CombineOptions by which rule
+---@return bw.CombinedSpectrum combined the largest response
+function ResponseSpectrum:combine(others, options) end
+
+---How directions are combined.
+---@class bw.CombineOptions
+---@field rule? "srss"|"100-40-40" root of the sum of squares, or the largest of 100 % of one direction and 40 % of each other. Default: "srss".
+
+---The largest response to several directions at once; `print` shows that of each beside it.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local function along(d) return assert(part:response_spectrum {points = {{10, 5}, {2000, 3}}, direction = d}) end
+---local combined = along {0, 0, 1}:combine {along {0, 1, 0}}
+---print(combined.von_mises:max(), combined.base_force[3])
+---```
+---@class bw.CombinedSpectrum
+---@field displacement bw.Array (m, node_count × 3, per node) the largest of each component
+---@field von_mises bw.Array (Pa, node_count × 1, per node) the largest von Mises stress
+---@field base_force number[] (N, 3) on the supports, the largest along each axis
+---@field rule "srss"|"100-40-40" of the combination
+---@field responses bw.ResponseSpectrum[] those of the directions
+---@field mesh bw.Mesh of the model
+local CombinedSpectrum = {}
+
+---Writes the largest displacement and von Mises stress to a .vtu file. Other endings of `mesh:write` work, too.
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@param options? bw.MeshWriteOptions further fields, unit and version
+---@return true? written true
+---@return string? message
+---@return bw.Details? details
+function CombinedSpectrum:write(path, options) end
+
+---Draws the body as a PNG file, coloured by the largest von Mises stress.
+---
+---Errors: those of `bw.picture`.
+---@param path string the file
+---@param options? bw.PictureOptions how it is drawn
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
+function CombinedSpectrum:picture(path, options) end
+
 ---Releases the response at once.
 function ResponseSpectrum:close() end

@@ -69,6 +69,46 @@ describe("response_spectrum", function()
     assert.equal(0, flexible.base_acceleration)
   end)
 
+  it("combines directions by SRSS and by 100-40-40", function()
+    local part, points = beam(), {{10, 5}, {100, 20}, {4000, 3}}
+    local r, axes = {}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
+    for k, d in ipairs(axes) do r[k] = assert(part:response_spectrum {points = points, direction = d}) end
+    local srss, most = r[3]:combine {r[1], r[2]}, r[3]:combine({r[1], r[2]}, {rule = "100-40-40"})
+    for node = 1, part.mesh.node_count, 7 do
+      local sum, s = 0, {}
+      for k = 1, 3 do s[k] = r[k].von_mises[node] sum = sum + s[k] ^ 2 end
+      check.near(math.sqrt(sum), srss.von_mises[node], 1e-12)
+      table.sort(s)
+      check.near(s[3] + 0.4 * (s[1] + s[2]), most.von_mises[node], 1e-12)
+      local x, y, z = r[1].displacement(node, 3), r[2].displacement(node, 3), r[3].displacement(node, 3)
+      check.near(math.sqrt(x * x + y * y + z * z), srss.displacement(node, 3), 1e-12)
+    end
+    for j = 1, 3 do
+      local f = {r[1].base_force[j], r[2].base_force[j], r[3].base_force[j]}
+      check.near(math.sqrt(f[1] ^ 2 + f[2] ^ 2 + f[3] ^ 2), srss.base_force[j], 1e-12)
+    end
+    -- SRSS does not depend on the axes, for one spectrum along all
+    local turned = {}
+    for k, d in ipairs {{1, 0, 0}, {0, 0.6, 0.8}, {0, -0.8, 0.6}} do
+      turned[k] = assert(part:response_spectrum {points = points, direction = d})
+    end
+    local again = turned[1]:combine {turned[2], turned[3]}
+    check.near(srss.von_mises:max(), again.von_mises:max(), 1e-9)
+    check.near(srss.base_force[3], again.base_force[3], 1e-9)
+    local two = r[1]:combine({r[3]}, {rule = "100-40-40"})
+    check.near(math.max(r[1].von_mises[1] + 0.4 * r[3].von_mises[1], 0.4 * r[1].von_mises[1] + r[3].von_mises[1]),
+      two.von_mises[1], 1e-12)
+    assert.truthy(tostring(most):find("100 % of one and 40 % of each other", 1, true))
+    assert.truthy(tostring(srss):find("errors of the combination and of the mesh unknown", 1, true))
+    assert(srss:write(folder .. "combined.vtu") and most:picture(folder .. "combined.png"))
+    check.raises("not along directions at right angles", r[1].combine, r[1], {r[2], turned[2]})
+    check.raises("at most 3", r[1].combine, r[1], {r[2], r[3], r[1]})
+    check.raises("a response spectrum expected at 1, got", r[1].combine, r[1], {3})
+    check.raises("option 'rule'", r[1].combine, r[1], {r[2]}, {rule = "sum"})
+    local other = assert(beam():response_spectrum {points = points, direction = {0, 1, 0}})
+    check.raises("response 2 is of another mesh", r[1].combine, r[1], {other})
+  end)
+
   it("warns that loads of the part are not in it", function()
     local points = {{10, 5}, {4000, 3}}
     local bare = assert(beam():response_spectrum {points = points, direction = {0, 0, 1}})
