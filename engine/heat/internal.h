@@ -109,12 +109,27 @@ typedef struct bwi_heat_task {
 bw_status bwi_heat_solve(bw_context *context, bwi_heat_system *system, const bwi_heat_task *task,
                          double *temperature, double *q, double *heat_in, double *remainder,
                          double *stored, int *iterations, double *change);
+/* The dual temperatures z (K/W, node_count) of the temperature at a node: by the matrix at these
+ * temperatures, those of the last solution. */
+bw_status bwi_heat_dual(bw_context *context, bwi_heat_system *system, const double *temperature,
+                        int32_t node, double *z);
 /* A solution without temperatures. */
 bw_status bwi_heat_solution_create(bw_context *context, const bw_heat *heat,
                                    bw_heat_solution **solution);
-/* Reactions, and the balance of all. heat_in has what conditions give without reactions. */
+/* The highest temperature, without an error. */
+void bwi_heat_find_highest(bw_heat_solution *solution);
+/* Reactions, the highest temperature, and the balance of all. heat_in has what conditions give
+ * without reactions. */
 void bwi_heat_balance(const bwi_heat_system *system, const double *remainder,
                       bw_heat_solution *solution);
+
+/* ---- flux.c ---------------------------------------------------------------------------------- */
+
+/* The estimate of the error (K) of the highest temperature, of which `dual` (K/W, node_count) is
+ * the dual: the product of both fields' recovered errors at its node, and what is above the node.
+ */
+bw_status bwi_heat_highest_error(bw_context *context, const bw_heat_solution *solution,
+                                 const double *dual, double *error);
 
 /* ---- precondition.c -------------------------------------------------------------------------- */
 

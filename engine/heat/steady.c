@@ -42,8 +42,19 @@ bw_status bwi_heat_solution_create(bw_context *context, const bw_heat *heat,
   return BW_OK;
 }
 
+void bwi_heat_find_highest(bw_heat_solution *solution) {
+  solution->highest = -INFINITY;
+  solution->highest_error = -1;
+  for (int32_t i = 0; i < solution->mesh->node_count; i++)
+    if (solution->temperature[i] > solution->highest) {
+      solution->highest = solution->temperature[i];
+      solution->highest_node = i;
+    }
+}
+
 void bwi_heat_balance(const bwi_heat_system *system, const double *remainder,
                       bw_heat_solution *solution) {
+  bwi_heat_find_highest(solution);
   solution->throughput = fmax(-solution->stored, 0);
   for (int c = 0; c < solution->condition_count; c++)
     if (!bwi_heat_joins(&system->heat->condition[c])) /* it goes out again */
@@ -81,6 +92,14 @@ static double first_temperature(const bwi_heat_system *system) {
   return count ? sum / count : 0;
 }
 
+/* work: node_count. */
+static bw_status find_error(bw_context *context, bwi_heat_system *system, bw_heat_solution *made,
+                            double *work) {
+  bw_status status = bwi_heat_dual(context, system, made->temperature, made->highest_node, work);
+  return status == BW_OK ? bwi_heat_highest_error(context, made, work, &made->highest_error)
+                         : status;
+}
+
 bw_status bw_heat_steady(bw_context *context, const bw_heat *heat, const bw_heat_options *options,
                          bw_heat_solution **solution) {
   bw_status status = BW_OK;
@@ -103,6 +122,8 @@ bw_status bw_heat_steady(bw_context *context, const bw_heat *heat, const bw_heat
                         &made->stored, &made->iterations, &made->change));
   bwi_heat_balance(&system, work + n, made);
   made->report = system.report;
+  if (system.options.error)
+    BW_TRY(find_error(context, &system, made, work));
   *solution = made;
   made = NULL;
 done:

@@ -216,6 +216,7 @@ bw_status bwi_heat_system_open(bw_context *context, const bw_heat *heat,
   if (options) {
     s->options.solver = options->solver;
     s->options.guess = options->guess;
+    s->options.error = options->error;
     if (options->tolerance != 0)
       s->options.tolerance = options->tolerance;
     if (options->max_iterations != 0)
@@ -610,5 +611,33 @@ bw_status bwi_heat_solve(bw_context *context, bwi_heat_system *s, const bwi_heat
 done:
   bw_free(values);
   bw_free(work);
+  return status;
+}
+
+bw_status bwi_heat_dual(bw_context *context, bwi_heat_system *s, const double *temperature,
+                        int32_t node, double *z) {
+  bw_status status = BW_OK;
+  int32_t n = s->heat->mesh->node_count;
+  const bwi_heat_task task = {.part = 1};
+  const bw_solver_report kept = s->report;
+  double *values = BW_NEW(context, double, s->pattern->block_count);
+  double *load = BW_NEW0(context, double, n), *b = BW_NEW(context, double, 2 * (size_t)n);
+  BW_TRY_MEMORY(values && load && b);
+  memset(z, 0, (size_t)n * sizeof *z);
+  load[node] = s->prescribe[node] < 0;
+  gather(s, load);
+  make_values(s, &task, temperature, values);
+  for (int32_t r = 0; r < s->unknowns; r++)
+    b[r] = load[s->node[r]];
+  if (s->unknowns)
+    BW_TRY(solve_linear(context, s, values, 1, b, b + n));
+  for (int32_t r = 0; r < s->unknowns; r++)
+    z[s->node[r]] = b[n + r];
+  follow(s, z);
+done:
+  s->report = kept;
+  bw_free(values);
+  bw_free(load);
+  bw_free(b);
   return status;
 }

@@ -114,6 +114,7 @@ bw_status bw_heat_transient_create(bw_context *context, const bw_heat *heat, con
   BW_TRY(bwi_heat_inflow(context, &s->system, s->state[0], s->q, s->heat_in));
   BW_TRY(bwi_heat_solution_create(context, heat, &now));
   memcpy(now->temperature, s->state[0], n * sizeof *initial);
+  bwi_heat_find_highest(now);
   now->report = s->system.report;
   made->now = now;
   *transient = made;

@@ -180,6 +180,7 @@ static int heat_solve(lua_State *L) {
   static const lbw_option list[] = {
       {"tolerance", LBW_REAL, offsetof(bw_heat_options, tolerance)},
       {"max_iterations", LBW_INT, offsetof(bw_heat_options, max_iterations)},
+      {"error", LBW_BOOLEAN, offsetof(bw_heat_options, error)},
       {"solver", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   const bw_heat *heat = self(L);
@@ -336,6 +337,16 @@ static int solution_error(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+LBW_PUSH(solution_highest, lua_pushnumber(L, solution_self(L)->highest))
+LBW_PUSH(solution_highest_node, lua_pushinteger(L, solution_self(L)->highest_node + 1))
+
+static int solution_highest_error(lua_State *L) {
+  if (solution_self(L)->highest_error < 0)
+    return 0;
+  lua_pushnumber(L, solution_self(L)->highest_error);
+  return 1;
+}
+
 LBW_PUSH(solution_time, lua_pushnumber(L, solution_self(L)->time))
 LBW_PUSH(solution_stored, lua_pushnumber(L, solution_self(L)->stored))
 LBW_PUSH(solution_imbalance, lua_pushnumber(L, solution_self(L)->imbalance))
@@ -350,17 +361,18 @@ static int solution_report(lua_State *L) {
 
 static int solution_tostring(lua_State *L) {
   const bw_heat_solution *s = solution_self(L);
-  double low = s->temperature[0], high = low;
-  char text[400];
-  for (int32_t i = 0; i < s->mesh->node_count; i++) {
+  double low = s->highest;
+  char text[400], error[100] = "at nodes, error not estimated";
+  for (int32_t i = 0; i < s->mesh->node_count; i++)
     low = s->temperature[i] < low ? s->temperature[i] : low;
-    high = s->temperature[i] > high ? s->temperature[i] : high;
-  }
+  if (s->highest_error >= 0)
+    snprintf(error, sizeof error, "the highest with an estimated error of %s",
+             lbw_quantity(s->highest_error, "K").text);
   snprintf(text, sizeof text,
-           "temperatures from %.6g to %.6g K (at nodes, error not estimated); heat in %s, stored "
-           "%s, balance %.1e W; %d iterations",
-           low, high, lbw_quantity(s->throughput, "W").text, lbw_quantity(s->stored, "W").text,
-           s->imbalance, s->iterations);
+           "temperatures from %.6g to %.6g K (%s); heat in %s, stored %s, balance %.1e W; %d "
+           "iterations",
+           low, s->highest, error, lbw_quantity(s->throughput, "W").text,
+           lbw_quantity(s->stored, "W").text, s->imbalance, s->iterations);
   lua_pushstring(L, text);
   return 1;
 }
@@ -369,6 +381,9 @@ static const luaL_Reg solution_methods[] = {{"error_estimate", solution_error}, 
 static const luaL_Reg solution_properties[] = {{"mesh", solution_mesh},
                                                {"time", solution_time},
                                                {"temperature", solution_temperature},
+                                               {"highest", solution_highest},
+                                               {"highest_node", solution_highest_node},
+                                               {"highest_error", solution_highest_error},
                                                {"flux", solution_flux},
                                                {"element_flux", solution_element_flux},
                                                {"reaction", solution_reaction},

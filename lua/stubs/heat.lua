@@ -153,6 +153,7 @@ function Heat:solve(options) end
 ---@field solver? bw.Solver|"auto" cholesky, or pcg with the preconditioner two_level (quadratic elements), jacobi or cholesky. Default: a factor up to 100,000 unknowns, else pcg.
 ---@field tolerance? number (-) change of the temperature in an iteration over the largest one, at which radiation and conductivity by temperature are done. Range: above 0, below 1. Default: 1e-10.
 ---@field max_iterations? integer (count) of these iterations. Range: 1 or more. Default: 100.
+---@field error? boolean of a steady state, whether the error of the highest temperature is estimated, by one more solution of the linear system. Default: false.
 
 ---Begins at time 0.
 ---
@@ -184,6 +185,9 @@ function Heat:transient(options) end
 ---@field mesh bw.Mesh the body
 ---@field time number (s) 0 of a steady state
 ---@field temperature bw.Array (K, n, per node) the field
+---@field highest number (K) the highest temperature at a node
+---@field highest_node integer (index from 1) where it is
+---@field highest_error number? (K) estimate of the error of the highest temperature of the body, with `error = true`; nil otherwise
 ---@field flux bw.Array (W/m2, n × 3, per node) means over the elements around each, of one material; on an interface the larger one of its sides
 ---@field element_flux bw.Array (W/m2, n × 3, per element) means over each
 ---@field reaction bw.Array (W, n, per node) heat into the body where temperatures are prescribed

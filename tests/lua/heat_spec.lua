@@ -232,6 +232,75 @@ describe("heat", function()
     end
   end)
 
+  it("estimates the error of the highest temperature: a cube with a source, and bent boxes", function()
+    local function ratio(solution, exact)
+      return solution.highest_error / math.abs(exact - solution.highest)
+    end
+    for order = 1, 2 do
+      for _, n in ipairs {4, 5, 8} do
+        local mesh = bw.mesh.box {max = {1, 1, 1}, cells = {n, n, n}, order = order}
+        local heat = bw.heat {mesh = mesh, material = metal}
+        heat:prescribe(mesh.boundary, 0):load {source = 35}
+        local r = ratio(assert(heat:solve {error = true}), 0.0562128) -- the series of the cube
+        assert.is_true(r > 0.6 and r < 2.5, r)
+      end
+    end
+    local seed = 1
+    local function random()
+      seed = (seed * 1103515245 + 12345) % 2147483648
+      return seed / 2147483648 * 2 - 1
+    end
+    for _ = 1, 4 do
+      local c = {}
+      for i = 1, 18 do c[i] = 0.12 * random() end
+      local function solve(order, n)
+        local box = bw.mesh.box {max = {1, 1, 1}, cells = {n, n, n}, order = order}
+        local nodes = box.nodes:totable()
+        for _, p in ipairs(nodes) do
+          local x, y, z = p[1], p[2], p[3]
+          p[1] = x + c[1] * math.sin(3 * y) + c[2] * z * z + c[3] * x * y
+          p[2] = y + c[4] * math.sin(3 * x) + c[5] * x * z + c[6] * y * y
+          p[3] = 0.6 * z + c[7] * math.cos(2 * x) + c[8] * x * y + c[9] * y
+        end
+        local mesh = box:moved(bw.array.new(nodes))
+        local heat = bw.heat {mesh = mesh, material = metal}
+        heat:load {source = 1e3 * (1 + c[12])}
+        heat:load {on = mesh.boundary, convection = {coefficient = 500 * (1 + c[13]), temperature = 20}}
+        return assert(heat:solve {error = true})
+      end
+      local fine = solve(2, 9)
+      for order = 1, 2 do
+        local coarse = solve(order, order == 1 and 5 or 3)
+        local e, estimate = math.abs(fine.highest - coarse.highest), coarse.highest_error
+        assert.is_true(estimate > 0.5 * e, estimate / e)
+        -- the parts of the true error of tet10 may cancel: it warms up by 1.2 K
+        assert.is_true(estimate < (order == 1 and 2.5 * e or 0.012), estimate)
+      end
+    end
+  end)
+
+  it("a prescribed highest temperature has no error, also through a bond", function()
+    local mesh = bw.mesh.box({max = {0.1, 0.01, 0.01}, cells = {10, 1, 1}, order = 2})
+      :split({min = {0.06, -1, -1}, max = {1, 1, 1}}, "cover"):separated "cover"
+    local function body(high)
+      local heat, boundary = bw.heat {mesh = mesh, material = metal}, mesh.boundary
+      heat:bond {a = boundary:region "cover", b = boundary:region "rest"}
+      heat:prescribe(boundary:below("x", 0), 300)
+      return high(heat, boundary:above("x", 0.1))
+    end
+    for _, high in ipairs {function(heat, on) return heat:prescribe(on, 400) end,
+      function(heat, on) return heat:load {on = on, heat_flux = 35000} end} do
+      local heat = body(high)
+      local solution = assert(heat:solve {error = true})
+      check.near(400, solution.highest, 1e-9)
+      check.near(0.1, mesh.nodes[solution.highest_node][1], 1e-12)
+      assert.is_true(solution.highest_error < 1e-7) -- linear: elements are exact
+      assert.matches("the highest with an estimated error of", tostring(solution))
+      assert.is_nil(assert(heat:solve()).highest_error)
+      assert.matches("error not estimated", tostring(heat:solve()))
+    end
+  end)
+
   it("a tolerance that no step reaches is a failure, not misuse", function()
     local heat, mesh = bar(metal, 1)
     heat:prescribe(mesh.boundary:below("x", 0), 300)

@@ -80,6 +80,8 @@ typedef struct bw_heat_options {
                          below 1; default 1e-10 */
   int max_iterations; /* (count) of these iterations, 1 or more; default 100 */
   const double *guess; /* (K, node_count) where they begin; default NULL */
+  bool error; /* of a steady state: estimate the error of the highest temperature, by one more
+                 solution of the linear system; default false */
 } bw_heat_options;
 /* The defaults. */
 BW_API void bw_heat_options_default(bw_heat_options *options);
@@ -99,8 +101,11 @@ typedef struct bw_heat_solution {
   double imbalance; /* (W) what goes in, less what is stored */
   double
       throughput; /* (W) the sum of all that goes in, by nodes where temperatures are prescribed */
-  int iterations; /* of radiation and conductivity; 1 of a linear problem */
-  double change;  /* (-) the last one, as bw_heat_options.tolerance; 0 of a linear problem */
+  double highest; /* (K) the highest temperature at a node */
+  int32_t highest_node; /* (index) where it is */
+  double highest_error; /* (K) estimate of its error; below 0: not estimated */
+  int iterations;       /* of radiation and conductivity; 1 of a linear problem */
+  double change;        /* (-) the last one, as bw_heat_options.tolerance; 0 of a linear problem */
   bw_solver_report report; /* of the linear systems */
 } bw_heat_solution;
 /* The steady state. BW_UNCONSTRAINED where a body has neither a prescribed temperature nor

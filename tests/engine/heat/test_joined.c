@@ -211,6 +211,7 @@ static void memory_failures(void **state) {
   bw_heat_options options;
   bw_heat_options_default(&options);
   options.solver = pcg;
+  options.error = true;
   bw_heat_solution *solution = NULL;
   check_allocations(context, solution, bw_heat_steady(context, heat, &options, &solution));
   bw_release(pcg);
