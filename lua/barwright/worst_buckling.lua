@@ -210,6 +210,7 @@ end
 
 local function load_of(self, i, where)
   if not self.loads then raise(where .. ": this worst-case buckling is closed") end
+  if #self.loads == 0 then raise(where .. ": no load was found that buckles the part") end
   i = i or 1
   if math.type(i) ~= "integer" or i < 1 or i > #self.loads then
     raise(("%s: a load from 1 to %d expected, got %s"):format(where, #self.loads, core.got(i)))
@@ -262,6 +263,7 @@ end
 
 --- Pressure, displacement and buckling shape of the worst load as a .vtu file.
 function worst_buckling:write(path)
+  load_of(self, nil, "write")
   local u, message, details = self:displacement()
   if not u then return nil, message, details end
   return self.mesh:write(path, {fields = {pressure = {self:pressure(), on = "nodes"},

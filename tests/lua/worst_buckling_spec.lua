@@ -159,6 +159,18 @@ describe("worst-case buckling", function()
     assert.has_error(function() worst:pressure() end)
   end)
 
+  it("says in each answer that no load was found", function()
+    local mesh = bw.mesh.box {max = {0.1, 0.02, 0.02}, cells = {4, 1, 1}, order = 2}
+    local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary)
+    local worst = assert(bw.worst_buckling(part, {force = 1, contact = 1e-4}))
+    assert.is_nil(worst.factor)
+    for name, give in pairs {write = function() return worst:write(folder .. "none.vtu") end,
+      picture = function() return worst:picture(folder .. "none.png") end,
+      factors = function() return worst:factors() end, pressure = function() return worst:pressure() end} do
+      check.raises(name .. ": no load was found that buckles the part", give)
+    end
+  end)
+
   it("refuses what it does not know", function()
     local part, mesh = column(true)
     for text, call in pairs {
