@@ -175,9 +175,9 @@ static bw_status fail_unheld(bw_context *context, const bwi_contact_problem *c,
   if (isfinite(reach))
     snprintf(within, sizeof within, " within %.3g m", reach);
   bw_fail(context, BW_UNCONSTRAINED,
-          "neither supports nor contact balance the load: nothing stops the %s%s. Add a support or "
+          "neither supports nor contact balance the load: nothing%s stops the %s. Add a support or "
           "a contact pair that does, or turn the load%s",
-          text, within, c->before ? ", or take a larger coefficient of friction" : "");
+          within, text, c->before ? ", or take a larger coefficient of friction" : "");
   bw_detail_text(context, "motion", text);
   return BW_UNCONSTRAINED;
 }

@@ -18,6 +18,8 @@
 /* Of a motion of size 1: what words leave out of it. The motion of a body that slides away is
  * known to about this. */
 #define DESCRIBED_TOLERANCE 1e-3
+/* Of it a rotation that words call slight: its axis is far away and would tell nothing. */
+#define SLIGHT_ROTATION 0.03
 /* Principal moments that agree to this are taken as equal, and their axes along x, y, z. */
 #define EQUAL_MOMENTS 1e-7
 
@@ -189,15 +191,18 @@ void bwi_describe_motion(const bw_dof_map *dof_map, const double *a, char *text,
       w[k] += a[m] * dof_map->rigid_mode[m].rotation[k] / sqrt(most);
     }
   }
-  if (bw_norm(w) * length > DESCRIBED_TOLERANCE)
+  double turns = bw_norm(w) * length;
+  bool slight = turns > DESCRIBED_TOLERANCE && turns < SLIGHT_ROTATION * bw_norm(t);
+  if (turns > DESCRIBED_TOLERANCE && !slight)
     set_rotation(&motion, centre, t, w, DESCRIBED_TOLERANCE * length);
   else
     memcpy(motion.translation, t, sizeof t);
-  name_motion(&motion, length, DESCRIBED_TOLERANCE);
+  name_motion(&motion, length, slight ? SLIGHT_ROTATION : DESCRIBED_TOLERANCE);
+  const char *also = slight ? ", with a slight rotation" : "";
   if (dof_map->mesh->component_count > 1)
-    snprintf(text, size, "%s of body %d", motion.text, largest + 1);
+    snprintf(text, size, "%s of body %d%s", motion.text, largest + 1, also);
   else
-    snprintf(text, size, "%s", motion.text);
+    snprintf(text, size, "%s%s", motion.text, also);
 }
 
 int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double inertia[9],

@@ -138,9 +138,16 @@ describe("contact", function()
   it("says what nothing stops", function()
     local contact, message, details = block {force = {0, 10, -100}}:contact {{on = foot, with = floor}}
     assert.is_nil(contact)
-    assert.matches("nothing stops the translation along %(0, 1, 0%)", message)
+    assert.matches("nothing within .* m stops the translation along %(0, 1, 0%)", message)
     assert.are.equal("unconstrained", details.status)
     assert.are.equal("translation along (0, 1, 0)", details.motion)
+    -- an axis far away would tell nothing
+    local lifted = block {pressure = -1e4}
+    lifted:load {on = top & lifted.mesh.boundary:above("x", 0.15), pressure = -100}
+    contact, message, details = lifted:contact {{on = foot, with = floor}}
+    assert.is_nil(contact)
+    assert.matches("within .* m stops the translation along %(0, 0, 1%), with a slight rotation%.", message)
+    assert.are.equal("translation along (0, 0, 1), with a slight rotation", details.motion)
   end)
 
   it("prints rigid surfaces", function()
