@@ -66,6 +66,10 @@ static bw_status check(bw_context *context, const bw_heat *heat,
   if (options && options->lumped && heat->mesh->order == 2)
     return bw_fail(context, BW_INVALID,
                    "a lumped capacity is for linear elements: quadratic ones lose their accuracy");
+  if (options && options->steps.error)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "the error of the highest temperature is estimated of steady states: the error "
+                   "of a step in time is that of the transient");
   if (options && (unsigned)options->scheme > BW_HEAT_BDF2)
     return bw_fail(context, BW_INVALID, "there is no scheme %d", (int)options->scheme);
   return BW_OK;

@@ -201,6 +201,7 @@ static int heat_transient(lua_State *L) {
       {"lumped", LBW_BOOLEAN, offsetof(bw_heat_transient_options, lumped)},
       {"tolerance", LBW_REAL, offsetof(bw_heat_transient_options, steps.tolerance)},
       {"max_iterations", LBW_INT, offsetof(bw_heat_transient_options, steps.max_iterations)},
+      {"error", LBW_BOOLEAN, offsetof(bw_heat_transient_options, steps.error)},
       {"initial", LBW_OTHER, 0},
       {"scheme", LBW_OTHER, 0},
       {"solver", LBW_OTHER, 0},

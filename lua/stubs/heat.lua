@@ -153,7 +153,7 @@ function Heat:solve(options) end
 ---@field solver? bw.Solver|"auto" cholesky, or pcg with the preconditioner two_level (quadratic elements), jacobi or cholesky. Default: a factor up to 100,000 unknowns, else pcg.
 ---@field tolerance? number (-) change of the temperature in an iteration over the largest one, at which radiation and conductivity by temperature are done. Range: above 0, below 1. Default: 1e-10.
 ---@field max_iterations? integer (count) of these iterations. Range: 1 or more. Default: 100.
----@field error? boolean of a steady state, whether the error of the highest temperature is estimated, by one more solution of the linear system. Default: false.
+---@field error? boolean of a steady state alone, whether the error of the highest temperature is estimated, by one more solution of the linear system. Default: false.
 
 ---Begins at time 0.
 ---

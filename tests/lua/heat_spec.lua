@@ -350,6 +350,7 @@ describe("heat", function()
       assert(heat:transient {initial = 0}):run {time = 1, step = 1, histories = {{{1, 2}, {1, 3}}}}
     end)
     check.fails("unconstrained", "no steady temperature", heat:solve())
+    check.fails("unsupported", "is estimated of steady states", heat:transient {initial = 0, error = true})
     heat:prescribe(mesh.boundary, 300)
     check.raises("a table of options expected, got", heat:solve().picture, heat:solve(), "a.png", 3)
   end)

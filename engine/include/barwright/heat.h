@@ -152,7 +152,7 @@ typedef struct bw_heat_transient {
 } bw_heat_transient;
 /* A body at time 0 with temperatures `initial` (K, node_count); prescribed ones apply from the
  * start. `options` may be NULL. BW_INVALID for a material without density or heat capacity, and for
- * a lumped capacity of tet10; BW_UNSUPPORTED as bw_heat_steady. */
+ * a lumped capacity of tet10; BW_UNSUPPORTED as bw_heat_steady, and for steps with `error`. */
 BW_API bw_status bw_heat_transient_create(bw_context *context, const bw_heat *heat,
                                           const double *initial,
                                           const bw_heat_transient_options *options,
