@@ -25,6 +25,10 @@ print(("of %.0f mJ, %.0f mJ go on as motion and %.0f mJ as vibration"):format(1e
   1e3 * drop.motion_energy[n], 1e3 * (drop.vibration_energy[n] + drop.strain_energy[n])))
 assert(drop.energy_error < 1e-3) -- of the energy at the first touch
 
+-- In place of the floor it may hit a peg, with a tip of this radius below the centre of mass, or an edge
+-- (bw.rigid.cylinder).
+print(assert(part:drop {height = 0.8, onto = bw.rigid.sphere {radius = 0.02}}))
+
 -- Nobody knows how it will fall. Drops at random share one factor and one set of modes, here those of the drop
 -- above.
 local drops = assert(bw.random_drops(part, {drops = 20, height = 0.8, modes = drop.modes}))

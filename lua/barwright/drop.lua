@@ -3,6 +3,7 @@
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local fine_boundary = require "barwright.fine_boundary"
+local obstacle = require "barwright.obstacle"
 local options = require "barwright.options"
 
 local raise = core.raise
@@ -39,7 +40,7 @@ function drop:write(path)
     utilisation = self.utilisation and {self.utilisation, on = "elements"}}})
 end
 
---- The part coloured by the largest stress over time; options of bw.picture.
+--- The part coloured by the largest stress over time, and what it falls on as lines; options of bw.picture.
 function drop:picture(path, given)
   sampled(self, "picture")
   local opts = options.copied(given)
@@ -48,6 +49,10 @@ function drop:picture(path, given)
   opts.values = self.mesh:to_nodes(self.max_principal, "max"):gather(nodes)
   opts.unit = opts.unit or "largest principal stress, MPa"
   opts.scale = opts.scale or 1e-6
+  if not opts.lines and self.impacts[1] then
+    local drawn = obstacle.drawn(self.onto, self.mesh, self.impacts[1].place)
+    opts.lines, opts.line_name = drawn.lines, drawn.line_name
+  end
   return core.picture(surface, path, opts)
 end
 

@@ -2,6 +2,7 @@
 -- Drops in time of random attitudes from one factor and one set of modes: how likely each place is to break.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
+local obstacle = require "barwright.obstacle"
 local options = require "barwright.options"
 local random = require "barwright.study.random"
 local shown = require "barwright.shown"
@@ -16,6 +17,7 @@ local rules = {
   height = {type = "number", default = 1, above = 0},
   spin = {type = "number", default = 0, min = 0},
   damping = {type = "any"}, -- read where it is used
+  onto = {type = "rigid_surface"},
   modes = {type = "modes"},
   impacts = {type = "integer", default = 1, min = 1},
   samples = {type = "integer", default = 20, min = 1},
@@ -49,7 +51,10 @@ function random_drops.analyse(part, given)
   if not part.material.strength then
     core.raise "random_drops: the strength of the material is not known: give one, or take part:drop"
   end
-  local self = setmetatable({options = opts, mesh = part.mesh, drops = opts.drops}, random_drops)
+  if opts.onto and opts.onto.placed then
+    core.raise "random_drops: the obstacle is below the centre of mass: leave out its place"
+  end
+  local self = setmetatable({options = opts, mesh = part.mesh, drops = opts.drops, misses = 0}, random_drops)
   local generator, begin, modes = random.new(opts.seed), core.seconds(), opts.modes
   local rows = {peaks = {}, forces = {}, durations = {}, directions = {}, risks = {}}
   local exceeded, sum
@@ -59,21 +64,28 @@ function random_drops.analyse(part, given)
     if not ok then return nil, message, details end
     local down = direction(generator)
     local spin = scaled(direction(generator), opts.spin)
+    local onto = opts.onto and obstacle.turned(opts.onto, down, direction(generator))
     local drop
     drop, message, details = part:drop {height = opts.height, down = down, spin = spin, damping = opts.damping,
-      modes = modes, impacts = opts.impacts, samples = opts.samples}
-    if not drop then return nil, message, details end
-    if i == 1 and not opts.modes then self.first_seconds = core.seconds() - begin end
-    modes = drop.modes
-    exceeded = core.array.map("s + (u > 1)", {s = exceeded or 0, u = drop.utilisation})
-    sum = core.array.map("s + u", {s = sum or 0, u = drop.max_principal})
-    local impact = drop.impacts[1]
-    rows.peaks[i], rows.forces[i], rows.durations[i] = drop.peak.stress, impact.force, impact.duration
-    rows.directions[i], rows.risks[i] = down, drop.utilisation:max()
-    self.energy_error = math.max(self.energy_error, drop.energy_error)
-    self.furthest_turn = math.max(self.furthest_turn, impact.turn)
-    self.solves = self.solves + drop.solves
-    drop:close()
+      onto = onto, modes = modes, impacts = opts.impacts, samples = opts.samples}
+    rows.peaks[i], rows.forces[i], rows.durations[i], rows.directions[i], rows.risks[i] = 0, 0, 0, down, 0
+    if drop then
+      if not modes then self.first_seconds = core.seconds() - begin end
+      modes = drop.modes
+      exceeded = core.array.map("s + (u > 1)", {s = exceeded or 0, u = drop.utilisation})
+      sum = core.array.map("s + u", {s = sum or 0, u = drop.max_principal})
+      local impact = drop.impacts[1]
+      rows.peaks[i], rows.forces[i], rows.durations[i] = drop.peak.stress, impact.force, impact.duration
+      rows.risks[i] = drop.utilisation:max()
+      self.energy_error = math.max(self.energy_error, drop.energy_error)
+      self.furthest_turn = math.max(self.furthest_turn, impact.turn)
+      self.solves = self.solves + drop.solves
+      drop:close()
+    elseif details.status == "geometry" and self.misses < opts.drops - 1 then
+      self.misses = self.misses + 1
+    else
+      return nil, message, details
+    end
   end
   core.report_progress("random drops", 1)
   for name, list in pairs(rows) do self[name] = core.array.new(list) end
@@ -129,13 +141,15 @@ function random_drops:__tostring()
   local place = self.exceedance:argmax()
   return table.concat({
     ("%d drops from %g m: the part is overloaded in %s of them, by their number %s to %s (95 %%)"):format(
-      self.drops, self.options.height, shown.percent(p), shown.percent(low), shown.percent(high)),
+      self.drops, self.options.height, shown.percent(p), shown.percent(low), shown.percent(high))
+      .. (self.misses > 0 and ("; %d of them miss it"):format(self.misses) or ""),
     ("  element %d most often, in %s of them; largest stress %.4g MPa, largest force %.4g N"):format(place,
       shown.percent(self.exceedance[place]), self.peaks:max() / 1e6, self.forces:max()),
     ("  %.3g s in all%s; energy kept to %.1e"):format(self.seconds, self.first_seconds
       and (", about %.3g s with equations and modes made for each drop"):format(self.first_seconds * self.drops)
       or "", self.energy_error),
-    "  linear elasticity, rigid plane, no friction; error of mesh, modes and samples unknown: within an element",
+    ("  linear elasticity, %s, no friction; error of mesh, modes and samples unknown: within an element"):format(
+      self.options.onto and obstacle.name(self.options.onto) or "rigid plane"),
     "  of a node that touches, stress and overload depend on the mesh"}, "\n")
 end
 

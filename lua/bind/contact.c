@@ -109,6 +109,11 @@ static int surface_inside(lua_State *L) {
   return 1;
 }
 
+static int surface_placed(lua_State *L) {
+  lua_pushboolean(L, surface_self(L)->placed);
+  return 1;
+}
+
 static int surface_tostring(lua_State *L) {
   const bw_rigid_surface *s = surface_self(L);
   lbw_text at = lbw_point(s->point), along = lbw_direction(s->direction);
@@ -382,9 +387,13 @@ static int contact_tostring(lua_State *L) {
 }
 
 static const luaL_Reg no_methods[] = {{NULL, NULL}};
-static const luaL_Reg surface_properties[] = {
-    {"kind", surface_kind},     {"point", surface_point},   {"direction", surface_direction},
-    {"radius", surface_radius}, {"inside", surface_inside}, {NULL, NULL}};
+static const luaL_Reg surface_properties[] = {{"kind", surface_kind},
+                                              {"point", surface_point},
+                                              {"direction", surface_direction},
+                                              {"radius", surface_radius},
+                                              {"inside", surface_inside},
+                                              {"placed", surface_placed},
+                                              {NULL, NULL}};
 static const luaL_Reg surface_meta[] = {{"__tostring", surface_tostring}, {NULL, NULL}};
 const lbw_class lbw_rigid_surface_class = {"rigid_surface", no_methods, surface_properties,
                                            surface_meta, NULL};

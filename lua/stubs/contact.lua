@@ -66,6 +66,7 @@ function rigid_module.cylinder(options) end
 ---@field direction? bw.Vector (-) the plane's normal or the cylinder's axis, of length 1; nil of a sphere
 ---@field radius? number (m) nil of a plane
 ---@field inside boolean whether the part is inside
+---@field placed boolean whether `point` or `centre` was given
 local RigidSurface = {}
 
 ---Releases its memory at once.

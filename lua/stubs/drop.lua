@@ -10,7 +10,7 @@
 ---@class bw
 local bw = {}
 
----Drops a part in random attitudes on a rigid plane, in time, from one set of equations and modes. A part with supports or loads, or
+---Drops a part in random attitudes on a rigid floor, edge or peg, in time, from one set of equations and modes. A part with supports or loads, or
 ---of a material without density or strength, raises.
 ---
 ---Errors: those of `model:drop`.
@@ -36,6 +36,7 @@ function bw.random_drops(part, options) end
 ---@field height? number (m) of the fall. Range: above 0. Default: 1
 ---@field spin? number (rad/s) size of the angular velocity when it touches; its direction is random. Range: 0 or more. Default: 0
 ---@field damping? bw.Damping by a ratio and by stiffness. Default: none
+---@field onto? bw.RigidSurface floor, edge or peg below the centre of mass, without a place, in axes whose z is up: an edge lies in any direction of the horizontal plane. Default: a floor
 ---@field modes? bw.Modes elastic modes of the part. Default: as of `model:drop`
 ---@field impacts? integer (count) that are followed in each drop. Range: 1 to 10000. Default: 1
 ---@field samples? integer (count) of the stress in each impact, at least; twice as many at most. Range: 1 to 100000. Default: 20
@@ -59,6 +60,7 @@ function bw.random_drops(part, options) end
 ---@field energy_error number (-) the largest of all drops, as of `bw.Drop`
 ---@field furthest_turn number (rad) by which a normal turned in the part in a first impact, at most
 ---@field drops integer (count) of drops
+---@field misses integer (count) of drops that miss the obstacle, such as a peg in a hole: they have no stress and do no harm
 ---@field solves integer (count) right-hand sides solved for
 ---@field seconds number (s) in all
 ---@field first_seconds? number (s) until the first drop was done: with the factor and the modes; nil where `modes` were given
@@ -194,7 +196,7 @@ function Drop:write(path) end
 ---@return bw.Details? details
 function Drop:write_history(path) end
 
----Draws the largest stress over time as a PNG file. A drop without samples raises.
+---Draws the largest stress over time as a PNG file, and what the part falls on as lines. A drop without samples raises.
 ---
 ---Errors: those of `bw.picture`.
 ---@param path string the file

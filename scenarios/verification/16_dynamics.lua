@@ -196,17 +196,24 @@ local function domed_block(R)
   return mesh:moved(nodes)
 end
 
-scenario("Hertz: impact of a domed block", function(t)
-  local R, speed, young, poisson = 0.01, 0.04, 1e9, 0.3
+local function hertz(t, R, speed, radius, onto)
+  local young, poisson = 1e9, 0.3
   local part = bw.model {mesh = t:require(domed_block(R)),
     material = bw.material.isotropic {young = young, poisson = poisson, density = 1000}}
-  local drop = t:require(part:drop {speed = speed, gravity = 0, down = {0, 0, -1}, samples = 0,
+  local drop = t:require(part:drop {speed = speed, gravity = 0, down = {0, 0, -1}, samples = 0, onto = onto,
     modes = t:require(part:modes {count = 20})})
-  local stiffness = 4 / 3 * young / (1 - poisson ^ 2) * math.sqrt(R)
+  local stiffness = 4 / 3 * young / (1 - poisson ^ 2) * math.sqrt(radius)
   local deep = (1.25 * drop.mass * speed ^ 2 / stiffness) ^ 0.4
   local source = "Hertz, Journal für die reine und angewandte Mathematik 92, 1881"
   expect(drop.impacts[1].duration, "duration, 2.943 depth/v", "s"):near(2.94327 * deep / speed, {relative = 0.02,
     source = source})
   expect(drop.impacts[1].force, "largest force", "N"):near(stiffness * deep ^ 1.5, {relative = 0.02,
     source = source})
+end
+
+scenario("Hertz: impact of a domed block", function(t) hertz(t, 0.01, 0.04, 0.01) end)
+
+-- 1 / radius = 1 / R + 1 / R. Twice the speed makes the contact as wide as on a plane.
+scenario("Hertz: impact of a domed block on a peg", function(t)
+  hertz(t, 0.01, 0.08, 0.005, bw.rigid.sphere {radius = 0.01})
 end)

@@ -56,6 +56,28 @@ describe("drop", function()
     assert.equal(first.solves, second.solves)
   end)
 
+  it("shows what it falls on, and the gap to it", function()
+    local obstacle = require "barwright.obstacle"
+    local mesh, place = box().mesh, {0.015, 0.01, 0}
+    local centre = {0.015, 0.01, -0.02}
+    local surfaces = {bw.rigid.plane {normal = {0, 0, 1}}, bw.rigid.sphere {centre = centre, radius = 0.02},
+      bw.rigid.cylinder {point = centre, axis = {1, 2, 0}, radius = 0.02},
+      bw.rigid.sphere {centre = {0.015, 0.01, -20}, radius = 20}}
+    for _, surface in ipairs(surfaces) do
+      local drawn = obstacle.drawn(surface, mesh, place)
+      local points = {}
+      for _, line in ipairs(drawn.lines) do
+        for _, p in ipairs(line) do
+          points[#points + 1] = p
+          assert.is_true(math.abs(p[1] - 0.015) < 0.04 and math.abs(p[2] - 0.01) < 0.04 and p[3] < 1e-9)
+        end
+      end
+      local gap = obstacle.gap(surface, {nodes = bw.array.new(points)})
+      assert.is_true(gap:map("abs(a)"):max() < 1e-9)
+      check.near(0.01, obstacle.gap(surface, {nodes = bw.array.new {{0.015, 0.01, 0.01}}})[1], 1e-9)
+    end
+  end)
+
   it("writes its history, fields and a picture", function()
     local drop = assert(box():drop {down = {-1, -2, -3}, samples = 5})
     local csv, vtu, png = os.tmpname(), os.tmpname() .. ".vtu", os.tmpname() .. ".png"
@@ -113,6 +135,32 @@ describe("drop", function()
     local again = assert(bw.random_drops(part, {drops = 12, height = 3, spin = 2, samples = 5,
       modes = drops.modes}))
     for i = 1, 12 do assert.equal(drops.peaks[i], again.peaks[i]) end
+  end)
+
+  it("at random falls on edges in any direction, and a peg in a hole does no harm", function()
+    local part = box()
+    local function drops_onto(surface)
+      return bw.random_drops(part, {drops = 5, samples = 2, seed = 3, onto = surface})
+    end
+    local edge = assert(drops_onto(bw.rigid.cylinder {axis = {1, 0, 0}, radius = 0.2}))
+    assert.equal(0, edge.misses)
+    assert.is_true(edge.peaks:min() > 0)
+    assert.truthy(tostring(edge):find("rigid edge of radius 200 mm", 1, true))
+    -- a large peg is a floor but for the slope where it is touched
+    local floor, peg = assert(bw.random_drops(part, {drops = 1, samples = 2})),
+      assert(bw.random_drops(part, {drops = 1, samples = 2, onto = bw.rigid.sphere {radius = 1e4}}))
+    check.near(floor.forces[1], peg.forces[1], 1e-4)
+    assert.error_matches(function() drops_onto(bw.rigid.sphere {centre = {0, 0, 0}, radius = 0.2}) end,
+      "leave out its place")
+    -- a frame about its centre of mass: along z a peg goes through
+    local frame = bw.mesh.box {max = {0.03, 0.03, 0.004}, cells = {6, 6, 1}}
+    local corners = 0
+    for k = 1, 4 do corners = corners + frame.nodes:gather(frame.elements:column(k)) end
+    frame = assert(frame:subset((corners / 4):map "max(abs(a.x - 0.015), abs(a.y - 0.015)) > 0.005"))
+    part = bw.model {mesh = frame, material = bw.material.pla}
+    local through, message = part:drop {onto = bw.rigid.sphere {radius = 0.002}}
+    assert.is_nil(through)
+    assert.truthy(message:find("misses", 1, true))
   end)
 
   it("at random refuses a part whose strength is not known", function()
@@ -188,6 +236,25 @@ describe("barwright drop", function()
     end
   end)
 
+  it("falls on a peg and on an edge", function()
+    local status, object = answer("--peg 50mm --height 10mm --at 30mm,5mm,0 " .. rod)
+    assert.is_true(status < 2)
+    assert.equal(0.05, object.peg_m)
+    check.near(0.03, object.first_touch_m[1], 0.1)
+    local words = "drop --edge 50mm --along 0,1,0 --height 10mm --report %se.html %s"
+    local _, out = check.run(words:format(folder, rod))
+    for _, text in ipairs {"rigid edge of radius 50 mm", "Nodes alone touch", "The largest force is"} do
+      assert.truthy(out:find(text, 1, true), text .. "\n" .. out)
+    end
+    assert.truthy(check.read(folder .. "e.html"):find("rigid edge of radius 50 mm</p>", 1, true))
+    _, object = answer("--edge 50mm --drops 3 --height 10mm " .. rod)
+    assert.equal(0, object.misses)
+    assert.is_true(object.shortest_duration_s > 0)
+    local failed, _, err = check.run("drop --peg 1mm --at 30mm,50mm,0 " .. rod)
+    assert.equal(3, failed)
+    assert.truthy(err:find("misses the sphere of radius 1 mm", 1, true), err)
+  end)
+
   it("drops at random and leaves the verdict open", function()
     local words = ("--picture @r.png --vtu @r.vtu --report @r.html"):gsub("@", folder)
     local status, out = check.run(("drop %s --height 10mm --drops 4 %s"):format(rod, words))
@@ -213,7 +280,10 @@ describe("barwright drop", function()
     for words, expected in pairs {["--down 0,0,0"] = "a direction expected", ["--down 1,2"] = "three numbers",
       ["--spin 1g,0,0"] = "rad/s", ["--height 1"] = "no unit", ["--height 0m"] = "above 0",
       ["--drops 3 --down 1,0,0"] = "random directions", ["--drops 3 --spin 1,0,0"] = "without spin",
-      ["--drops 3 --csv a.csv"] = "history", ["--damping 1"] = "above 0 and below 1"} do
+      ["--drops 3 --csv a.csv"] = "history", ["--peg 1mm --edge 1mm"] = "leave out one", ["--peg 0mm"] = "above 0",
+      ["--edge 1mm"] = "--along", ["--along 1,0,0"] = "give --edge", ["--at 1mm,0,0"] = "give --peg or --edge",
+      ["--edge 1mm --along 0,0,0"] = "a direction expected", ["--peg 1mm --at 1,2,3"] = "no unit",
+      ["--drops 3 --peg 1mm --at 0,0,0"] = "below the centre of mass", ["--damping 1"] = "above 0 and below 1"} do
       local status, _, err = check.run(("drop %s %s"):format(words, rod))
       assert.equal(2, status)
       assert.truthy(err:find(expected, 1, true), err)

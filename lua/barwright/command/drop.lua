@@ -1,19 +1,43 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright drop MODEL: how hard a part hits a rigid plane, and how it is stressed. docs/theory/drop.md
+-- barwright drop MODEL: how hard a part hits a floor, edge or peg, and how it is stressed. docs/theory/drop.md
 local bw = require "barwright"
 local core = require "barwright.core"
 local drop_page = require "barwright.command.drop_page"
 local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
+local obstacle = require "barwright.obstacle"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
 local shown = require "barwright.shown"
 
 -- Options of one drop alone.
 local alone = {{"down", "random drops have random directions"}, {"spin", "random drops fall without spin"},
-  {"csv", "the history is that of one drop"}}
+  {"csv", "the history is that of one drop"}, {"along", "the edge of random drops lies in any direction"},
+  {"at", "the obstacle of random drops is below the centre of mass"}}
 
--- What must be right before the work: {down = of length one, spin =}.
+-- The edge or peg, or nothing for the floor; or nil, a message.
+local function read_obstacle(opts)
+  local at, along, message
+  if opts.peg and opts.edge then return nil, "options --peg and --edge: leave out one of them" end
+  if opts.at and not (opts.peg or opts.edge) then return nil, "option --at: give --peg or --edge, too" end
+  if opts.at then
+    at, message = places.point(opts.at)
+    if not at then return nil, "option --at: " .. message end
+  end
+  if opts.along and not opts.edge then return nil, "option --along: give --edge, too" end
+  if opts.peg then return bw.rigid.sphere {centre = at, radius = opts.peg} end
+  if not opts.edge then return false end
+  if opts.drops then return bw.rigid.cylinder {axis = {1, 0, 0}, radius = opts.edge} end
+  if not opts.along then return nil, "option --edge: give its direction by --along, such as 0,1,0" end
+  along, message = places.vector(opts.along)
+  if not along then return nil, "option --along: " .. message end
+  if along[1] == 0 and along[2] == 0 and along[3] == 0 then
+    return nil, ("option --along: a direction expected, got '%s'"):format(opts.along)
+  end
+  return bw.rigid.cylinder {point = at, axis = along, radius = opts.edge}
+end
+
+-- What must be right before the work: {down = of length one, spin =, onto = surface or nil}.
 local function read_options(opts)
   for _, one in ipairs(alone) do
     local name, why = table.unpack(one)
@@ -32,6 +56,10 @@ local function read_options(opts)
     given.spin, message = places.vector(opts.spin, "rad/s")
     if not given.spin then return nil, "option --spin: " .. message end
   end
+  local onto
+  onto, message = read_obstacle(opts)
+  if onto == nil then return nil, message end
+  given.onto = onto or nil
   return given
 end
 
@@ -48,17 +76,15 @@ local function drop_of(mesh, material, opts, given, count)
     if not modes then return nil, message, details end
   end
   drop, message, details = model.try(part.drop, part, {height = opts.height, down = given.down,
-    spin = given.spin, damping = damping_of(opts), modes = modes})
+    spin = given.spin, onto = given.onto, damping = damping_of(opts), modes = modes})
   if drop and #drop.impacts == 0 then return nil, "the part does not touch", {status = "invalid"} end
   return drop, message, details, part
 end
 
--- How far the centre of each element is from the plane at the first touch (m).
-local function distances(drop, down)
-  local mesh, place, sum = drop.mesh, drop.impacts[1].place, 0
-  local height = bw.array.map("(a - x) * p + (b - y) * q + (c - z) * r", {x = mesh.nodes:column(1),
-    y = mesh.nodes:column(2), z = mesh.nodes:column(3), a = place[1], b = place[2], c = place[3], p = down[1],
-    q = down[2], r = down[3]})
+-- How far the centre of each element is from the obstacle at the first touch (m).
+local function distances(drop)
+  local mesh, sum = drop.mesh, 0
+  local height = obstacle.gap(drop.onto, mesh)
   for corner = 1, 4 do sum = sum + height:gather(mesh.elements:column(corner)) end
   return sum / 4
 end
@@ -79,11 +105,11 @@ local function largest(drop, mask)
     used = drop.utilisation and (drop.utilisation * mask):max()}
 end
 
--- The largest stress within `reach` of the plane, and that of the rest. The reach is an element of this mesh, or
--- that of a finer one which it is compared with.
-local function measure(drop, down, reach)
+-- The largest stress within `reach` of the obstacle, and that of the rest. The reach is an element of this mesh,
+-- or that of a finer one which it is compared with.
+local function measure(drop, reach)
   reach = reach or growth.edge_length(drop.mesh, drop.impacts[1].place)
-  local near = distances(drop, down):map("a <= h", {h = reach})
+  local near = distances(drop):map("a <= h", {h = reach})
   local impact, energy = drop.impacts[1], drop.motion_energy
   return {touch = largest(drop, near), rest = largest(drop, near:map "1 - a"), reach = reach, force = impact.force,
     duration = impact.duration, impulse = impact.impulse, motion = energy[#energy] / drop.initial_energy}
@@ -132,10 +158,10 @@ local function of_strength(place)
   return place.used and (", %s of the strength"):format(shown.percent(place.used)) or ""
 end
 
-local function state_assumptions(opts, unknown, say)
+local function state_assumptions(opts, onto, unknown, say)
   local damping = opts.damping and ("%s of the critical damping in every mode"):format(shown.percent(opts.damping))
-  say("Linear elasticity, rigid plane, no friction, %s. The error of %s is unknown.", damping or "no damping",
-    unknown)
+  say("Linear elasticity, %s, no friction, %s. The error of %s is unknown.", onto and obstacle.name(onto)
+    or "rigid plane", damping or "no damping", unknown)
 end
 
 -- Ends with a failure; what the engine advises against too many nodes that touch is named as options.
@@ -149,12 +175,12 @@ local function run_one(opts, given, out)
   local drop, message, details, part = drop_of(mesh, material, opts, given)
   out:warnings()
   if not drop then return fail(out, message, details, "give fewer --elements, or tilt the part by --down") end
-  local found = measure(drop, given.down)
+  local found = measure(drop)
   local coarse = model.on_coarser(read, opts, 2, function(coarser)
     local count = drop.modes.count
     local same = drop_of(coarser, material, opts, given, count)
     local half = same and drop_of(coarser, material, opts, given, math.max(1, count // 2))
-    return half and {same = measure(same, given.down, found.reach), half = measure(half, given.down, found.reach)}
+    return half and {same = measure(same, found.reach), half = measure(half, found.reach)}
   end)
   local verdict, words = assess(found, coarse, part, read)
   local impact, touch, rest = drop.impacts[1], found.touch, found.rest
@@ -192,7 +218,11 @@ local function run_one(opts, given, out)
     say("A normal of the contact turns by %s degrees in the part: more than the contact allows for.",
       shown.number(math.deg(impact.turn)))
   end
-  state_assumptions(opts, "the stress between samples", say)
+  if given.onto then
+    say("Nodes alone touch: the obstacle goes %s deep between them at the first touch.",
+      core.quantity(drop.obstacle_depth, "m"))
+  end
+  state_assumptions(opts, given.onto, "the stress between samples", say)
   local function place_of(place)
     return {stress_pa = place.stress, at_m = place.at, utilisation = place.used, verdict = place.verdict,
       estimated_error = coarse and place.error or nil, depends_on_mesh = place.grows}
@@ -203,6 +233,7 @@ local function run_one(opts, given, out)
     force_estimated_error = errors.force, impulse_n_s = impact.impulse,
     impulse_estimated_error = errors.impulse, first_touch_m = impact.place,
     speed_m_s = drop.speed, height_m = opts.height, down = given.down, spin_rad_s = given.spin,
+    peg_m = opts.peg, edge_m = opts.edge, obstacle_depth_m = given.onto and drop.obstacle_depth,
     energy_j = drop.initial_energy, energy_error = drop.energy_error, modes = drop.modes.count,
     damping_ratio = opts.damping, material = opts.material, singular = found.singular ~= nil}
   local title = ("%s: dropped from %s; %s"):format(model.name(opts.model), core.quantity(opts.height, "m"), words)
@@ -216,12 +247,12 @@ local function run_one(opts, given, out)
   return verdict == "holds" and output.DONE or output.NO
 end
 
-local function run_many(opts, out)
+local function run_many(opts, given, out)
   local mesh, material, read = body(opts, out)
   if not mesh then return out:fail(material, read) end
   local part = bw.model {mesh = mesh, material = material}
   local drops, message, details = model.try(bw.random_drops, part, {drops = opts.drops, seed = opts.seed,
-    height = opts.height, damping = damping_of(opts)})
+    height = opts.height, onto = given.onto, damping = damping_of(opts)})
   out:warnings()
   if not drops then return fail(out, message, details, "give fewer --elements") end
   local p, low, high = drops:failures()
@@ -232,23 +263,27 @@ local function run_many(opts, out)
   say("%s from %s in random attitudes: %s overload the part, with 95 %% confidence %s to %s of such drops.",
     model.count(drops.drops, "drop"), core.quantity(opts.height, "m"), shown.percent(p), shown.percent(low),
     shown.percent(high))
+  if drops.misses > 0 then say("Of the drops, %d miss the obstacle and do no harm.", drops.misses) end
   say("That is the error of their number. The error of the mesh is unknown: one mesh.")
   if p > 0 then
     say("Most often overloaded: %s, in %s of the drops. Within an element of a touching node that depends on "
       .. "the mesh.", core.point(at), shown.percent(drops.exceedance[element]))
   end
+  -- of those that hit
+  local shortest = drops.durations:map("a + m * (a == 0)", {m = drops.durations:max()}):min()
   say("The first impact lasts %s to %s, with a force of at most %s and a principal stress of at most %s.",
-    shown.estimate(drops.durations:min(), "s"), shown.estimate(drops.durations:max(), "s"),
+    shown.estimate(shortest, "s"), shown.estimate(drops.durations:max(), "s"),
     shown.estimate(drops.forces:max(), "N"), shown.estimate(drops.peaks:max(), "Pa"))
   say "Verdict: unsure, since the stress of places that touch depends on the mesh."
   say("The balance of energy is kept to %.1e of the energy at the first touch.", drops.energy_error)
-  state_assumptions(opts, "modes that are left out and of the stress between samples", say)
+  state_assumptions(opts, given.onto, "modes that are left out and of the stress between samples", say)
   out:json {verdict = "unsure", value = p, quantity = "fraction of random drops that overload the part",
     low = low, high = high, drops = drops.drops, seed = opts.seed, height_m = opts.height,
     at_m = p > 0 and at or nil, largest_exceedance = drops.exceedance[element],
     largest_stress_pa = drops.peaks:max(), largest_force_n = drops.forces:max(),
-    shortest_duration_s = drops.durations:min(), longest_duration_s = drops.durations:max(),
-    energy_error = drops.energy_error, modes = drops.modes.count, damping_ratio = opts.damping,
+    shortest_duration_s = shortest, misses = drops.misses, peg_m = opts.peg,
+    edge_m = opts.edge, longest_duration_s = drops.durations:max(), energy_error = drops.energy_error,
+    modes = drops.modes.count, damping_ratio = opts.damping,
     material = opts.material}
   local title = ("%s: overloaded in %s of %s from %s"):format(model.name(opts.model), shown.percent(p),
     model.count(drops.drops, "random drop"), core.quantity(opts.height, "m"))
@@ -266,6 +301,12 @@ local options = {
     what = "how far it falls until it touches"},
   {name = "down", value = "X,Y,Z", what = "where it falls, in the axes of the file; 0,0,-1 if left out"},
   {name = "spin", value = "WX,WY,WZ", what = "its angular velocity when it touches, in rad/s"},
+  {name = "peg", value = "RADIUS", type = "number", unit = "m", above = 0,
+    what = "a rigid peg with a hemispherical tip of this radius, in place of the floor"},
+  {name = "edge", value = "RADIUS", type = "number", unit = "m", above = 0,
+    what = "a rigid straight edge, rounded with this radius, in place of the floor"},
+  {name = "along", value = "X,Y,Z", what = "the direction of the edge, in the axes of the file"},
+  {name = "at", value = "X,Y,Z", what = "where the peg or edge is; below the centre of mass if left out"},
   {name = "drops", value = "N", type = "integer", min = 1, max = 100000,
     what = "so many drops in random attitudes, and how often they overload the part"},
   {name = "seed", value = "N", type = "integer", default = 1, what = "of the random attitudes"},
@@ -285,21 +326,22 @@ local options = {
 table.move(model.value_options, 1, #model.value_options, #options + 1, options)
 
 return {
-  summary = "how hard a part hits a rigid plane, and how it is stressed",
-  about = "Drops a part on a rigid plane and follows it in time until it leaves the plane. It finds the duration "
-    .. "of the impact, the force, and the largest principal stress with its place. A surface is repaired where it "
-    .. "must be and filled with quadratic tetrahedra. The stress at an edge or corner that touches grows as "
-    .. "elements get smaller: it is judged only where a coarser mesh shows that it does not.\n\n"
+  summary = "how hard a part hits a rigid floor, edge or peg, and how it is stressed",
+  about = "Drops a part on a rigid floor, edge or peg and follows it in time until it leaves that. It finds the "
+    .. "duration of the impact, the force, and the largest principal stress with its place. A surface is repaired "
+    .. "where it must be and filled with quadratic tetrahedra. The stress at an edge or corner that touches "
+    .. "grows as elements get smaller: it is judged only where a coarser mesh shows that it does not.\n\n"
     .. output.codes("it holds", "it breaks, or the estimated error or the mesh leaves it open; --drops always "
     .. "leaves it open"),
   arguments = {model.body_argument},
   options = options,
   examples = {"barwright drop part.stl --height 1m --material pla --down -1,-2,-3 --picture drop.png",
+    {"barwright drop part.stl --height 1m --peg 5mm", "on a peg below its centre of mass"},
     {"barwright drop part.stl --height 1m --drops 100 --report drops.html", "in random attitudes"}},
   run = function(opts, out)
     local given, message = read_options(opts)
     if not given then return out:misuse(message) end
-    if opts.drops then return run_many(opts, out) end
+    if opts.drops then return run_many(opts, given, out) end
     return run_one(opts, given, out)
   end,
 }

@@ -2,13 +2,14 @@
 -- The pages of `barwright drop`: a view of the part, and the sentences that the command says.
 local bw = require "barwright"
 local fine_boundary = require "barwright.fine_boundary"
+local obstacle = require "barwright.obstacle"
 local report = require "barwright.report"
 
 local drop_page = {}
 
 -- words: {title =, answer = sentences}; fields: {name, unit, array over elements, scale} each;
--- moved: displacements of nodes, or nil.
-local function write(result, path, words, fields, moved)
+-- moved: displacements of nodes, or nil; drawn: lines and their name, or nil.
+local function write(result, path, words, fields, moved, drawn)
   local mesh = result.mesh
   local surface, nodes, details = fine_boundary(mesh)
   if not surface then return nil, nodes, details end
@@ -21,8 +22,10 @@ local function write(result, path, words, fields, moved)
     data.displacements[1] = {name = "at the largest stress", kind = "load",
       values = report.floats(moved:gather(nodes)), field = 0}
   end
-  return report.page(path, {title = words.title, answer = words.answer, data = data, body = "",
-    manifest = {version = bw.version(), elements = mesh.element_count, modes = result.modes.count},
+  data.lines = drawn and report.lines(drawn.lines)
+  return report.page(path, {title = words.title, answer = words.answer, data = data,
+    body = drawn and report.legend(drawn) or "", manifest = {version = bw.version(),
+      elements = mesh.element_count, modes = result.modes.count},
     picture = function(name) return result:picture(name, {title = words.title}) end})
 end
 
@@ -30,7 +33,8 @@ end
 function drop_page.of_drop(drop, path, words)
   local fields = {{"largest principal stress over time", "MPa", drop.max_principal, 1e-6}}
   if drop.utilisation then fields[2] = {"of the strength", "%", drop.utilisation, 100} end
-  return write(drop, path, words, fields, drop.displacement)
+  return write(drop, path, words, fields, drop.displacement,
+    obstacle.drawn(drop.onto, drop.mesh, drop.impacts[1].place))
 end
 
 --- Random drops, a bw.RandomDrops.

@@ -52,7 +52,8 @@ local function length_of(text)
   return value
 end
 
-local function point_of(text)
+--- A point whose coordinates have a unit: "0,0,30mm".
+function places.point(text)
   local point, message = places.vector(text, "m")
   if not point then return nil, message end
   message = missing_unit(text)
@@ -97,7 +98,7 @@ local kinds = {
   above = {parts = {axis_of, length_of},
     select = function(boundary, _, axis, at) return boundary:above(axis, at) end,
     test = function(p, _, axis, at) return p[axis] >= at end},
-  near = {parts = {point_of, length_of},
+  near = {parts = {places.point, length_of},
     select = function(boundary, _, point, radius) return boundary:near(point, radius) end,
     test = function(p, _, point, radius)
       return (p[1] - point[1]) ^ 2 + (p[2] - point[2]) ^ 2 + (p[3] - point[3]) ^ 2 <= radius ^ 2
