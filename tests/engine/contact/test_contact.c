@@ -464,11 +464,11 @@ static void refused(void **state) {
               bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
   pair.against = NULL;
   check_ok(context, bw_model_force(context, model, top, (double[3]){1, 0, -100}));
-  check_fails(context, BW_UNCONSTRAINED, "nothing stops the translation along (1, 0, 0)",
+  check_fails(context, BW_UNCONSTRAINED, "stops the translation along (1, 0, 0).",
               bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
   bw_model_clear_loads(model);
   check_ok(context, bw_model_force(context, model, top, (double[3]){0, 0, 100}));
-  check_fails(context, BW_UNCONSTRAINED, "nothing stops the translation along (0, 0, 1)",
+  check_fails(context, BW_UNCONSTRAINED, "stops the translation along (0, 0, 1).",
               bw_contact_solve(context, model, 1, &pair, NULL, NULL, &c));
   bw_release(with); /* above the block's foot, which supports hold */
   check_ok(context, bw_rigid_plane(context, (double[3]){0, 0, 1e-3}, axis[2], &with));
