@@ -114,10 +114,6 @@ done:
   return status;
 }
 
-bool bwi_adaptive_at_shortest(const bwi_adaptive *a) {
-  return a->level == SHORTEST;
-}
-
 bool bwi_adaptive_accepts(bwi_adaptive *a, double error) {
   if (error <= a->tolerance || a->level == SHORTEST)
     return true;

@@ -50,8 +50,6 @@ bw_status bwi_adaptive_estimate(bw_context *context, const bwi_adaptive *a, bwi_
 bool bwi_adaptive_accepts(bwi_adaptive *a, double error);
 /* Goes to the end of a step that stands, and may make the next one longer. */
 void bwi_adaptive_accept(bwi_adaptive *a, double error, const double norm[3]);
-/* Whether the steps cannot be shorter. */
-bool bwi_adaptive_at_shortest(const bwi_adaptive *a);
 double bwi_adaptive_step(const bwi_adaptive *a);
 double bwi_adaptive_time(const bwi_adaptive *a);
 /* The estimated error of the displacement now (-). */

@@ -55,17 +55,17 @@ end
 local combined = {}
 combined.__index = combined
 
--- The largest value of up to three, in any order, of the first and 0.4 of each other.
-local most_of = {"a", "max(a + 0.4 * b, b + 0.4 * a)",
-  "max(max(a + 0.4 * (b + c), b + 0.4 * (a + c)), c + 0.4 * (a + b))"}
-local rules = {srss = {"a", "sqrt(a^2 + b^2)", "sqrt(a^2 + b^2 + c^2)"}, ["100-40-40"] = most_of}
+-- Of two and of three directions.
+local rules = {srss = {[2] = "sqrt(a^2 + b^2)", [3] = "sqrt(a^2 + b^2 + c^2)"},
+  ["100-40-40"] = {[2] = "max(a + 0.4 * b, b + 0.4 * a)",
+    [3] = "max(max(a + 0.4 * (b + c), b + 0.4 * (a + c)), c + 0.4 * (a + b))"}}
 local rule_words = {srss = "square root of the sum of squares (SRSS)",
   ["100-40-40"] = "100-40-40 rule: 100 % of one and 40 % of each other"}
 
 -- Of one model, along directions at right angles.
 local function check_others(responses)
-  if #responses > 3 then
-    raise(("combine: %d directions: at most 3 are at right angles"):format(#responses))
+  if #responses < 2 or #responses > 3 then
+    raise(("combine: 1 or 2 other responses expected, got %d"):format(#responses - 1))
   end
   for k = 2, #responses do
     if core.class_name(responses[k]) ~= "response_spectrum" then
@@ -93,17 +93,14 @@ function spectrum:combine(others, given)
   local formula = rules[opts.rule][#responses]
   local function of(name)
     local parts = {}
-    for k, r in ipairs(responses) do parts[("abc"):sub(k, k)] = r[name] end
+    for k, r in ipairs(responses) do
+      local value = r[name]
+      parts[("abc"):sub(k, k)] = type(value) == "table" and core.array.new(value) or value
+    end
     return core.array.map(formula, parts)
   end
-  local out = {rule = opts.rule, responses = responses, mesh = self.mesh, displacement = of "displacement",
-    von_mises = of "von_mises", base_force = {}}
-  for j = 1, 3 do
-    local parts = {}
-    for k, r in ipairs(responses) do parts[("abc"):sub(k, k)] = core.array.new {r.base_force[j]} end
-    out.base_force[j] = core.array.map(formula, parts)[1]
-  end
-  return setmetatable(out, combined)
+  return setmetatable({rule = opts.rule, responses = responses, mesh = self.mesh, displacement = of "displacement",
+    von_mises = of "von_mises", base_force = of "base_force":totable()}, combined)
 end
 
 combined.write, combined.picture = spectrum.write, spectrum.picture

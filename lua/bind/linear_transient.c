@@ -71,11 +71,15 @@ static int core_linear_transient(lua_State *L) {
 /* linear_transient_step(transient, factors of loads, factor of supports, its velocity, its
  * acceleration, what the step misses of loads or nil, of supports): whether it stands */
 static int core_linear_transient_step(lua_State *L) {
-  bw_linear_transient *transient = self(L);
+  lbw_box *box = lbw_check_box(L, 1, &lbw_linear_transient_class);
+  bw_linear_transient *transient = (bw_linear_transient *)box->object;
   int64_t steps = transient->steps;
+  int factors = transient->factors;
   lua_settop(L, 7);
   const bw_transient_factors next = read_factors(L, 2, transient->model->load_count);
   bw_status status = bw_linear_transient_step(lbw_enter(L), transient, &next);
+  if (transient->factors > factors)
+    lbw_box_account(L, box); /* it has grown */
   lua_pushboolean(L, transient->steps > steps);
   return lbw_leave(L, status, 1);
 }
