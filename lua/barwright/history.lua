@@ -24,12 +24,13 @@ local function finite(number)
   return type(number) == "number" and number == number and math.abs(number) < math.huge
 end
 
--- Why a row may not follow the one before it, or nil.
-local function fault(row, before)
-  if not finite(row[1]) then return "a time is missing or not a finite number" end
+-- Why a row may not follow the one before it, or nil; `name` of its first value.
+local function fault(row, before, name)
+  if not finite(row[1]) then return ("a %s is missing or not a finite number"):format(name) end
   if not finite(row[2]) then return "a value is missing or not a finite number" end
   if before and row[1] <= before[1] then
-    return ("the time %g does not follow the time %g before it: times must ascend"):format(row[1], before[1])
+    return ("the %s %g does not follow the %s %g before it: %s must ascend"):format(name, row[1], name, before[1],
+      ((name .. "s"):gsub("ys$", "ies")))
   end
 end
 
@@ -41,13 +42,15 @@ local function check_rows(what, rows)
   end
   for i, row in ipairs(rows) do
     local wrong = type(row) ~= "table" and "{time, value} expected, got " .. core.got(row)
-      or fault(row, rows[i - 1])
+      or fault(row, rows[i - 1], "time")
     if wrong then raise(("%s: row %d: %s"):format(what, i, wrong)) end
   end
 end
 
---- Rows {time, value} of a file: two columns behind comments (#) and one line of headings.
-function history.rows(path)
+--- Rows {time, value} of a file: two columns behind comments (#) and one line of headings. `name`: of the first
+--- column, where it is no time.
+function history.rows(path, name)
+  name = name or "time"
   local text, why = read_file(path)
   if not text then return nil, why, {status = "io", file = path} end
   local rows, number, headings = {}, 0, false
@@ -57,7 +60,7 @@ function history.rows(path)
     if plain:find "%S" then
       local first, second, rest = plain:match "^%s*([^,;%s]*)%s*[,;%s]%s*([^,;%s]*)%s*(.*)$"
       local row = {tonumber(first or plain), tonumber(second)}
-      local wrong = fault(row, rows[#rows])
+      local wrong = fault(row, rows[#rows], name)
         or rest ~= "" and "two columns, with decimal points, expected; there is more on the line"
       if wrong and #rows == 0 and not headings and first ~= "" and not tonumber(first) then
         headings = true
@@ -70,7 +73,7 @@ function history.rows(path)
     end
   end
   if #rows == 0 then
-    return nil, path .. ": no row with a time and a value", {status = "format", file = path}
+    return nil, ("%s: no row with a %s and a value"):format(path, name), {status = "format", file = path}
   end
   return rows
 end

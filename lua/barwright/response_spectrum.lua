@@ -25,7 +25,8 @@ end
 local combinations = {cqc = "complete quadratic combination (CQC)",
   srss = "square root of the sum of squares (SRSS)", absolute = "sum of magnitudes"}
 
-function class.tostring(self)
+-- What a response is made of: the combination of its modes, and those with a hundredth of the mass or more.
+local function parts_of(self)
   local masses, modes = self.effective_masses:totable(), self.modes
   local x, y, z = table.unpack(self.direction)
   local percent = function(mass) return shown.percent(mass / self.mass) end
@@ -43,6 +44,11 @@ function class.tostring(self)
         core.quantity(self.accelerations[k], "m/s2"))
     end
   end
+  return lines
+end
+
+function class.tostring(self)
+  local lines = parts_of(self)
   lines[#lines + 1] = ("  largest displacement component %s, von Mises stress %s, force on the supports %s; "
     .. "loads of the part are not in it; errors of the combination and of the mesh unknown"):format(
     core.quantity(self.displacement:max(), "m"), core.quantity(self.von_mises:max(), "Pa"),
@@ -62,6 +68,11 @@ local rules = {srss = {[2] = "sqrt(a^2 + b^2)", [3] = "sqrt(a^2 + b^2 + c^2)"},
 local rule_words = {srss = "square root of the sum of squares (SRSS)",
   ["100-40-40"] = "100-40-40 rule: 100 % of one and 40 % of each other"}
 
+-- Of two vectors of length 1.
+local function at_right_angles(p, q)
+  return math.abs(p[1] * q[1] + p[2] * q[2] + p[3] * q[3]) <= 1e-6
+end
+
 -- Of one model, along directions at right angles.
 local function check_others(responses)
   if #responses < 2 or #responses > 3 then
@@ -76,8 +87,7 @@ local function check_others(responses)
       raise(("combine: response %d is of another mesh"):format(k))
     end
     for j = 1, k - 1 do
-      local p, q = responses[j].direction, responses[k].direction
-      if math.abs(p[1] * q[1] + p[2] * q[2] + p[3] * q[3]) > 1e-6 then
+      if not at_right_angles(responses[j].direction, responses[k].direction) then
         raise(("combine: responses %d and %d are not along directions at right angles"):format(j, k))
       end
     end
@@ -123,3 +133,5 @@ local files = {write = "path: string, options?: options", picture = "path: strin
 arguments.methods("combined_spectrum", combined, combined, files)
 arguments.methods("response_spectrum", spectrum, nil, {write = files.write, picture = files.picture,
   combine = "others: table, options?: options"})
+
+return {parts = parts_of, rule_words = rule_words, at_right_angles = at_right_angles}

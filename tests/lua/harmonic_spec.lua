@@ -266,6 +266,96 @@ describe("barwright respond", function()
     end
   end)
 
+  local floor = folder .. "floor.csv"
+  local points = {{10, 5}, {100, 20}, {8000, 3}}
+  local function write(name, text)
+    local file = assert(io.open(name, "w"))
+    file:write(text)
+    file:close()
+  end
+
+  local function shake(words)
+    write(floor, "frequency,acceleration # Hz, m/s2\n10,5\n100,20\n8000,3\n")
+    local status, out, err = check.run(("respond --json --young 200GPa --poisson 0.3 --density 7800 --fix min:x "
+      .. "--damping 0.05 --spectrum %s %s %s"):format(floor, words, path))
+    return status, status < 2 and bw.json.decode(out) or out, err
+  end
+
+  it("has the largest response to a spectrum, along one direction and along three at once", function()
+    local part, r = beam(), {}
+    for k, direction in ipairs {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}} do
+      r[k] = assert(part:response_spectrum {points = points, direction = direction, damping = 0.05})
+    end
+    local status, one = shake "--direction 0,0,2 --strength 500MPa"
+    assert.equal(0, status)
+    assert.equal("holds", one.verdict)
+    check.near(r[3].von_mises:max(), one.value, 1e-9)
+    check.near(r[3].displacement:max(), one.displacement_m, 1e-9)
+    check.near(L, one.displacement_at_m[1], 1e-9)
+    check.near(r[3].base_force[3], one.base_force_n[3], 1e-9)
+    check.near(r[3].effective_masses[1], one.spectra[1].effective_masses_kg[1], 1e-9)
+    check.near(r[3].missing_mass, one.spectra[1].missing_mass_kg, 1e-9)
+    assert.equal(#r[3].accelerations, #one.natural_frequencies_hz)
+    for _, rule in ipairs {"srss", "100-40-40"} do
+      local all = r[1]:combine({r[2], r[3]}, {rule = rule})
+      local words = "--direction 1,0,0 --direction 0,1,0 --direction 0,0,1 --strength 1kPa --rule " .. rule
+      local other
+      status, other = shake(words)
+      assert.equal(1, status)
+      assert.equal(rule, other.rule)
+      assert.equal(3, #other.spectra)
+      check.near(all.von_mises:max(), other.value, 1e-9)
+      check.near(all.base_force[3], other.base_force_n[3], 1e-9)
+      assert.equal("unsure", other.verdict) -- singular at the border of the support
+    end
+  end)
+
+  it("says what a spectrum's response is made of and what it lacks, and writes files", function()
+    write(floor, "10 5\n100 20\n4000 3\n")
+    local status, out = check.run(("respond %s --material steel --fix min:x --damping 0.05 --spectrum %s "
+      .. "--direction 0,1,0 --direction 0,0,1 --vtu %ss.vtu --picture %ss.png"):format(path, floor, folder,
+      folder))
+    assert.equal(0, status, out)
+    for _, text in ipairs {"Response spectrum along (0, 1, 0)", "none is missing", "has the base's 3 m/s2",
+      "effective mass 6", "square root of the sum of squares (SRSS)", "The largest von Mises stress is",
+      "estimated error of the mesh 50 %, assumed", "The largest force on the supports is",
+      "its error by the mesh is unknown",
+      "modes and of directions is an estimate, whose error is unknown"} do
+      assert.truthy(out:find(text, 1, true), out)
+    end
+    for _, name in ipairs {"s.vtu", "s.png"} do assert(io.open(folder .. name)):close() end
+  end)
+
+  it("refuses spectra that cannot be", function()
+    write(floor, "10 5\n100 20\n4000 3\n")
+    write(folder .. "one.csv", "10 5\n")
+    write(folder .. "back.csv", "10 5\n5 5\n")
+    write(folder .. "none.csv", "10 5\n20 0\n")
+    local begin = "--damping 0.05 --fix min:x --spectrum "
+    for words, expected in pairs {
+      [begin .. floor] = "option --direction: one to three directions expected, got 0",
+      [begin .. floor .. " --direction 0,0,0"] = "'0,0,0' has no length",
+      [begin .. floor .. " --direction 1,0,0 --direction 1,1,0"] = "'1,1,0' is not at right angles to '1,0,0'",
+      [begin .. floor .. " --direction 1,0,0 --rule srss"] = "--rule combines directions",
+      [begin .. floor .. " --direction 1,0,0 --to 100"] = "option --to is for a vibration",
+      [begin .. floor .. " --direction 1,0,0 --base 0,0,1g"] = "option --base is for a vibration",
+      ["--damping 0.05 --spectrum x.csv --direction 1,0,0"] = "--fix PLACE is missing",
+      ["--damping 0.05 --fix min:x --base 0,0,1 --to 10 --rule srss"] = "option --rule is for --spectrum"} do
+      local status, _, err = check.run(("respond %s %s"):format(words, path))
+      assert.equal(2, status)
+      assert.truthy(err:find(expected, 1, true), err)
+    end
+    for name, expected in pairs {
+      ["one.csv"] = "one.csv: a response spectrum has 2 points or more",
+      ["back.csv"] = "back.csv: line 2: the frequency 5 does not follow the frequency 10",
+      ["none.csv"] = "none.csv: 0 m/s2 at 20 Hz: both must be above 0",
+      ["missing.csv"] = "missing.csv"} do
+      local status, _, err = check.run(("respond %s%s%s --direction 1,0,0 %s"):format(begin, folder, name, path))
+      assert.equal(3, status)
+      assert.truthy(err:find(expected, 1, true), err)
+    end
+  end)
+
   it("refuses what cannot be", function()
     for words, expected in pairs {
       ["--to 100 --damping 0.1 --fix min:x"] = "--force, --pressure or --base is missing",

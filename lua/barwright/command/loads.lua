@@ -46,7 +46,7 @@ function loads.read(opts, own)
     if not ok then return nil, "option --fix: " .. message end
   end
   if #opts.fix == 0 then return nil, "option --fix PLACE is missing: a part without supports moves freely" end
-  if #list == 0 and not (list.gravity or list.base) then
+  if #list == 0 and not (list.gravity or list.base or opts.spectrum) then
     return nil, ("no load is given: --force, --pressure or --%s is missing"):format(own)
   end
   return list

@@ -1,26 +1,32 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright respond MODEL: how far a part moves, and how it is stressed, by a vibration of a range of frequencies.
+-- barwright respond MODEL: how far a part moves, and how it is stressed, by a vibration of a range of frequencies
+-- or by a response spectrum (respond_spectrum.lua).
 local bw = require "barwright"
 local core = require "barwright.core"
 local loads_of = require "barwright.command.loads"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
+local respond_spectrum = require "barwright.command.respond_spectrum"
 local shown = require "barwright.shown"
 
-local function respond(part, opts, base)
-  return model.try(part.harmonic, part,
-    {range = {opts.from, opts.to}, damping = {ratio = opts.damping}, base = base})
+-- {response =, displacement =, stress =}, the largest of each with its place.
+local function respond(part, opts, given)
+  local response, envelope, message, details
+  response, message, details = model.try(part.harmonic, part,
+    {range = {opts.from, opts.to}, damping = {ratio = opts.damping}, base = given.base})
+  if not response then return nil, message, details end
+  envelope, message, details = response:envelope()
+  if not envelope then return nil, message, details end
+  return {response = response, displacement = envelope.largest.displacement, stress = envelope.largest.von_mises}
 end
 
 -- Largest stress and displacement on a coarser mesh, and its elements; nil where there is none to compare with.
-local function on_coarser(read, opts, given, material)
+local function on_coarser(measure, read, opts, given, material)
   return model.on_coarser(read, opts, 2, function(mesh)
     local part = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, given, {say = function() end})
-    local response = part and respond(part, opts, given.base)
-    local envelope = response and response:envelope()
-    local largest = envelope and envelope.largest
-    return largest and {stress = largest.von_mises.value, displacement = largest.displacement.value,
+    local found = part and measure(part, opts, given)
+    return found and {stress = found.stress.value, displacement = found.displacement.value,
       elements = mesh.element_count}
   end)
 end
@@ -32,15 +38,12 @@ local function analyse(opts, given, out)
   local part, message, details = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, given, out)
   if not part then return nil, message, details end
   if given.base then out:say("The supports are accelerated: amplitude %s.", shown.vector(given.base, "m/s2")) end
-  local found = {material = material}
-  found.response, message, details = respond(part, opts, given.base)
+  local measure, found = opts.spectrum and respond_spectrum.measure or respond
+  found, message, details = measure(part, opts, given)
   out:warnings()
-  if not found.response then return nil, message, details end
-  local envelope
-  envelope, message, details = found.response:envelope()
-  if not envelope then return nil, message, details end
-  found.displacement, found.stress = envelope.largest.displacement, envelope.largest.von_mises
-  found.coarse = on_coarser(read, opts, given, material)
+  if not found then return nil, message, details end
+  found.material = material
+  found.coarse = on_coarser(measure, read, opts, given, material)
   found.singular = model.find_singular(part, read, found.stress.at,
     {stress = found.stress.value, elements = mesh.element_count}, found.coarse)
   return found
@@ -56,25 +59,12 @@ local function judge(used, estimated, singular)
   return "exceeds", "it exceeds the strength"
 end
 
-local function report(found, opts, given, out)
-  local response, displacement, stress = found.response, found.displacement, found.stress
-  local equations, strength = response.errors:max(), found.material.strength
-  local coarse, way = found.coarse, found.coarse and "by a coarser mesh" or "assumed, as there is one mesh only"
-  local estimated = model.error_of(stress.value, coarse and coarse.stress) + equations
-  local moved_error = model.error_of(displacement.value, coarse and coarse.displacement) + equations
+-- What the stress means for the part, in sentences and in JSON; the verdict.
+local function report_verdict(found, mesh, errors, opts, out)
+  local stress, displacement, strength = found.stress, found.displacement, found.material.strength
   local used = type(strength) == "number" and stress.value / strength or nil
-  local verdict, words = judge(used, estimated, found.singular)
-  out:say("")
-  out:say("The displacement is largest at %s Hz: amplitude %s at %s%s (estimated error %s, %s).",
-    shown.number(displacement.frequency), shown.estimate(displacement.value, "m"), core.point(displacement.at),
-    given.base and ", relative to the supports" or "", shown.error(moved_error), way)
-  out:say("The von Mises stress is largest at %s Hz: amplitude %s at %s (estimated error %s, %s).",
-    shown.number(stress.frequency), shown.estimate(stress.value, "Pa"), core.point(stress.at),
-    shown.error(estimated), way)
-  if stress.frequency == opts.to or stress.frequency == opts.from and opts.from > 0 then
-    out:say("That is an end of the range: the stress may be larger beyond it.")
-  end
-  local large = model.beyond_linear(displacement.value, response.mesh.box)
+  local verdict, words = judge(used, errors.stress, found.singular)
+  local large = model.beyond_linear(displacement.value, mesh.box)
   if large then out:say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
   if found.singular then out:say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
   if used then
@@ -83,23 +73,69 @@ local function report(found, opts, given, out)
   else
     out:say("The stress is not judged: %s has no strength that is one number.", opts.material)
   end
+  out:json {verdict = verdict, value = stress.value, at_m = stress.at, estimated_error = errors.stress,
+    displacement_m = displacement.value, displacement_estimated_error = errors.displacement,
+    displacement_at_m = displacement.at, utilisation = used, strength_pa = strength,
+    coarse_value = found.coarse and found.coarse.stress, singular = found.singular ~= nil,
+    beyond_linear_theory = large, damping_ratio = opts.damping, fix = bw.json.list(opts.fix),
+    material = opts.material}
+  return verdict
+end
+
+-- Relative errors of stress and displacement, and how they were estimated.
+local function errors_of(found, equations)
+  local coarse = found.coarse
+  return {stress = model.error_of(found.stress.value, coarse and coarse.stress) + equations,
+    displacement = model.error_of(found.displacement.value, coarse and coarse.displacement) + equations,
+    way = coarse and "by a coarser mesh" or "assumed, as there is one mesh only"}
+end
+
+local function report_spectrum(found, opts, out)
+  local errors = errors_of(found, 0)
+  out:say("")
+  respond_spectrum.report(found, errors, opts, out)
+  return report_verdict(found, found.response.mesh, errors, opts, out)
+end
+
+local function report(found, opts, given, out)
+  local response, displacement, stress = found.response, found.displacement, found.stress
+  local equations = response.errors:max()
+  local errors = errors_of(found, equations)
+  out:say("")
+  out:say("The displacement is largest at %s Hz: amplitude %s at %s%s (estimated error %s, %s).",
+    shown.number(displacement.frequency), shown.estimate(displacement.value, "m"), core.point(displacement.at),
+    given.base and ", relative to the supports" or "", shown.error(errors.displacement), errors.way)
+  out:say("The von Mises stress is largest at %s Hz: amplitude %s at %s (estimated error %s, %s).",
+    shown.number(stress.frequency), shown.estimate(stress.value, "Pa"), core.point(stress.at),
+    shown.error(errors.stress), errors.way)
+  if stress.frequency == opts.to or stress.frequency == opts.from and opts.from > 0 then
+    out:say("That is an end of the range: the stress may be larger beyond it.")
+  end
+  local verdict = report_verdict(found, response.mesh, errors, opts, out)
   local counted = response.modes.counted
   out:say("Error of the equations: %s %.1e of the displacement, in energy, by %s (%s) and %s. The error of the "
     .. "mesh is not in it.", counted and "at most" or "about", equations,
     model.count(response.modes.count, "mode"), counted and "counted: none is missing" or "not counted",
     model.count(response.residual_vectors, "residual vector"))
   out:say "Linear theory, one damping ratio in every mode. Fatigue is not judged."
-  out:json {verdict = verdict, value = stress.value, quantity = "largest amplitude of von Mises stress, Pa",
-    frequency_hz = stress.frequency, at_m = stress.at, estimated_error = estimated,
-    displacement_m = displacement.value, displacement_estimated_error = moved_error,
-    displacement_frequency_hz = displacement.frequency,
-    displacement_at_m = displacement.at, equations_error = equations, counted = counted,
+  out:json {quantity = "largest amplitude of von Mises stress, Pa", frequency_hz = stress.frequency,
+    displacement_frequency_hz = displacement.frequency, equations_error = equations, counted = counted,
     natural_frequencies_hz = bw.json.list(response.modes.frequencies:totable()),
-    residual_vectors = response.residual_vectors, utilisation = used, strength_pa = strength,
-    coarse_value = coarse and coarse.stress, singular = found.singular ~= nil,
-    beyond_linear_theory = large, damping_ratio = opts.damping, fix = bw.json.list(opts.fix),
-    material = opts.material}
+    residual_vectors = response.residual_vectors}
   return verdict
+end
+
+local function run_spectrum(opts, given, out)
+  local found, message, details
+  given.points, message, details = respond_spectrum.points(opts.spectrum)
+  if not given.points then return out:fail(message, details) end
+  found, message, details = analyse(opts, given, out)
+  if not found then return out:fail(message, details) end
+  local verdict = report_spectrum(found, opts, out)
+  local failed = out:write_files {{opts.vtu, function() return found.response:write(opts.vtu) end},
+    {opts.picture, function() return found.response:picture(opts.picture) end}}
+  if failed then return failed end
+  return verdict == "holds" and 0 or 1
 end
 
 local options = {
@@ -111,8 +147,8 @@ local options = {
     what = "the supports are accelerated with this amplitude, in m/s2: 0,0,1g for instance"},
   {name = "from", value = "FREQUENCY", type = "number", unit = "Hz", default = 0, min = 0,
     what = "the lowest frequency"},
-  {name = "to", value = "FREQUENCY", type = "number", unit = "Hz", above = 0, needed = true,
-    what = "the highest frequency"},
+  {name = "to", value = "FREQUENCY", type = "number", unit = "Hz", above = 0,
+    what = "the highest frequency; needed without --spectrum"},
   {name = "damping", value = "RATIO", type = "number", above = 0, below = 1, needed = true,
     what = "of the critical damping, in every mode: 0.01, say, of a metal part, 0.03 of a bolted one"},
   model.unit_option,
@@ -121,28 +157,37 @@ local options = {
     what = "write amplitude and phase over the frequency, where the displacement is largest"},
   {name = "plot", value = "FILE.svg", type = "file", endings = {"svg"}, what = "a plot of these amplitudes"},
   {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
-    what = "write the fields at the frequency of the largest stress, for ParaView"},
+    what = "write the fields at the frequency of the largest stress, of a spectrum the largest values, for "
+      .. "ParaView"},
   {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
-    what = "a picture of the deflection and the stress at that frequency"},
+    what = "a picture of the deflection and the stress at that frequency, of a spectrum the largest stress"},
   model.threads_option,
 }
+for i, option in ipairs(respond_spectrum.options) do table.insert(options, 8 + i, option) end -- behind --damping
 table.move(model.value_options, 1, #model.value_options, #options + 1, options)
 
 return {
   summary = "how a part answers vibration over a range of frequencies",
   about = "Constrains a part at places, and applies loads that vary harmonically, all in phase, or accelerates "
     .. "the supports. It finds the largest displacement and stress over the frequencies. A surface is repaired "
-    .. "where it must be and filled with quadratic tetrahedra.\n\n" .. places.help .. "\n\n"
+    .. "where it must be and filled with quadratic tetrahedra. With --spectrum it finds the largest responses to "
+    .. "a motion of the supports that is known by its response spectrum.\n\n" .. places.help .. "\n\n"
     .. output.codes("the stress stays below the strength",
       "it exceeds the strength, or the estimated error leaves it open"),
   arguments = {model.body_argument},
   options = options,
   examples = {"barwright respond bracket.stl --fix min:z --base 0,0,1g --to 500 --damping 0.02 --material steel",
     {"barwright respond arm.stl --fix min:x --force max:x=0,0,5N --from 10 --to 200 --damping 0.01 --plot arm.svg",
-      "a force at its end"}},
+      "a force at its end"},
+    {"barwright respond rack.stl --fix min:z --spectrum floor.csv --direction 1,0,0 --direction 0,1,0 "
+      .. "--damping 0.02",
+      "an earthquake, along two axes"}},
   run = function(opts, out)
     local given, message = loads_of.read(opts, "base")
     if not given then return out:misuse(message) end
+    message = respond_spectrum.misuse(opts, given)
+    if message then return out:misuse(message) end
+    if opts.spectrum then return run_spectrum(opts, given, out) end
     if opts.from >= opts.to then
       return out:misuse(("option --from: a frequency below the %g Hz of --to expected, got %g"):format(opts.to,
         opts.from))
