@@ -581,6 +581,30 @@ done:
   return status;
 }
 
+bw_status bw_drop_misses(bw_context *context, const bw_model *model, int count,
+                         const bw_drop_options *options, bool *misses) {
+  bw_status status = BW_OK;
+  bwi_drop_run run = {.model = model};
+  int missed = 0;
+  BW_TRY(check_model(context, model));
+  BW_TRY(weigh(context, &run, NULL));
+  for (int i = 0; i < count; i++) {
+    run.options = options[i];
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(check_options(context, &run.options));
+    status = bwi_drop_place(context, &run);
+    misses[i] = status == BW_GEOMETRY;
+    missed += misses[i];
+    if (misses[i] && missed < count) {
+      bw_clear_failure(context);
+      status = BW_OK;
+    }
+    BW_TRY(status);
+  }
+done:
+  return status;
+}
+
 bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system *given,
                            const bw_drop_options *options, bw_system **system, bw_drop **out) {
   bw_status status = BW_OK;

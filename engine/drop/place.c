@@ -64,10 +64,16 @@ bw_status bwi_drop_place(bw_context *context, bwi_drop_run *run) {
   run->depth = depth_of(run, meets ? NULL : way);
   if (!meets && !(run->depth > 0))
     return bw_fail(context, BW_GEOMETRY,
-                   "the body misses the %s of radius %g m: it falls past at a distance of %g m. "
-                   "Put it nearer to the centre of mass, or leave its place out",
-                   name_of(onto), onto->radius, -run->depth);
-  if (!meets || run->depth > deepest * onto->radius)
+                   "the body misses the %s of radius %g m: it falls past at a distance of %g m. %s",
+                   name_of(onto), onto->radius, -run->depth,
+                   onto->placed ? "Put it nearer to the centre of mass, or leave its place out"
+                                : "Make its radius larger");
+  if (!meets)
+    return bw_fail(context, BW_LIMIT,
+                   "the %s of radius %g m passes between the nodes of the body: make elements "
+                   "smaller where it hits, or its radius larger",
+                   name_of(onto), onto->radius);
+  if (run->depth > deepest * onto->radius)
     return bw_fail(context, BW_LIMIT,
                    "the %s of radius %g m goes %g m deep between nodes before one touches it, and "
                    "%g m is the most that is allowed: make elements smaller where it hits, or its "

@@ -44,6 +44,19 @@ end
 
 local function scaled(a, s) return {a[1] * s, a[2] * s, a[3] * s} end
 
+-- The options of each drop.
+local function attitudes_of(opts)
+  local generator, attitudes = random.new(opts.seed), {}
+  for i = 1, opts.drops do
+    local down = direction(generator)
+    local spin = scaled(direction(generator), opts.spin)
+    attitudes[i] = {height = opts.height, down = down, spin = spin, damping = opts.damping,
+      onto = opts.onto and obstacle.turned(opts.onto, down, direction(generator)), impacts = opts.impacts,
+      samples = opts.samples}
+  end
+  return attitudes
+end
+
 --- Drops a part whose strength and density are known.
 function random_drops.analyse(part, given)
   options.object("random_drops", "part", part, "model")
@@ -55,37 +68,37 @@ function random_drops.analyse(part, given)
     core.raise "random_drops: the obstacle is below the centre of mass: leave out its place"
   end
   local self = setmetatable({options = opts, mesh = part.mesh, drops = opts.drops, misses = 0}, random_drops)
-  local generator, begin, modes = random.new(opts.seed), core.seconds(), opts.modes
+  local begin, modes, attitudes = core.seconds(), opts.modes, attitudes_of(opts)
+  local misses, text, why = core.drop_misses(part, attitudes)
+  if not misses then return nil, text, why end
   local rows = {peaks = {}, forces = {}, durations = {}, directions = {}, risks = {}}
   local exceeded, sum
   self.energy_error, self.solves, self.furthest_turn = 0, 0, 0
-  for i = 1, opts.drops do
+  for i, attitude in ipairs(attitudes) do
     local ok, message, details = core.report_progress("random drops", (i - 1) / opts.drops)
     if not ok then return nil, message, details end
-    local down = direction(generator)
-    local spin = scaled(direction(generator), opts.spin)
-    local onto = opts.onto and obstacle.turned(opts.onto, down, direction(generator))
-    local drop
-    drop, message, details = part:drop {height = opts.height, down = down, spin = spin, damping = opts.damping,
-      onto = onto, modes = modes, impacts = opts.impacts, samples = opts.samples}
-    rows.peaks[i], rows.forces[i], rows.durations[i], rows.directions[i], rows.risks[i] = 0, 0, 0, down, 0
-    if drop then
+    rows.peaks[i], rows.forces[i], rows.durations[i], rows.risks[i] = 0, 0, 0, 0
+    rows.directions[i] = attitude.down
+    local impact
+    if not misses[i] then
+      local drop
+      attitude.modes = modes
+      drop, message, details = part:drop(attitude)
+      if not drop then return nil, message, details end
       if not modes then self.first_seconds = core.seconds() - begin end
-      modes = drop.modes
+      modes, impact = drop.modes, drop.impacts[1]
       exceeded = core.array.map("s + (u > 1)", {s = exceeded or 0, u = drop.utilisation})
       sum = core.array.map("s + u", {s = sum or 0, u = drop.max_principal})
-      local impact = drop.impacts[1]
-      rows.peaks[i], rows.forces[i], rows.durations[i] = drop.peak.stress, impact.force, impact.duration
-      rows.risks[i] = drop.utilisation:max()
       self.energy_error = math.max(self.energy_error, drop.energy_error)
-      self.furthest_turn = math.max(self.furthest_turn, impact.turn)
       self.solves = self.solves + drop.solves
+      if impact then
+        rows.peaks[i], rows.forces[i], rows.durations[i] = drop.peak.stress, impact.force, impact.duration
+        rows.risks[i] = drop.utilisation:max()
+        self.furthest_turn = math.max(self.furthest_turn, impact.turn)
+      end
       drop:close()
-    elseif details.status == "geometry" and self.misses < opts.drops - 1 then
-      self.misses = self.misses + 1
-    else
-      return nil, message, details
     end
+    if not impact then self.misses = self.misses + 1 end -- or it passes beside, for its spin
   end
   core.report_progress("random drops", 1)
   for name, list in pairs(rows) do self[name] = core.array.new(list) end

@@ -10,9 +10,8 @@ static const bw_drop *self(lua_State *L) {
   return (const bw_drop *)lbw_check(L, 1, &lbw_drop_class);
 }
 
-/* model:drop{height, speed, gravity, down, spin, onto, damping, modes, impacts, time, tolerance,
- * samples} */
-static int model_drop(lua_State *L) {
+/* {height, speed, gravity, down, spin, onto, damping, modes, impacts, time, tolerance, samples} */
+static void read_options(lua_State *L, int index, bw_drop_options *options) {
   static const lbw_option list[] = {{"height", LBW_REAL, offsetof(bw_drop_options, height)},
                                     {"speed", LBW_REAL, offsetof(bw_drop_options, speed)},
                                     {"gravity", LBW_REAL, offsetof(bw_drop_options, gravity)},
@@ -26,22 +25,51 @@ static int model_drop(lua_State *L) {
                                     {"tolerance", LBW_REAL, offsetof(bw_drop_options, tolerance)},
                                     {"samples", LBW_INT, offsetof(bw_drop_options, samples)},
                                     {NULL, LBW_OTHER, 0}};
+  int top = lua_gettop(L);
+  bw_drop_options_default(options);
+  lbw_options(L, index, "drop", list, options);
+  if (lbw_option_get(L, index, "height") != LUA_TNIL &&
+      lbw_option_get(L, index, "speed") != LUA_TNIL)
+    lbw_error(L, "drop: one of the options 'height' and 'speed' expected, got both");
+  lua_settop(L, top);
+  lbw_damping_option(L, index, "drop", &options->damping, NULL, NULL);
+  if (lua_istable(L, index)) { /* which keeps both */
+    options->modes = (const bw_modes *)lbw_object_option(L, index, "drop", "modes",
+                                                         &lbw_modes_class, "modes of the part");
+    options->onto = (const bw_rigid_surface *)lbw_object_option(
+        L, index, "drop", "onto", &lbw_rigid_surface_class, "a surface of bw.rigid");
+  }
+  lua_settop(L, top);
+}
+
+/* drop_misses(model, list of options): booleans, one for each */
+static int drop_misses(lua_State *L) {
+  const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  int count = (int)lua_rawlen(L, 2);
+  bw_drop_options *options =
+      (bw_drop_options *)lua_newuserdatauv(L, (size_t)count * sizeof *options, 0);
+  bool *misses = (bool *)lua_newuserdatauv(L, (size_t)count * sizeof *misses, 0);
+  for (int i = 0; i < count; i++) {
+    lua_rawgeti(L, 2, i + 1);
+    read_options(L, 5, options + i);
+    lua_pop(L, 1);
+  }
+  bw_status status = bw_drop_misses(lbw_enter(L), model, count, options, misses);
+  lua_createtable(L, count, 0);
+  for (int i = 0; i < count && status == BW_OK; i++) {
+    lua_pushboolean(L, misses[i]);
+    lua_rawseti(L, -2, i + 1);
+  }
+  return lbw_leave(L, status, 1);
+}
+
+static int model_drop(lua_State *L) {
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   bw_drop_options options;
-  bw_drop_options_default(&options);
   lua_settop(L, 2);
-  lbw_options(L, 2, "drop", list, &options);
-  if (lbw_option_get(L, 2, "height") != LUA_TNIL && lbw_option_get(L, 2, "speed") != LUA_TNIL)
-    return lbw_error(L, "drop: one of the options 'height' and 'speed' expected, got both");
-  lua_settop(L, 2);
-  lbw_damping_option(L, 2, "drop", &options.damping, NULL, NULL);
-  if (lua_istable(L, 2)) { /* which keeps both */
-    options.modes = (const bw_modes *)lbw_object_option(L, 2, "drop", "modes", &lbw_modes_class,
-                                                        "modes of the part");
-    options.onto = (const bw_rigid_surface *)lbw_object_option(
-        L, 2, "drop", "onto", &lbw_rigid_surface_class, "a surface of bw.rigid");
-  }
-  lua_settop(L, 2);
+  read_options(L, 2, &options);
   lbw_box *box = lbw_box_new(L, &lbw_drop_class);
   bw_drop *drop = NULL;
   bw_system *system = NULL;
@@ -264,6 +292,8 @@ const lbw_class lbw_drop_class = {"drop", methods, properties, meta, NULL};
 
 void lbw_open_drop(lua_State *L) {
   static const luaL_Reg of_model[] = {{"drop", model_drop}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"drop_misses", drop_misses}, {NULL, NULL}};
   lbw_class_register(L, &lbw_drop_class);
   lbw_add_methods(L, &lbw_model_class, of_model);
+  luaL_setfuncs(L, functions, 0);
 }

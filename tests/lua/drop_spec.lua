@@ -156,11 +156,38 @@ describe("drop", function()
     local frame = bw.mesh.box {max = {0.03, 0.03, 0.004}, cells = {6, 6, 1}}
     local corners = 0
     for k = 1, 4 do corners = corners + frame.nodes:gather(frame.elements:column(k)) end
-    frame = assert(frame:subset((corners / 4):map "max(abs(a.x - 0.015), abs(a.y - 0.015)) > 0.005"))
+    frame = assert(frame:subset((corners / 4):map "max(abs(a.x - 0.015), abs(a.y - 0.015)) > 0.01"))
     part = bw.model {mesh = frame, material = bw.material.pla}
-    local through, message = part:drop {onto = bw.rigid.sphere {radius = 0.002}}
-    assert.is_nil(through)
-    assert.truthy(message:find("misses", 1, true))
+    local through = assert(bw.random_drops(part, {drops = 8, samples = 2, seed = 3,
+      onto = bw.rigid.sphere {radius = 0.006}}))
+    assert.is_true(through.misses > 0 and through.misses < 8)
+    assert.equal(through.misses, through.forces:map("a == 0"):sum())
+    assert.equal(through.misses, through.risks:map("a == 0"):sum())
+    assert.truthy(tostring(through):find(("%d of them miss it"):format(through.misses), 1, true))
+    local all, message, details = bw.random_drops(part, {drops = 4, onto = bw.rigid.sphere {radius = 1e-5}})
+    assert.is_nil(all)
+    assert.equal("geometry", details.status)
+    assert.truthy(message:find("Make its radius larger", 1, true), message)
+  end)
+
+  it("at random refuses a peg that is too deep in any attitude before the first drop", function()
+    local core = require "barwright.core"
+    local report, reports = core.report_progress, 0
+    finally(function() core.report_progress = report end)
+    core.report_progress = function(...)
+      reports = reports + 1
+      return report(...)
+    end
+    local peg = bw.rigid.sphere {radius = 0.01}
+    local part = box()
+    assert(bw.random_drops(part, {drops = 1, samples = 2, seed = 5, onto = peg}))
+    assert.is_true(reports > 0)
+    reports = 0
+    local drops, message, details = bw.random_drops(part, {drops = 40, samples = 2, seed = 5, onto = peg})
+    assert.is_nil(drops)
+    assert.equal("limit", details.status)
+    assert.truthy(message:find("make elements smaller", 1, true), message)
+    assert.equal(0, reports)
   end)
 
   it("at random refuses a part whose strength is not known", function()

@@ -100,6 +100,12 @@ typedef struct bw_drop {
 BW_API bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system *given,
                                   const bw_drop_options *options, bw_system **system,
                                   bw_drop **drop);
+/* Which of `count` drops, options (count), miss their obstacle: misses (count). It makes no
+ * equations and no modes, so that what bw_drop_of_model refuses in any of many drops is known
+ * before the work of the first. BW_GEOMETRY where all of them miss; for options, body and place
+ * those of bw_drop_of_model. */
+BW_API bw_status bw_drop_misses(bw_context *context, const bw_model *model, int count,
+                                const bw_drop_options *options, bool *misses);
 
 #ifdef __cplusplus
 }

@@ -318,7 +318,7 @@ static void test_refused(void **state) {
   refuse(context, BW_INVALID, "across `down`", model, options,
          cylinder(context, NULL, 0, 0, 1, 0.005));
   /* nodes are 0.01 m apart: a sphere of 0.003 m meets none, that of 0.01 m goes deep */
-  refuse(context, BW_LIMIT, "make elements smaller", model, options,
+  refuse(context, BW_LIMIT, "passes between the nodes", model, options,
          sphere(context, between, 3e-3));
   refuse(context, BW_LIMIT, "goes 0.0029", model, options, sphere(context, between, 0.01));
   check_ok(context, bw_rigid_sphere(context, NULL, 1, true, &bowl));
@@ -330,12 +330,37 @@ static void test_refused(void **state) {
   bw_release(model);
 }
 
+/* Many drops are judged before the work of the first: one that misses is named, and one that is
+ * refused refuses all. */
+static void test_misses(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = model_of(context, body_box(context, 0.02, 0.02, 0.02, 2, 2, 2, 1));
+  const double far[3] = {0.04, 0, 0}, between[3] = {0.005, 0.005, 0};
+  bw_rigid_surface *onto[] = {sphere(context, far, 0.005), sphere(context, NULL, 3e-3),
+                              cylinder(context, far, 0, 1, 0, 0.005),
+                              sphere(context, between, 0.01)};
+  bw_drop_options options[4];
+  bool misses[4] = {false, true, false, true};
+  for (int i = 0; i < 4; i++) {
+    options[i] = towards(0, 0, -1);
+    options[i].onto = onto[i];
+  }
+  check_ok(context, bw_drop_misses(context, model, 3, options, misses));
+  assert_true(misses[0] && !misses[1] && misses[2]);
+  check_fails(context, BW_LIMIT, "goes 0.0029", bw_drop_misses(context, model, 4, options, misses));
+  check_fails(context, BW_GEOMETRY, "misses the sphere",
+              bw_drop_misses(context, model, 1, options, misses));
+  for (int i = 0; i < 4; i++)
+    bw_release(onto[i]);
+  bw_release(model);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(test_sphere_on_sphere), check_test(test_sphere_on_cylinder),
       check_test(test_large_radius),     check_test(test_momentum),
       check_test(test_bounces),          check_test(test_rotation),
-      check_test(test_refused),
+      check_test(test_refused),          check_test(test_misses),
   };
   return cmocka_run_group_tests_name("obstacles", tests, NULL, NULL);
 }
