@@ -38,7 +38,7 @@ typedef struct bonding {
   const bw_selection *a;
   bwi_overlaps overlaps;
   side_facet facet;
-  double *cover; /* (m2) of each facet of the mesh */
+  double *cover; /* the part of each facet of the mesh that is covered */
 } bonding;
 
 static const int32_t *nodes_of(const bw_mesh *mesh, int32_t facet) {
@@ -88,7 +88,7 @@ static bw_status add_point(void *data, const bwi_overlap_point *point) {
     for (int j = 0; j < n; j++)
       s->product[n * i + j] += w * own[i] * own[j];
   }
-  d->cover[point->facet] += w;
+  d->cover[point->facet] += w / point->other_area;
   for (int m = 0; m < n; m++) {
     struct master *to;
     BW_TRY(find_master(d, nodes_of(d->mesh, point->facet)[m], &to));
@@ -205,9 +205,9 @@ static bw_status find_coefficients(bonding *d, bw_bond *bond) {
     BW_TRY(bwi_overlaps_of(&d->overlaps, facet, add_point, d));
     BW_TRY(close_facet(d, facet, place, whole, own, &sums, &covered));
     bond->area += covered;
-    d->cover[facet] += covered;
     if (covered == 0)
       continue;
+    d->cover[facet] = covered / d->overlaps.area;
     const int32_t *node = nodes_of(mesh, facet);
     for (int e = 0; e < 3 && mesh->order == 2; e++) {
       int32_t middle = place[node[3 + e]];
@@ -243,17 +243,6 @@ done:
   return status;
 }
 
-static double plane_area(const bw_mesh *mesh, int32_t facet) {
-  const int32_t *node = nodes_of(mesh, facet);
-  double u[3], v[3], across[3];
-  for (int k = 0; k < 3; k++) {
-    u[k] = mesh->node[3 * (int64_t)node[1] + k] - mesh->node[3 * (int64_t)node[0] + k];
-    v[k] = mesh->node[3 * (int64_t)node[2] + k] - mesh->node[3 * (int64_t)node[0] + k];
-  }
-  bw_cross(u, v, across);
-  return bw_norm(across) / 2;
-}
-
 /* The facets of both sides that are covered. */
 static bw_status find_covered(const bonding *d, bw_bond *bond) {
   bw_status status = BW_OK;
@@ -265,7 +254,7 @@ static bw_status find_covered(const bonding *d, bw_bond *bond) {
   for (int s = 0; s < 2; s++)
     for (int32_t f = 0; f < side[s]->facet_count; f++) {
       int32_t facet = side[s]->facet[f];
-      mask[facet] = d->cover[facet] > most_cover * plane_area(d->mesh, facet);
+      mask[facet] = d->cover[facet] > most_cover;
       any |= mask[facet];
     }
   if (any)

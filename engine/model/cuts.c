@@ -1,8 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What of a mesh's boundary is a cut through the body and no surface of it: no load from outside
  * acts there. */
-#include <string.h>
-
 #include "model/internal.h"
 
 static void mark(const bw_selection *on, uint8_t *mask, bool *any) {

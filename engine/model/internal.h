@@ -229,6 +229,7 @@ typedef struct bwi_overlaps {
 /* A point of an overlap; products of two functions of facets are exact on plane ones. */
 typedef struct bwi_overlap_point {
   int32_t facet;             /* of side b */
+  double other_area;         /* (m2) of the plane of that facet */
   double at[3], other_at[3]; /* barycentric, of the facets of side a and b */
   double weight;             /* (m2) in the plane of the facet of side a */
 } bwi_overlap_point;

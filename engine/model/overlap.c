@@ -108,7 +108,8 @@ static bw_status visit_overlap(bwi_overlaps *o, const plane *s, int32_t facet,
       continue;
     for (int q = 0; q < o->points; q++) {
       const double *l = o->point[q];
-      bwi_overlap_point point = {.facet = facet, .weight = o->weight[q] * area};
+      bwi_overlap_point point = {
+          .facet = facet, .other_area = other.area, .weight = o->weight[q] * area};
       double p[2], distance = 0;
       for (int k = 0; k < 2; k++)
         p[k] = l[0] * polygon[0][k] + l[1] * polygon[t][k] + l[2] * polygon[t + 1][k];
