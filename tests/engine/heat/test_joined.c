@@ -191,17 +191,22 @@ static void refuses(void **state) {
   bw_release(heat);
 }
 
-/* With each allocation failing in turn. */
+/* With each allocation failing in turn, on the least meshes that do not match. */
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
-  bw_heat *heat = stack(context, 2, true, 5, 1);
+  bw_mesh *mesh = pair(context, body_box(context, 1, 1, 1, 1, 1, 1, 2),
+                       body_box(context, 1, 1, 1, 2, 1, 1, 2), (double[3]){0, 0, 1});
+  bw_heat *heat = heat_body(context, mesh, heat_material(context, 5, 1, 1));
   bw_selection *low = face(context, heat->mesh, 0, 2, 1),
                *high = face(context, heat->mesh, 1, 2, 1);
-  const bw_heat_condition joint = {.kind = BW_HEAT_BOND, .on = high, .with = low};
-  check_each_allocation(context, status, 1) {
-    status = bw_heat_add(context, heat, &joint);
-    assert_int_equal(heat->condition_count, status == BW_OK);
-  }
+  const bw_heat_condition joint[2] = {
+      {.kind = BW_HEAT_BOND, .on = high, .with = low},
+      {.kind = BW_HEAT_CONTACT, .on = high, .with = low, .coefficient = 1}};
+  for (int k = 0; k < 2; k++)
+    check_each_allocation(context, status, 1) {
+      status = bw_heat_add(context, heat, &joint[k]);
+      assert_int_equal(heat->condition_count, k + (status == BW_OK));
+    }
   bw_release(low);
   bw_release(high);
   load_face(context, heat, 0, 2, 0, (bw_heat_condition){.kind = BW_HEAT_TEMPERATURE, .value = 3});
