@@ -313,8 +313,9 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
     double slid = out->pair[i].with ? 0 : bwi_contact_rows_slid(&c->rows, i, c->p, c->now);
     if (slid > c->facet)
       note(context, &notes,
-           "contact pair %d slides by %.3g m, more than its smallest facet of %.3g m, and what "
-           "faces what is that of the undeformed shape: take finite sliding",
+           "contact pair %d slides by %.3g m, more than the smallest facet of all pairs, %.3g m, "
+           "and "
+           "what faces what is that of the undeformed shape: take finite_sliding",
            i + 1, slid, c->facet);
   }
   for (const char *motion = out->free_text; *motion;) {

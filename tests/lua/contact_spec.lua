@@ -132,6 +132,8 @@ describe("contact", function()
     assert.is_true(far.rotation < 1e-3)
     assert.is_true(math.abs(far.pairs[1].slip - 0.2) < 1e-3 and far.pairs[1].force[3] > 1e3)
     assert.is_true(near.iterations == 1)
+    assert.matches("slides by 0%.2 m, more than the smallest facet of all pairs, 0%.0408 m", tostring(near))
+    assert.falsy(tostring(far):find("slides by", 1, true))
     check.raises("option 'finite_sliding'", part.contact, part, pairs, {finite_sliding = 1})
   end)
 
