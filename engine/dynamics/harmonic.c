@@ -43,6 +43,8 @@ static void harmonic_destroy(void *object) {
   bw_free(harmonic->tail);
   bw_free(harmonic->residual);
   bw_free(harmonic->loss);
+  bw_free(harmonic->point);
+  bw_free(harmonic->motion);
   bwi_coupling_destroy(harmonic->coupling);
   bw_free(harmonic);
 }
@@ -52,7 +54,7 @@ static size_t harmonic_bytes(const void *object) {
   size_t vectors = (size_t)(h->count - h->modes->count);
   return sizeof *h + bw_bytes(h->modes) + (h->coupling ? bwi_coupling_bytes(h->coupling) : 0) +
          (vectors * 3 * (size_t)h->model->mesh->node_count + 4 * (size_t)h->count +
-          2 * (size_t)h->frequency_count) *
+          (6 * (size_t)h->count + 3) * (size_t)h->coupling_count + 2 * (size_t)h->frequency_count) *
              sizeof(double);
 }
 
@@ -585,6 +587,7 @@ bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_sy
                               : add_vectors(context, &equations, options, force, h));
   if (h->coupling)
     BW_TRY(find_errors(context, h, &error));
+  BW_TRY(bwi_harmonic_take_points(context, h));
   *harmonic = h;
   h = NULL;
 done:

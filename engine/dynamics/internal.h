@@ -23,6 +23,8 @@ const double *bwi_harmonic_vector(const bw_harmonic *harmonic, int k);
 /* sum of weight (harmonic->count) times vector: field (node_count x 3). */
 bw_status bwi_harmonic_combine(bw_context *context, const bw_harmonic *harmonic,
                                const double *weight, double *field);
+/* Fills what it has of remote points. */
+bw_status bwi_harmonic_take_points(bw_context *context, bw_harmonic *harmonic);
 /* The covariance (harmonic->count squared, the lower triangle) of the vectors' coordinates times
  * the roots of their eigenvalues, under a process as bw_harmonic_random has it. *wrong is the mean
  * square of the error in energy. */

@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Responses of remote points: their motions are linear in those of the nodes. */
+/* Responses of remote points: their motions are linear in those of the nodes. The model may lose
+ * its couplings later, so the response keeps what it needs of them. */
 #include <math.h>
 #include <string.h>
 
@@ -7,36 +8,40 @@
 #include "joint/fields.h"
 #include "linear/blas.h"
 
-/* The motions of each vector: (count x coupling_count x 6). */
-static void motions_of(const bw_harmonic *h, double *motion) {
+bw_status bwi_harmonic_take_points(bw_context *context, bw_harmonic *h) {
+  bw_status status = BW_OK;
+  int points = h->coupling_count = h->model->coupling_count;
+  h->point = BW_NEW(context, double, 3 * (int64_t)points);
+  h->motion = BW_NEW(context, double, 6 * (int64_t)h->count * points);
+  BW_TRY_MEMORY(h->point && h->motion);
+  for (int p = 0; p < points; p++)
+    memcpy(h->point + 3 * (size_t)p, h->model->coupling[p].point.at, 3 * sizeof(double));
   for (int k = 0; k < h->count; k++)
-    bwi_point_motions(h->model, bwi_harmonic_vector(h, k),
-                      motion + 6 * (size_t)k * (size_t)h->model->coupling_count);
+    bwi_point_motions(h->model, bwi_harmonic_vector(h, k), h->motion + 6 * (int64_t)k * points);
+done:
+  return status;
 }
 
 bw_status bw_harmonic_point_curve(bw_context *context, const bw_harmonic *h, int coupling,
                                   int count, const double *frequency, double *response) {
   bw_status status = BW_OK;
-  int points = h->model->coupling_count;
-  double *q = NULL, *motion = NULL;
+  int points = h->coupling_count;
+  double *q = NULL;
   if (coupling < 0 || coupling >= points)
     return bw_fail(context, BW_INVALID, "there is no coupling %d: the model has %d", coupling + 1,
                    points);
   q = BW_NEW(context, double, 2 * (int64_t)h->count + 1);
-  motion = BW_NEW(context, double, 6 * (int64_t)h->count * points);
-  BW_TRY_MEMORY(q && motion);
-  motions_of(h, motion);
+  BW_TRY_MEMORY(q);
   memset(response, 0, 12 * (size_t)count * sizeof *response);
   for (int i = 0; i < count; i++) {
     BW_TRY(bw_harmonic_coordinates(context, h, frequency[i], q, NULL));
     for (int k = 0; k < h->count; k++)
       for (int c = 0; c < 12; c++)
         response[12 * (int64_t)i + c] +=
-            q[2 * k + c / 6] * motion[6 * ((int64_t)k * points + coupling) + c % 6];
+            q[2 * k + c / 6] * h->motion[6 * ((int64_t)k * points + coupling) + c % 6];
   }
 done:
   bw_free(q);
-  bw_free(motion);
   return status;
 }
 
@@ -44,13 +49,12 @@ bw_status bw_harmonic_random_points(bw_context *context, const bw_harmonic *h, i
                                     const double *frequency, const double *density,
                                     double *motion) {
   bw_status status = BW_OK;
-  int n = h->count, width = 6 * h->model->coupling_count;
+  int n = h->count, width = 6 * h->coupling_count;
   double wrong, *covariance = BW_NEW0(context, double, (int64_t)n *n + 1);
-  double *of = BW_NEW(context, double, (int64_t)n *width);
+  const double *of = h->motion;
   bwi_blas_enter();
-  BW_TRY_MEMORY(covariance && of);
+  BW_TRY_MEMORY(covariance);
   BW_TRY(bwi_harmonic_covariance(context, h, count, frequency, density, covariance, &wrong));
-  motions_of(h, of);
   for (int c = 0; c < width; c++) {
     double sum = 0;
     for (int i = 0; i < n; i++)
@@ -62,6 +66,5 @@ bw_status bw_harmonic_random_points(bw_context *context, const bw_harmonic *h, i
 done:
   bwi_blas_leave();
   bw_free(covariance);
-  bw_free(of);
   return status;
 }

@@ -34,7 +34,7 @@ static size_t bytes(const void *object) {
   const bw_response_spectrum *r = object;
   return sizeof *r + bw_bytes(r->modes) +
          (3 * (size_t)r->count + 4 * (size_t)r->model->mesh->node_count +
-          6 * (size_t)r->model->coupling_count) *
+          6 * (size_t)r->coupling_count) *
              sizeof(double);
 }
 
@@ -231,7 +231,7 @@ static bw_status combine(bw_context *context, const parts *p, const double *colu
   bw_status status = BW_OK;
   const bw_model *model = r->model;
   bool absolute = r->combination == BW_ABSOLUTE;
-  int64_t size = 3 * (int64_t)model->mesh->node_count, motions = 6 * (int64_t)model->coupling_count;
+  int64_t size = 3 * (int64_t)model->mesh->node_count, motions = 6 * (int64_t)r->coupling_count;
   double *field = BW_NEW(context, double, size), *motion = BW_NEW(context, double, motions);
   double *weight = BW_NEW(context, double, p->count + 1);
   double *stress = BW_NEW(context, double, 6 * (int64_t)points->count);
@@ -284,7 +284,8 @@ static bw_status respond(bw_context *context, const bwi_equations *equations,
   column = BW_NEW(context, double, (int64_t)p.count *p.count + 1);
   r->displacement = BW_NEW0(context, double, 3 * (int64_t)mesh->node_count);
   r->von_mises = BW_NEW0(context, double, mesh->node_count);
-  r->point = BW_NEW0(context, double, 6 * (int64_t)r->model->coupling_count);
+  r->coupling_count = r->model->coupling_count;
+  r->point = BW_NEW0(context, double, 6 * (int64_t)r->coupling_count);
   BW_TRY_MEMORY(column && r->displacement && r->von_mises && r->point);
   BW_TRY(find_columns(context, r, p.count, column));
   BW_TRY(bw_stress_points_create(context, mesh, r->model->material, &points));

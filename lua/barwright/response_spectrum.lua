@@ -86,6 +86,10 @@ local function check_others(responses)
     if responses[k].mesh ~= responses[1].mesh then
       raise(("combine: response %d is of another mesh"):format(k))
     end
+    if #responses[k].couplings ~= #responses[1].couplings then
+      raise(("combine: response %d has %d couplings, the first %d"):format(k, #responses[k].couplings,
+        #responses[1].couplings))
+    end
     for j = 1, k - 1 do
       if not at_right_angles(responses[j].direction, responses[k].direction) then
         raise(("combine: responses %d and %d are not along directions at right angles"):format(j, k))
@@ -101,16 +105,26 @@ function spectrum:combine(others, given)
   local responses = {self, table.unpack(others)}
   check_others(responses)
   local formula = rules[opts.rule][#responses]
-  local function of(name)
+  local function combine(of)
     local parts = {}
+    local vector
     for k, r in ipairs(responses) do
-      local value = r[name]
-      parts[("abc"):sub(k, k)] = type(value) == "table" and core.array.new(value) or value
+      local value = of(r)
+      vector = type(value) == "table"
+      parts[("abc"):sub(k, k)] = vector and core.array.new(value) or value
     end
-    return core.array.map(formula, parts)
+    local value = core.array.map(formula, parts)
+    return vector and value:totable() or value
   end
-  return setmetatable({rule = opts.rule, responses = responses, mesh = self.mesh, displacement = of "displacement",
-    von_mises = of "von_mises", base_force = of "base_force":totable()}, combined)
+  local out = {rule = opts.rule, responses = responses, mesh = self.mesh,
+    displacement = combine(function(r) return r.displacement end),
+    von_mises = combine(function(r) return r.von_mises end),
+    base_force = combine(function(r) return r.base_force end), couplings = {}}
+  for p = 1, #self.couplings do
+    out.couplings[p] = {displacement = combine(function(r) return r.couplings[p].displacement end),
+      rotation = combine(function(r) return r.couplings[p].rotation end)}
+  end
+  return setmetatable(out, combined)
 end
 
 combined.write, combined.picture = spectrum.write, spectrum.picture

@@ -179,11 +179,11 @@ static int harmonic_at_node(lua_State *L) {
  * of the remote point, real then imaginary part; and where it is */
 static int harmonic_at_coupling(lua_State *L) {
   const bw_harmonic *h = self(L);
-  int64_t coupling = lbw_check_index(L, 2, "coupling", h->model->coupling_count), count;
+  int64_t coupling = lbw_check_index(L, 2, "coupling", h->coupling_count), count;
   lua_settop(L, 3);
   const double *frequency = frequencies_of(L, h, "at_coupling: frequencies", &count);
   double *out = (double *)lbw_push_array(L, BW_F64, count, 12)->data;
-  lbw_push_vector(L, h->model->coupling[coupling].point.at);
+  lbw_push_vector(L, h->point + 3 * coupling);
   return lbw_leave(
       L, bw_harmonic_point_curve(lbw_enter(L), h, (int)coupling, (int)count, frequency, out), 2);
 }
@@ -217,11 +217,11 @@ static int harmonic_random(lua_State *L) {
   const double *frequency = lbw_to_points(L, 2, "random: option 'psd'", &count);
   double *displacement = (double *)lbw_push_array(L, BW_F64, nodes, 3)->data;
   double *von_mises = (double *)lbw_push_array(L, BW_F64, nodes, 1)->data, error = 0;
-  double *motion = (double *)lbw_push_array(L, BW_F64, h->model->coupling_count, 6)->data;
+  double *motion = (double *)lbw_push_array(L, BW_F64, h->coupling_count, 6)->data;
   bw_context *context = lbw_enter(L);
   bw_status status = bw_harmonic_random(context, h, (int)count, frequency, frequency + count,
                                         displacement, von_mises, &error);
-  if (status == BW_OK)
+  if (status == BW_OK && h->coupling_count > 0)
     status =
         bw_harmonic_random_points(context, h, (int)count, frequency, frequency + count, motion);
   lua_pushnumber(L, error);

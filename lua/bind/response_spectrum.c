@@ -91,8 +91,8 @@ static int spectrum_base_force(lua_State *L) {
 /* Of remote points: a table for each coupling. */
 static int spectrum_couplings(lua_State *L) {
   const bw_response_spectrum *r = self(L);
-  lua_createtable(L, r->model->coupling_count, 0);
-  for (int p = 0; p < r->model->coupling_count; p++) {
+  lua_createtable(L, r->coupling_count, 0);
+  for (int p = 0; p < r->coupling_count; p++) {
     lua_createtable(L, 0, 2);
     vector(L, r->point + 6 * (size_t)p);
     lua_setfield(L, -2, "displacement");

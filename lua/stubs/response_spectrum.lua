@@ -18,7 +18,7 @@
 ---@class bw.ResponseSpectrum
 ---@field displacement bw.Array (m, node_count × 3, per node) the largest of each component
 ---@field von_mises bw.Array (Pa, node_count × 1, per node) the largest von Mises stress; where materials meet, that of the one with the largest
----@field base_force number[] (N, 3) on the supports, the largest along each axis
+---@field base_force number[] (N, 3) on the supports and springs, the largest along each axis
 ---@field couplings bw.PointMotion[] the largest motion of each coupling's remote point, component by component
 ---@field participation bw.Array (any, n × 1) participation factor of each mode, of unit modal mass
 ---@field effective_masses bw.Array (kg, n × 1) effective mass of each mode
@@ -53,7 +53,7 @@ function ResponseSpectrum:write(path, options) end
 function ResponseSpectrum:picture(path, options) end
 
 ---The largest response when the base moves along several directions at once, each with a spectrum of its own. The directions
----are at right angles, and their motions do not depend on each other. Responses of other meshes and directions raise.
+---are at right angles, and their motions do not depend on each other. Responses of other meshes, couplings and directions raise.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
@@ -66,6 +66,9 @@ function ResponseSpectrum:picture(path, options) end
 ---@param options? bw.CombineOptions by which rule
 ---@return bw.CombinedSpectrum combined the largest response
 function ResponseSpectrum:combine(others, options) end
+
+---Releases the response at once.
+function ResponseSpectrum:close() end
 
 ---How directions are combined.
 ---@class bw.CombineOptions
@@ -82,7 +85,8 @@ function ResponseSpectrum:combine(others, options) end
 ---@class bw.CombinedSpectrum
 ---@field displacement bw.Array (m, node_count × 3, per node) the largest of each component
 ---@field von_mises bw.Array (Pa, node_count × 1, per node) the largest von Mises stress
----@field base_force number[] (N, 3) on the supports, the largest along each axis
+---@field base_force number[] (N, 3) on the supports and springs, the largest along each axis
+---@field couplings bw.PointMotion[] the largest motion of each coupling's remote point, component by component
 ---@field rule "srss"|"100-40-40" of the combination
 ---@field responses bw.ResponseSpectrum[] those of the directions
 ---@field mesh bw.Mesh of the model
@@ -107,6 +111,3 @@ function CombinedSpectrum:write(path, options) end
 ---@return string? message
 ---@return bw.Details? details
 function CombinedSpectrum:picture(path, options) end
-
----Releases the response at once.
-function ResponseSpectrum:close() end

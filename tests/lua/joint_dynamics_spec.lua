@@ -173,6 +173,25 @@ describe("dynamics of joined models", function()
     end
   end)
 
+  it("keep their remote points when the part changes", function()
+    local part, tip = rod(7800)
+    part:couple {on = tip, at = {1, 0.05, 0.3}, mass = 5, force = {0, 0, 100}}
+    local response, psd = assert(part:harmonic {range = {1, 500}, damping = {ratio = 0.02}}), {{1, 1}, {500, 1}}
+    local spectrum = assert(part:response_spectrum {points = {{1, 1}, {500, 2}}, direction = {0, 0, 1}})
+    local function motions()
+      local curve, rms = response:curve {coupling = 1, frequencies = {10}}, response:random {psd = psd}
+      return {curve.at[3], curve.real(1, 3), curve.rotation.real(1, 2), #rms.couplings,
+        rms.couplings[1].displacement[3], #spectrum.couplings, spectrum.couplings[1].displacement[3]}
+    end
+    local before = motions()
+    assert.is_true(before[5] > 0 and before[7] > 0)
+    part:clear_couplings():couple {on = tip, at = {2, 0, 0}}:couple {on = tip, at = {3, 0, 0}, kind = "distributed"}
+    assert.same(before, motions())
+    part:clear_couplings()
+    assert.same(before, motions())
+    check.raises("coupling", response.curve, response, {coupling = 2})
+  end)
+
   it("move a mass with inertia on a lever as a body on the springs that its point has", function()
     local mass, inertia = 20, {0.3, 0.5, 0.7}
     for _, kind in ipairs {"rigid", "distributed"} do

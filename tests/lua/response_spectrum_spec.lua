@@ -108,6 +108,20 @@ describe("response_spectrum", function()
     check.raises("option 'rule'", r[1].combine, r[1], {r[2]}, {rule = "sum"})
     local other = assert(beam():response_spectrum {points = points, direction = {0, 1, 0}})
     check.raises("response 2 is of another mesh", r[1].combine, r[1], {other})
+    -- remote points
+    part:couple {on = part.mesh.boundary:below("z", 0), at = {0.1, 0.01, -0.05}, mass = 0.1}
+    local coupled = {}
+    for k, d in ipairs(axes) do coupled[k] = assert(part:response_spectrum {points = points, direction = d}) end
+    local point = coupled[3]:combine({coupled[1], coupled[2]}).couplings[1]
+    for _, name in ipairs {"displacement", "rotation"} do
+      for j = 1, 3 do
+        local sum = 0
+        for k = 1, 3 do sum = sum + coupled[k].couplings[1][name][j] ^ 2 end
+        assert.is_true(sum > 0)
+        check.near(math.sqrt(sum), point[name][j], 1e-12)
+      end
+    end
+    check.raises("response 2 has 1 couplings, the first 0", r[1].combine, r[1], {coupled[2]})
   end)
 
   it("warns that loads of the part are not in it", function()

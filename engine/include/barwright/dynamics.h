@@ -59,6 +59,10 @@ typedef struct bw_harmonic {
                          norm of the inverse of K; else 0 */
   double bound;       /* (any) no eigenvalue that is missing has a larger inverse */
   int solves;         /* (count) right-hand sides that residual vectors took */
+  int coupling_count; /* of the model's couplings */
+  double *point;      /* (m, coupling_count x 3) where their remote points are */
+  double *motion; /* (any, count x coupling_count x 6) displacement and rotation of these points in
+                     each vector */
   struct bwi_coupling *coupling; /* the engine's own: loss of regions, by which the vectors are not
                                     independent; they are orthogonal by stiffness alone then, and
                                     `tail` and `remainder` are 0. NULL: none */
@@ -183,6 +187,7 @@ typedef struct bw_response_spectrum {
   double *displacement;   /* (m, node_count x 3) of each component, relative to the supports */
   double *von_mises;      /* (Pa, node_count) by the quadratic form of von Mises stress */
   double base_force[3];   /* (N) on the supports and springs */
+  int coupling_count;     /* of the model's couplings */
   double *point; /* (m, rad, coupling_count x 6) of remote points: displacement, rotation */
 } bw_response_spectrum;
 /* Of a model, whose loads are not in it, as a warning says (docs/theory/dynamics.md). Another one
