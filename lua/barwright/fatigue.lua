@@ -14,26 +14,35 @@ local fatigue = {}
 fatigue.__index = members("fatigue", fatigue, {})
 fatigue.__name = "barwright.fatigue"
 
--- The values of a file of times and values.
-local function read_values(path)
+-- The values of a file of times and values. times: those of the files before it, which it must have too.
+local function read_values(path, times, length)
   local rows, message, details = histories.rows(path)
   if not rows then return nil, message, details end
-  for i, row in ipairs(rows) do rows[i] = row[2] end
-  return rows
+  local function wrong(text, ...)
+    return nil, path .. ": " .. text:format(...), {status = "format", file = path}
+  end
+  if #rows < 2 then return wrong("2 rows or more expected, got 1") end
+  if length and #rows ~= length then
+    return wrong("%d rows expected, as many numbers as load 1 has, got %d", length, #rows)
+  end
+  local values = {}
+  for k, row in ipairs(rows) do
+    values[k], times[k] = row[2], times[k] or row[1]
+    if row[1] ~= times[k] then
+      return wrong("row %d: the time %g expected, as in the first file, got %g", k, times[k], row[1])
+    end
+  end
+  return values
 end
 
 -- The history of a load as a table of numbers, as long as that of the first load; nil, a message and details for a
 -- file that cannot be read.
-local function read_history(i, given, length)
+local function read_history(i, given, times, length)
+  if type(given) == "string" then return read_values(given, times, length) end
   local history = options.kind(given) == "array" and given:totable() or given
-  if type(given) == "string" then
-    local message, details
-    history, message, details = read_values(given)
-    if not history then return nil, message, details end
-  end
   if type(history) ~= "table" or not options.countable(history) or #history < 2 then
-    raise(("fatigue: load %d: 'history': a list of 2 numbers or more expected, got %s"):format(i,
-      core.got(given)))
+    raise(("fatigue: load %d: 'history': a list of 2 numbers or more or the path of a CSV file expected, got %s")
+      :format(i, core.got(given)))
   end
   if length and #history ~= length then
     raise(("fatigue: load %d: a history of %d numbers expected, as that of load 1, got %d"):format(i, length,
@@ -54,7 +63,7 @@ function fatigue.create(given)
     loads = {type = "table", needed = true},
     curve = {type = "table", needed = true},
   })
-  local first, solutions, rows, length = nil, {}, {}, nil
+  local first, solutions, rows, times, length = nil, {}, {}, {}, nil
   if #opts.loads < 1 or #opts.loads > 1000 then
     raise(("fatigue: option 'loads': 1 to 1000 loads expected, got %d"):format(#opts.loads))
   end
@@ -67,7 +76,7 @@ function fatigue.create(given)
     if one.static.mesh ~= first.mesh then
       raise(("fatigue: load %d: a static solution on the mesh of load 1 expected"):format(i))
     end
-    local history, message, details = read_history(i, one.history, length)
+    local history, message, details = read_history(i, one.history, times, length)
     if not history then return nil, message, details end
     length = #history
     solutions[i] = one.static

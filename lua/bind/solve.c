@@ -187,27 +187,23 @@ static int static_interface_traction(lua_State *L) {
 LBW_PUSH(static_energy, lua_pushnumber(L, self(L)->energy))
 LBW_PUSH(static_residual, lua_pushnumber(L, self(L)->residual))
 
-static lbw_text vector_text(const double v[3], const char *unit) {
-  lbw_text out;
-  snprintf(out.text, sizeof out.text, "(%.4g, %.4g, %.4g) %s", v[0], v[1], v[2], unit);
-  return out;
-}
-
 /* Pushes what print says of a bond or an attachment. */
-static const char *push_force_text(lua_State *L, const bw_joint_force *of, const char *on) {
-  char text[300];
-  int length = snprintf(text, sizeof text, "force on %s %s", on, vector_text(of->force, "N").text);
-  if (of->preloaded)
-    snprintf(text + length, sizeof text - (size_t)length, ", preload %.4g N, shortening %.4g m",
-             of->preload, of->shortening);
-  return lua_pushstring(L, text);
+static void push_force_text(lua_State *L, const bw_joint_force *of, const char *on) {
+  lua_pushfstring(L, "force on %s %s", on, lbw_triple(of->force, 1, "N").text);
+  if (of->preloaded) {
+    lua_pushfstring(L, ", preload %s, shortening %s", lbw_quantity(of->preload, "N").text,
+                    lbw_quantity(of->shortening, "m").text);
+    lua_concat(L, 2);
+  }
+  lua_pushliteral(L, "; " LBW_ERROR_UNKNOWN);
+  lua_concat(L, 2);
 }
 
-static const char *push_coupling_text(lua_State *L, const bw_coupling_result *of) {
-  return lua_pushfstring(
-      L, "remote point moves by %s, turns by %s, reaction %s and %s",
-      vector_text(of->displacement, "m").text, vector_text(of->displacement + 3, "rad").text,
-      vector_text(of->reaction, "N").text, vector_text(of->reaction + 3, "N m").text);
+static void push_coupling_text(lua_State *L, const bw_coupling_result *of) {
+  lua_pushfstring(
+      L, "remote point moves by %s, turns by %s, reaction %s and %s; " LBW_ERROR_UNKNOWN,
+      lbw_triple(of->displacement, 1, "m").text, lbw_triple(of->displacement + 3, 1, "rad").text,
+      lbw_triple(of->reaction, 1, "N").text, lbw_triple(of->reaction + 3, 1, "N m").text);
 }
 
 static const char on_bond[] = "side a", on_attachment[] = "the body";

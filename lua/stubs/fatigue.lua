@@ -51,7 +51,7 @@ function bw.fatigue(options) end
 ---A load and its history.
 ---@class bw.FatigueLoad
 ---@field static bw.Static the solution for a unit of the load, all on one mesh
----@field history number[]|bw.Array|string (-, n × 1) factors on it, as many for each load; or the path of a CSV file with the columns time and factor, whose times must ascend
+---@field history number[]|bw.Array|string (-, n × 1) factors on it, as many for each load; or the path of a CSV file with the columns time and factor, whose times ascend and are those of the other files
 
 ---A life curve of fully reversed stress: N = cycles (amplitude / a)^exponent.
 ---@class bw.LifeCurve

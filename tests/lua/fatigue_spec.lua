@@ -82,6 +82,18 @@ describe("fatigue", function()
     check.write(path, "time,load\n0,0\n0.1,\n0.3,-0.5\n")
     check.fails("format", "line 3: a value is missing", of(path))
     check.fails("io", "No such file", of(folder .. "none.csv"))
+    local other = folder .. "other.csv"
+    local function both() -- of two loads with a file each
+      return bw.fatigue {curve = {amplitude = 1}, loads = {{static = static, history = path},
+        {static = static, history = other}}}
+    end
+    check.write(path, "0,0\n1,1\n2,0\n")
+    for text, rows in pairs {["row 2: the time 1 expected, as in the first file, got 1.5"] = "0,0\n1.5,1\n2,0\n",
+      ["3 rows expected, as many numbers as load 1 has, got 2"] = "0,0\n1,1\n",
+      ["2 rows or more expected, got 1"] = "0,0\n"} do
+      check.write(other, rows)
+      check.fails("format", text, both())
+    end
     check.raises("load 1: entry 2 of the history: a finite number expected, got inf", of, {0, math.huge, 1})
   end)
 
