@@ -173,6 +173,7 @@ function report.page(path, page)
     answer = html.escape(page.answer),
     manifest = html.escape(json.encode(page.manifest, "  ")),
     body = page.body,
+    rows = page.body:find("data-motion", 1, true) and "; a row of the table shows its load" or "",
     data = html.in_script(json.encode(page.data)),
     viewer = viewer and html.in_script(viewer) or "",
     picture = viewer and "" or picture(page.picture, path),

@@ -150,6 +150,8 @@ describe("barwright buckle", function()
       assert.truthy(factor and out:find(factor, 1, true), out)
       assert.truthy(text:find("buckling shape 2: load factor", 1, true) and text:find(field, 1, true))
       assert.truthy(text:find("Linear theory: loads keep their directions", 1, true))
+      assert.truthy(text:find("<h1>page.msh: ", 1, true))
+      assert.is_nil(text:find("row of the table", 1, true))
     end
   end)
 

@@ -309,7 +309,8 @@ describe("barwright drop", function()
       ["--drops 3 --down 1,0,0"] = "random directions", ["--drops 3 --spin 1,0,0"] = "without spin",
       ["--drops 3 --csv a.csv"] = "history", ["--peg 1mm --edge 1mm"] = "leave out one", ["--peg 0mm"] = "above 0",
       ["--edge 1mm"] = "--along", ["--along 1,0,0"] = "give --edge", ["--at 1mm,0,0"] = "give --peg or --edge",
-      ["--edge 1mm --along 0,0,0"] = "a direction expected", ["--peg 1mm --at 1,2,3"] = "no unit",
+      ["--edge 1mm --along 0,0,0"] = "a direction expected", ["--edge 1mm --along 0,0,-2"] = "across --down",
+      ["--peg 1mm --at 1,2,3"] = "no unit",
       ["--drops 3 --peg 1mm --at 0,0,0"] = "below the centre of mass", ["--damping 1"] = "above 0 and below 1"} do
       local status, _, err = check.run(("drop %s %s"):format(words, rod))
       assert.equal(2, status)

@@ -59,14 +59,14 @@ local function report(found, opts, out)
       or " (negative: of the reversed load)")
   end
   for i, factor in ipairs(factors) do
-    say("  %2d  %10s   about %s too large in size", i, shown.number(factor), shown.error(errors[i]))
+    say("  %2d. %10s, about %s too large in size", i, shown.number(factor), shown.error(errors[i]))
   end
   say("With these errors, or %s where that is more, %s.", shown.error(MIN_ERROR), words)
   local material, used = found.static.material, nil
   if material.strength and buckling.factor then
     used = found.static.utilisation:max() * buckling.factor
     if used > 1 then
-      say("The stress at the first factor is %s of the strength: the material may fail before.",
+      say("The stress at the first factor is %s of the strength, error unknown: the material may fail before.",
         shown.percent(used))
     end
   end
@@ -77,13 +77,15 @@ local function report(found, opts, out)
     errors = bw.json.list(errors), counted = buckling.counted, searched = buckling.searched,
     utilisation_at_factor = used, fix = bw.json.list(opts.fix), material = opts.material,
     solver = buckling.report.solver}
-  return verdict, sentences
+  return verdict, words, sentences
 end
+
+local function title(opts, words) return ("%s: %s"):format(model.name(opts.model), words) end
 
 local function run_worst(opts, out)
   local worst, why, details = buckle_worst.analyse(opts, out)
   if not worst then return out:fail(why, details) end
-  local verdict, sentences = buckle_worst.report(worst, opts, MIN_ERROR, out)
+  local verdict, words, sentences = buckle_worst.report(worst, opts, MIN_ERROR, out)
   if (opts.picture or opts.vtu or opts.report) and not worst.factor then
     out:say "No file is written, since no load was found."
   end
@@ -92,8 +94,9 @@ local function run_worst(opts, out)
     {worst.factor and opts.report, function()
       local displacement, message, more = worst:displacement()
       if not displacement then return nil, message, more end
-      return buckle_page.write(opts.report, worst.buckling, {name = "pressure of the load", unit = "MPa",
-        values = worst:pressure(), scale = 1e-6, displacement = displacement, arrows = worst:arrows()}, sentences,
+      local load = {name = "pressure of the load", unit = "MPa", values = worst:pressure(), scale = 1e-6,
+        displacement = displacement, arrows = worst:arrows()}
+      return buckle_page.write(opts.report, title(opts, words), worst.buckling, load, sentences,
         function(name) return buckle_worst.picture(worst, opts, name) end)
     end}}
   if failed then return failed end
@@ -144,14 +147,15 @@ return {
     if not loads then return out:misuse(message) end
     local found, why, details = analyse(opts, loads, out)
     if not found then return out:fail(why, details) end
-    local verdict, sentences = report(found, opts, out)
+    local verdict, words, sentences = report(found, opts, out)
     local buckling, static = found.buckling, found.static
     if opts.picture and buckling.count == 0 then out:say "No picture is written, since no shape was found." end
     local failed = out:write_files {{opts.vtu, function() return buckling:write(opts.vtu) end},
       {buckling.count > 0 and opts.picture, function() return buckling:picture(1, opts.picture) end},
       {opts.report, function()
-        return buckle_page.write(opts.report, buckling, {name = "von Mises stress under the load", unit = "MPa",
-          values = static.von_mises, scale = 1e-6, displacement = static.displacement}, sentences,
+        local load = {name = "von Mises stress under the load", unit = "MPa", values = static.von_mises,
+          scale = 1e-6, displacement = static.displacement}
+        return buckle_page.write(opts.report, title(opts, words), buckling, load, sentences,
           function(name) return static:picture(name) end)
       end}}
     if failed then return failed end

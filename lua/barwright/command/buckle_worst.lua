@@ -90,19 +90,19 @@ end
 local words = {buckles = "the part buckles under %s", unsure = "the error leaves open whether it buckles under %s",
   holds = "no load of %s that was found buckles it"}
 
---- Says what was found; the verdict, and the sentences. `min_error`: what one mesh leaves open at least.
+--- Says what was found; the verdict, its words and the sentences. `min_error`: what one mesh leaves open at least.
 function buckle_worst.report(worst, opts, min_error, out)
-  local factor, verdict = worst.factor, "unsure"
+  local factor, verdict, asked = worst.factor, "unsure", core.quantity(opts.worst, "N")
   local error = math.max(worst.mesh_error or 0, min_error)
   if factor and math.abs(factor) < 1 then
     verdict = "buckles"
   elseif factor and math.abs(factor) * (1 - error) > 1 then
     verdict = "holds"
   end
+  local says = words[verdict]:format(asked)
   out:say("")
   local say, sentences = out:recorded()
   if factor then
-    local asked = core.quantity(opts.worst, "N")
     say("Of the loads found, this one buckles the part first: %s on at least %s, a load factor of %s.",
       force_words(factor, opts), core.quantity(opts.contact, "m2"), shown.number(factor))
     say("At a force of %s its pressures add up to the following%s:", asked,
@@ -112,7 +112,7 @@ function buckle_worst.report(worst, opts, min_error, out)
         core.quantity(arrow.area, "m2"))
     end
     say("The mesh makes force and factor about %s too large in size.", shown.error(worst.mesh_error))
-    say("With this error, or %s where that is more, %s.", shown.error(min_error), words[verdict]:format(asked))
+    say("With this error, or %s where that is more, %s.", shown.error(min_error), says)
     say(worst.counted and "A count of the load factors confirms that this load has no smaller one."
       or "The load factors of this load are not counted: a smaller one may be missing.")
   else
@@ -128,7 +128,7 @@ function buckle_worst.report(worst, opts, min_error, out)
     buckling_force_n = factor and math.abs(factor) * opts.worst, contact_m2 = opts.contact,
     friction = opts.friction, forbid = bw.json.list(opts.forbid), fix = bw.json.list(opts.fix),
     material = opts.material, analyses = worst.analyses}
-  return verdict, sentences
+  return verdict, says, sentences
 end
 
 return buckle_worst

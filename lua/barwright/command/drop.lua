@@ -37,6 +37,11 @@ local function read_obstacle(opts)
   return bw.rigid.cylinder {point = at, axis = along, radius = opts.edge}
 end
 
+-- Whether directions of length one are nearly parallel.
+local function falls_along(down, axis)
+  return math.abs(down[1] * axis[1] + down[2] * axis[2] + down[3] * axis[3]) > 1 - 1e-6
+end
+
 -- What must be right before the work: {down = of length one, spin =, onto = surface or nil}.
 local function read_options(opts)
   for _, one in ipairs(alone) do
@@ -60,6 +65,9 @@ local function read_options(opts)
   onto, message = read_obstacle(opts)
   if onto == nil then return nil, message end
   given.onto = onto or nil
+  if opts.along and falls_along(given.down, onto.direction) then
+    return nil, "option --along: the part falls along the edge: give a direction across --down"
+  end
   return given
 end
 
