@@ -10,6 +10,7 @@ bw_status bwi_equations_open(bw_context *context, const bw_model *model, bw_syst
   *e = (bwi_equations){.size = 3 * (int64_t)model->mesh->node_count};
   if (!system) {
     BW_TRY(bwi_joined_fields_open(context, model, 0, &e->joined));
+    e->dof_map = e->joined.equations.reduction.dof_map;
     e->pattern = e->joined.equations.pattern;
     e->stiffness = e->joined.equations.stiffness;
     e->unknown_count = e->joined.equations.reduction.unknown_count;
@@ -19,6 +20,7 @@ bw_status bwi_equations_open(bw_context *context, const bw_model *model, bw_syst
   BW_TRY(system->factor ? BW_OK : bw_system_factor(context, system));
   BW_TRY(bwi_system_mass(context, system));
   BW_TRY(bw_system_stiffness(context, system));
+  e->dof_map = system->dof_map;
   e->pattern = system->pattern;
   e->stiffness = system->stiffness;
   e->unknown_count = system->dof_map->unknown_count;
@@ -49,6 +51,12 @@ bw_status bwi_equations_stiffness(bw_context *context, const bwi_equations *e, c
                                : bwi_joined_stiffness(context, &e->joined, u, f);
   keep_unknowns(e, f);
   return status;
+}
+
+bw_status bwi_equations_elastic(bw_context *context, const bwi_equations *e, const double *u,
+                                double *f) {
+  return e->system ? bw_block_multiply(context, e->pattern, e->stiffness, 9, 3, 1, u, f)
+                   : bwi_joined_stiffness(context, &e->joined, u, f);
 }
 
 bw_status bwi_equations_values(bw_context *context, const bwi_equations *e, const double *values,

@@ -9,6 +9,7 @@
 typedef struct bwi_equations {
   bw_system *system; /* of a model without joints, with mass and factor; else NULL */
   bwi_joined_fields joined;
+  const bw_dof_map *dof_map; /* of the nodes, whatever joins them */
   const bw_block_pattern *pattern;
   const double *stiffness; /* (pattern->block_count x 9) of elements and springs at nodes */
   int64_t size;            /* 3 node_count */
@@ -27,6 +28,9 @@ bw_status bwi_equations_stiffness(bw_context *context, const bwi_equations *equa
                                   const double *u, double *f);
 bw_status bwi_equations_values(bw_context *context, const bwi_equations *equations,
                                const double *values, const double *u, double *f);
+/* f = K u, at components that supports hold too. */
+bw_status bwi_equations_elastic(bw_context *context, const bwi_equations *equations,
+                                const double *u, double *f);
 /* u = K^-1 f */
 bw_status bwi_equations_solve(bw_context *context, const bwi_equations *equations, const double *f,
                               double *u);

@@ -56,15 +56,18 @@ typedef struct kept_factor {
 } kept_factor;
 
 typedef struct bwi_linear_transient {
-  bw_system *system;
+  bw_system *system;       /* of a model without joints, else NULL */
+  bwi_equations equations; /* of modal superposition */
+  const bw_dof_map *dof_map;
   kept_factor kept[KEPT];         /* of direct integration */
   bwi_factor *factor;             /* the one of the step at hand: borrowed */
   bwi_symbolic *symbolic;         /* of all factors */
   bwi_adaptive *adaptive;         /* or NULL: all steps have one length */
   struct bwi_modal_motion *modal; /* of modal superposition, or NULL */
   int64_t size;
-  int loads, supports;
-  double *load;       /* (N) a block for each load */
+  int loads, points, supports;
+  uint64_t revision;  /* of a joined model */
+  double *load;       /* (N) a block for each load, then for each remote point */
   double *prescribed; /* (m) the prescribed displacements, or NULL: all 0 */
   double *block[BLOCKS];
   state next;
@@ -84,6 +87,7 @@ static void transient_destroy(void *object) {
   inner *s = t->inner;
   if (s) {
     bw_release(s->system);
+    bwi_equations_clear(&s->equations);
     for (int k = 0; k < KEPT; k++)
       bw_release(s->kept[k].factor);
     bw_release(s->symbolic);
@@ -113,11 +117,14 @@ static size_t transient_bytes(const void *object) {
   const bw_linear_transient *t = object;
   const inner *s = t->inner;
   size_t bytes = sizeof *t + sizeof *s + bw_bytes(s->system) +
-                 (size_t)(s->size * (BLOCKS + 9 + s->loads)) * sizeof(double);
+                 (size_t)(s->size * (BLOCKS + 9 + s->loads + s->points)) * sizeof(double);
   for (int k = 0; k < KEPT; k++)
     bytes += s->kept[k].factor ? bwi_factor_bytes(s->kept[k].factor) : 0;
   if (s->adaptive && s->adaptive->rigid)
     bytes += 6 * (size_t)s->size * sizeof(double);
+  if (s->equations.joined.factor)
+    bytes += bwi_factor_bytes(s->equations.joined.factor) +
+             10 * (size_t)s->equations.pattern->block_count * sizeof(double);
   return bytes + (s->modal ? bwi_modal_motion_bytes(s->modal) : 0);
 }
 
@@ -175,13 +182,46 @@ static bw_status check_options(bw_context *context, const bw_model *model,
   return BW_OK;
 }
 
+/* What joins the model must not deform it without a load. */
+static bw_status check_joints(bw_context *context, const bw_model *model,
+                              const bw_linear_transient_options *o) {
+  bw_status status = BW_OK;
+  bw_dof_map *apart = NULL;
+  static const char still[] = "motion by modes of a part with joints holds supports still: leave "
+                              "the displacement out";
+  if (model->cyclic || !o->modes)
+    return bw_model_refuse_joints(context, model);
+  for (int b = 0; b < model->bond_count; b++)
+    if (model->bond[b].preload != BW_NO_PRELOAD)
+      return bw_fail(context, BW_UNSUPPORTED,
+                     "bond %d has a preload, which motion in time does not know: bond the section "
+                     "without one",
+                     b + 1);
+  for (int p = 0; p < model->coupling_count; p++)
+    for (int k = 0; k < 6; k++)
+      if (model->coupling[p].point.fixed[k] && model->coupling[p].point.displacement[k] != 0)
+        return bw_fail(context, BW_UNSUPPORTED,
+                       "the remote point of coupling %d has a prescribed motion that is not zero: "
+                       "%s",
+                       p + 1, still);
+  BW_TRY(bwi_dof_map_apart(context, model, &apart));
+  if (apart->prescribed)
+    BW_TRY(bw_fail(context, BW_UNSUPPORTED,
+                   "a support prescribes a displacement that is not zero: %s", still));
+done:
+  bw_release(apart);
+  return status;
+}
+
 static bw_status check_factors(bw_context *context, const bw_linear_transient *t,
                                const bw_transient_factors *f) {
   const inner *s = t->inner;
-  if (t->model->load_count != s->loads || t->model->support_count != s->supports)
+  if (t->model->load_count != s->loads || t->model->support_count != s->supports ||
+      (bw_model_joined(t->model) != !s->system) ||
+      (!s->system && t->model->object.revision != s->revision))
     return bw_fail(
         context, BW_INVALID,
-        "the model has other loads or supports than at the start: begin a new transient");
+        "the model has other loads, supports or joints than at the start: begin a new transient");
   if (!isfinite(f->support + f->support_velocity + f->support_acceleration + f->support_missed))
     return bw_fail(context, BW_INVALID,
                    "the factor of the prescribed displacements is not finite at %g s", t->time);
@@ -189,15 +229,26 @@ static bw_status check_factors(bw_context *context, const bw_linear_transient *t
     if ((f->load && !isfinite(f->load[k])) || (f->load_missed && !isfinite(f->load_missed[k])))
       return bw_fail(context, BW_INVALID, "the factor of load %d is not finite at %g s", k + 1,
                      t->time);
+  for (int k = 0; f->point && k < s->points; k++)
+    if (!isfinite(f->point[k]))
+      return bw_fail(context, BW_INVALID,
+                     "the factor of the remote point of coupling %d is not finite at %g s", k + 1,
+                     t->time);
   return BW_OK;
 }
 
 /* ---- what is made once ----------------------------------------------------------------------- */
 
 static bw_status make_system(bw_context *context, const bw_model *model, bw_system *given,
-                             inner *s) {
+                             bool by_modes, inner *s) {
   bw_status status = BW_OK;
   bw_dof_map *dof_map = NULL;
+  if (bw_model_joined(model)) {
+    s->revision = model->object.revision;
+    BW_TRY(bwi_equations_open(context, model, NULL, &s->equations));
+    s->dof_map = s->equations.dof_map;
+    goto done;
+  }
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
   if (given && bwi_system_serves(given, model, dof_map))
     s->system = bw_retain(given);
@@ -209,8 +260,11 @@ static bw_status make_system(bw_context *context, const bw_model *model, bw_syst
     BW_TRY_MEMORY(s->prescribed);
     bwi_prescribed_field(dof_map, s->prescribed);
   }
+  s->dof_map = s->system->dof_map;
   BW_TRY(bw_system_stiffness(context, s->system));
   BW_TRY(bwi_system_mass(context, s->system));
+  if (by_modes)
+    BW_TRY(bwi_equations_open(context, model, s->system, &s->equations));
 done:
   bw_release(dof_map);
   return status;
@@ -239,6 +293,14 @@ done:
   return status;
 }
 
+static bw_solver_report report_factor(const bwi_factor *factor) {
+  return (bw_solver_report){.solver = bw_solver_word(BW_SOLVER_CHOLESKY),
+                            .backend = factor->kernels->backend,
+                            .preconditioner = "",
+                            .flops = bwi_factor_flops(factor),
+                            .bytes = (double)bwi_factor_bytes(factor)};
+}
+
 /* The factor of K + shift M in a place that is free or that was not used for the longest time. */
 static bw_status make_factor(bw_context *context, bw_linear_transient *t, kept_factor *kept) {
   bw_status status = BW_OK;
@@ -263,12 +325,9 @@ static bw_status make_factor(bw_context *context, bw_linear_transient *t, kept_f
   BW_TRY(status);
   kept->step = t->step;
   t->factors++;
-  t->report = (bw_solver_report){.solver = bw_solver_word(BW_SOLVER_CHOLESKY),
-                                 .backend = kept->factor->kernels->backend,
-                                 .preconditioner = "",
-                                 .flops = bwi_factor_flops(kept->factor),
-                                 .bytes = (double)bwi_factor_bytes(kept->factor),
-                                 .seconds = t->report.seconds + bw_seconds() - start};
+  double before = t->report.seconds;
+  t->report = report_factor(kept->factor);
+  t->report.seconds = before + bw_seconds() - start;
   if (s->adaptive)
     snprintf(t->report.reason, sizeof t->report.reason,
              "one factor for each length of step, %d of them kept", KEPT);
@@ -306,14 +365,18 @@ done:
 /* Loads one by one, that each may have its own factor. */
 static bw_status make_loads(bw_context *context, const bw_model *model, inner *s) {
   bw_status status = BW_OK;
-  s->load = BW_NEW(context, double, s->size * s->loads);
+  s->load = BW_NEW0(context, double, s->size *(s->loads + s->points));
   BW_TRY_MEMORY(s->load);
   for (int k = 0; k < s->loads; k++) {
     bw_model one = *model;
     one.load = &model->load[k];
     one.load_count = 1;
     BW_TRY(bw_model_force_vector(context, &one, s->load + k * s->size));
+    bwi_point_weights(&one, s->load + k * s->size);
   }
+  for (int k = 0; k < s->points; k++)
+    bwi_point_loads(&(bw_model){.coupling = &model->coupling[k], .coupling_count = 1},
+                    s->load + (s->loads + k) * s->size);
 done:
   return status;
 }
@@ -321,17 +384,20 @@ done:
 /* ---- products -------------------------------------------------------------------------------- */
 
 static bw_status by_mass(bw_context *context, const inner *s, const double *x, double *y) {
-  return bw_block_multiply(context, s->system->pattern, s->system->mass, 1, 3, 1, x, y);
+  return s->system ? bw_block_multiply(context, s->system->pattern, s->system->mass, 1, 3, 1, x, y)
+                   : bwi_equations_mass(context, &s->equations, x, y);
 }
 
 static bw_status by_stiffness(bw_context *context, const inner *s, const double *x, double *y) {
-  return bw_block_multiply(context, s->system->pattern, s->system->stiffness, 9, 3, 1, x, y);
+  return s->system
+             ? bw_block_multiply(context, s->system->pattern, s->system->stiffness, 9, 3, 1, x, y)
+             : bwi_equations_elastic(context, &s->equations, x, y);
 }
 
 static void add_forces(const inner *s, const bw_transient_factors *f, double *force) {
   memset(force, 0, (size_t)s->size * sizeof *force);
-  for (int k = 0; k < s->loads; k++) {
-    double factor = f->load ? f->load[k] : 1;
+  for (int k = 0; k < s->loads + s->points; k++) {
+    double factor = bwi_load_factor(f, s->loads, k);
     for (int64_t i = 0; i < s->size && factor != 0; i++)
       force[i] += factor * s->load[k * s->size + i];
   }
@@ -339,7 +405,7 @@ static void add_forces(const inner *s, const bw_transient_factors *f, double *fo
 
 /* Held components become those of the supports, times a factor. */
 static void hold(const inner *s, double factor, double *x) {
-  bwi_keep_states(s->system->dof_map, FREE, x);
+  bwi_keep_states(s->dof_map, FREE, x);
   for (int64_t i = 0; s->prescribed && i < s->size; i++)
     x[i] += factor * s->prescribed[i];
 }
@@ -416,7 +482,10 @@ static bw_status take_stock(bw_context *context, inner *s, const double *force, 
                    s->mass_damping * momentum[i];
     now->reaction[i] = inertia[i] + damping[i] + elastic[i] - force[i];
   }
-  bwi_keep_states(s->system->dof_map, HELD, now->reaction);
+  if (s->system)
+    bwi_keep_states(s->dof_map, HELD, now->reaction);
+  else
+    BW_TRY(bwi_joined_reactions(context, &s->equations.joined, now->reaction));
   now->strain = 0.5 * bwi_dot(s->size, now->u, elastic);
   now->kinetic = 0.5 * bwi_dot(s->size, now->v, momentum);
 done:
@@ -459,7 +528,8 @@ static void advance(bw_linear_transient *t) {
   }
   t->kinetic = next->kinetic;
   t->strain = next->strain;
-  add_to_swing(t);
+  if (!s->modal)
+    add_to_swing(t);
 }
 
 /* ---- steps ----------------------------------------------------------------------------------- */
@@ -481,7 +551,7 @@ static bw_status begin(bw_context *context, bw_linear_transient *t,
   add_forces(s, f, s->block[NEXT_FORCE]);
   if (s->modal) {
     const bwi_motion_fields fields = {next->u, next->v, next->a, s->block[W_K]};
-    BW_TRY(bwi_modal_motion_start(context, s->modal, s->system, options, f, &fields));
+    BW_TRY(bwi_modal_motion_start(context, s->modal, &s->equations, options, f, &fields));
     bwi_modal_motion_accept(s->modal);
     BW_TRY(take_stock(context, s, s->block[NEXT_FORCE], next));
     advance(t);
@@ -514,6 +584,8 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
   bool all = true;
   bwi_blas_enter();
   BW_TRY(check_options(context, model, options));
+  if (bw_model_joined(model))
+    BW_TRY(check_joints(context, model, options));
   t = BW_NEW0(context, bw_linear_transient, 1);
   BW_TRY_MEMORY(t);
   bw_object_init(t, &transient_kind);
@@ -523,6 +595,7 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
   BW_TRY_MEMORY(s);
   s->size = 3 * (int64_t)model->mesh->node_count;
   s->loads = model->load_count;
+  s->points = model->coupling_count;
   s->supports = model->support_count;
   double rho = options->rho;
   s->alpha_m = (2 * rho - 1) / (rho + 1);
@@ -532,7 +605,6 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
   s->mass_damping = options->damping.mass;
   s->stiffness_damping = options->damping.stiffness;
   now = now ? now : &all_one;
-  BW_TRY(check_factors(context, t, now));
   for (int k = 0; k < BLOCKS; k++)
     all = (s->block[k] = BW_NEW0(context, double, s->size)) && all;
   double **field[8] = {&t->displacement, &t->velocity, &t->acceleration, &t->reaction,
@@ -540,12 +612,16 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
   for (int k = 0; k < 8; k++)
     all = (*field[k] = BW_NEW0(context, double, s->size)) && all;
   BW_TRY_MEMORY(all);
-  BW_TRY(make_system(context, model, given, s));
+  BW_TRY(make_system(context, model, given, options->modes, s));
+  BW_TRY(check_factors(context, t, now));
   BW_TRY(make_loads(context, model, s));
   if (options->modes) {
-    BW_TRY(bwi_modal_motion_create(context, model, s->system, options, s->load, s->prescribed,
+    BW_TRY(bwi_modal_motion_create(context, model, &s->equations, options, s->load, s->prescribed,
                                    &s->modal));
-    bwi_report_way(s->system, BWI_BY_FACTOR, NULL, &t->report);
+    if (s->system)
+      bwi_report_way(s->system, BWI_BY_FACTOR, NULL, &t->report);
+    else
+      t->report = report_factor(s->equations.joined.factor);
     snprintf(t->report.reason, sizeof t->report.reason, "%d modes are superposed",
              options->modes->count);
   } else
@@ -736,15 +812,21 @@ bw_status bw_linear_transient_static(bw_context *context, const bw_linear_transi
   size_t bytes = (size_t)s->size * sizeof(double);
   bw_static *made = NULL;
   BW_TRY(bwi_static_new(context, t->model, &made));
-  made->system = bw_retain(s->system);
+  made->system = s->system ? bw_retain(s->system) : NULL;
   made->reaction = BW_NEW(context, double, s->size);
   BW_TRY_MEMORY(made->reaction);
   memcpy(made->displacement, t->displacement, bytes);
   memcpy(made->reaction, t->reaction, bytes);
-  BW_TRY(by_stiffness(context, s, t->displacement, made->force));
-  for (int64_t i = 0; i < s->size; i++)
-    made->force[i] -= t->reaction[i];
-  made->energy = t->strain;
+  if (s->system) {
+    BW_TRY(by_stiffness(context, s, t->displacement, made->force));
+    for (int64_t i = 0; i < s->size; i++)
+      made->force[i] -= t->reaction[i];
+  } else {
+    BW_TRY(by_mass(context, s, t->acceleration, made->force));
+    for (int64_t i = 0; i < s->size; i++)
+      made->force[i] = s->block[FORCE][i] - made->force[i] - s->block[DAMPING_V][i];
+  }
+  made->energy = t->strain - bwi_spring_energy(t->model, t->displacement);
   made->report = t->report;
   *result = made;
   made = NULL;

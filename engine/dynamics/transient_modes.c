@@ -13,7 +13,8 @@ static const double residual_limit = 1e-4, left_out_limit = 1e-2;
 
 typedef struct bwi_modal_motion {
   int64_t size;
-  int count, loads; /* vectors of the basis; loads of the model */
+  int count;        /* vectors of the basis */
+  int given, loads; /* loads of the model; with those of remote points */
   double *basis;    /* count x size, of M-norm 1 */
   double *square;   /* (count) w^2, 0 of rigid-body motions */
   double *damping;  /* (count) c = 2 zeta w + a + b w^2 */
@@ -47,15 +48,11 @@ static void add(int64_t size, double factor, const double *x, double *y) {
     y[i] += factor * x[i];
 }
 
-static bw_status by_mass(bw_context *context, const bw_system *system, const double *x, double *y) {
-  return bw_block_multiply(context, system->pattern, system->mass, 1, 3, 1, x, y);
-}
-
 /* ---- the basis ------------------------------------------------------------------------------- */
 
-/* Of modal mass 1, held where the model is, and K x = w^2 M x: the residual in the norm of K^-1,
- * where w is the size of each side. `work`: 3 x size. */
-static bw_status check_modes(bw_context *context, const bw_model *model, bw_system *system,
+/* Of modal mass 1, held where the model is, and x = w^2 K^-1 M x: the difference in the norm of K,
+ * where w is the size of each side. It also sees where x opens a bond. `work`: 3 x size. */
+static bw_status check_modes(bw_context *context, const bw_model *model, const bwi_equations *e,
                              const bw_modes *modes, double *work) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)model->mesh->node_count;
@@ -65,27 +62,27 @@ static bw_status check_modes(bw_context *context, const bw_model *model, bw_syst
     const double *shape = modes->shape + k * size;
     double square = modes->eigenvalue[k];
     memcpy(work, shape, (size_t)size * sizeof *work);
-    bwi_keep_states(system->dof_map, 1u << BW_DOF_PRESCRIBED, work);
+    bwi_keep_states(e->dof_map, 1u << BW_DOF_PRESCRIBED, work);
     fits = bwi_dot(size, work, work) <= 1e-16 * bwi_dot(size, shape, shape);
-    BW_TRY(by_mass(context, system, shape, work));
+    BW_TRY(bwi_equations_mass(context, e, shape, work));
     fits = fits && fabs(bwi_dot(size, shape, work) - 1) < 1e-6;
-    BW_TRY(bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1, shape, product));
-    add(size, -square, work, product);
-    bwi_keep_states(system->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, product);
-    BW_TRY(bw_system_solve(context, system, 1, product, answer));
+    BW_TRY(bwi_equations_solve(context, e, work, answer));
+    for (int64_t i = 0; i < size; i++)
+      answer[i] = square * answer[i] - shape[i];
+    BW_TRY(bwi_equations_elastic(context, e, answer, product));
     fits = fits && bwi_dot(size, product, answer) <= residual_limit * residual_limit * square;
   }
   if (!fits)
     status =
         bw_fail(context, BW_INVALID,
                 "the modes are not elastic modes of this model: compute them of the same mesh, "
-                "material and supports");
+                "material, supports and joints");
 done:
   return status;
 }
 
 /* Rigid-body motions, made M-orthonormal, and behind them the modes. */
-static bw_status make_basis(bw_context *context, const bw_system *system, const bw_modes *modes,
+static bw_status make_basis(bw_context *context, const bwi_equations *e, const bw_modes *modes,
                             int rigid, double *work, motion *m) {
   bw_status status = BW_OK;
   double *one = BW_NEW0(context, double, rigid);
@@ -94,9 +91,9 @@ static bw_status make_basis(bw_context *context, const bw_system *system, const 
     double *r = m->basis + k * m->size;
     memset(one, 0, (size_t)rigid * sizeof *one);
     one[k] = 1;
-    bw_rigid_modes_add(system->dof_map, one, r);
+    bw_rigid_modes_add(e->dof_map, one, r);
     for (int j = 0; j <= k; j++) {
-      BW_TRY(by_mass(context, system, r, work));
+      BW_TRY(bwi_equations_mass(context, e, r, work));
       if (j < k)
         add(m->size, -bwi_dot(m->size, m->basis + j * m->size, work), m->basis + j * m->size, r);
     }
@@ -152,13 +149,13 @@ static void make_transition(double square, double damping, double h, double out[
 
 /* ---- creation -------------------------------------------------------------------------------- */
 
-static bw_status make_loads(bw_context *context, bw_system *system, const double *load,
+static bw_status make_loads(bw_context *context, const bwi_equations *e, const double *load,
                             const double *prescribed, double *work, motion *m) {
   bw_status status = BW_OK;
   for (int l = 0; l < m->loads; l++) {
     const double *f = load + l * m->size;
     double *u = m->residual + l * m->size, *part = m->part + (int64_t)l * m->count;
-    BW_TRY(bw_system_solve(context, system, 1, f, u));
+    BW_TRY(bwi_equations_solve(context, e, f, u));
     for (int k = 0; k < m->count; k++) {
       part[k] = bwi_dot(m->size, m->basis + k * m->size, f);
       if (m->square[k] > 0)
@@ -167,13 +164,12 @@ static bw_status make_loads(bw_context *context, bw_system *system, const double
   }
   if (prescribed) {
     double *part = m->part + (int64_t)m->loads * m->count;
-    BW_TRY(
-        bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1, prescribed, work));
+    BW_TRY(bwi_equations_elastic(context, e, prescribed, work));
     for (int64_t i = 0; i < m->size; i++)
       work[i] = -work[i];
-    BW_TRY(bw_system_solve(context, system, 1, work, m->support));
+    BW_TRY(bwi_equations_solve(context, e, work, m->support));
     add(m->size, 1, prescribed, m->support);
-    BW_TRY(by_mass(context, system, m->support, work));
+    BW_TRY(bwi_equations_mass(context, e, m->support, work));
     for (int k = 0; k < m->count; k++)
       part[k] = -bwi_dot(m->size, m->basis + k * m->size, work);
   }
@@ -181,7 +177,8 @@ done:
   return status;
 }
 
-bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model, bw_system *system,
+bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model,
+                                  const bwi_equations *e,
                                   const bw_linear_transient_options *options, const double *load,
                                   const double *prescribed, motion **out) {
   bw_status status = BW_OK;
@@ -189,18 +186,18 @@ bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model, bw
   const bw_damping *d = &options->damping;
   double *work = NULL;
   motion *m = NULL;
-  int rigid = system->dof_map->rigid_mode_count;
+  int rigid = e->system ? e->dof_map->rigid_mode_count : 0; /* joined models are held */
   if (prescribed && (rigid > 0 || d->stiffness > 0))
     return bw_fail(
         context, BW_UNSUPPORTED,
         "modes of supports that move need a body that is held and damping without a part "
         "of the stiffness: integrate directly, without modes");
-  BW_TRY(bw_system_factor(context, system));
   m = BW_NEW0(context, motion, 1);
   BW_TRY_MEMORY(m);
   m->size = 3 * (int64_t)model->mesh->node_count;
   m->count = rigid + modes->count;
-  m->loads = model->load_count;
+  m->given = model->load_count;
+  m->loads = m->given + model->coupling_count;
   m->mass_damping = d->mass;
   m->step = options->step;
   work = BW_NEW(context, double, 3 * m->size);
@@ -216,13 +213,13 @@ bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model, bw
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
     all = (*numbers[i] = BW_NEW0(context, double, m->count)) && all;
   BW_TRY_MEMORY(all && (m->support || !prescribed));
-  BW_TRY(check_modes(context, model, system, modes, work));
-  BW_TRY(make_basis(context, system, modes, rigid, work, m));
+  BW_TRY(check_modes(context, model, e, modes, work));
+  BW_TRY(make_basis(context, e, modes, rigid, work, m));
   for (int k = 0; k < m->count; k++) {
     m->damping[k] = 2 * d->ratio * sqrt(m->square[k]) + d->mass + d->stiffness * m->square[k];
     make_transition(m->square[k], m->damping[k], m->step, m->transition + 8 * (int64_t)k);
   }
-  BW_TRY(make_loads(context, system, load, prescribed, work, m));
+  BW_TRY(make_loads(context, e, load, prescribed, work, m));
   *out = m;
   m = NULL;
 done:
@@ -240,7 +237,7 @@ static void modal_forces(motion *m, const bw_transient_factors *f) {
                    ? (f->support_acceleration + m->mass_damping * f->support_velocity) * support[k]
                    : 0;
     for (int l = 0; l < m->loads; l++)
-      p += (f->load ? f->load[l] : 1) * m->part[(int64_t)l * m->count + k];
+      p += bwi_load_factor(f, m->given, l) * m->part[(int64_t)l * m->count + k];
     m->next_p[k] = p;
   }
 }
@@ -260,7 +257,7 @@ static void expand(const motion *m, const bw_transient_factors *f, const bwi_mot
     add(m->size, d, shape, out->d);
   }
   for (int l = 0; l < m->loads; l++)
-    add(m->size, f->load ? f->load[l] : 1, m->residual + l * m->size, out->u);
+    add(m->size, bwi_load_factor(f, m->given, l), m->residual + l * m->size, out->u);
   if (m->support) {
     add(m->size, f->support, m->support, out->u);
     add(m->size, f->support_velocity, m->support, out->v);
@@ -270,7 +267,7 @@ static void expand(const motion *m, const bw_transient_factors *f, const bwi_mot
 }
 
 /* A warning where the start is not what was given. */
-static bw_status compare_start(bw_context *context, const motion *m, const bw_system *system,
+static bw_status compare_start(bw_context *context, const motion *m, const bwi_equations *e,
                                const double *given, const double *taken, const char *what) {
   bw_status status = BW_OK;
   double *off = NULL, *product = NULL;
@@ -279,12 +276,12 @@ static bw_status compare_start(bw_context *context, const motion *m, const bw_sy
   off = BW_NEW(context, double, m->size);
   product = BW_NEW(context, double, m->size);
   BW_TRY_MEMORY(off && product);
-  BW_TRY(by_mass(context, system, given, product));
+  BW_TRY(bwi_equations_mass(context, e, given, product));
   double whole = sqrt(bwi_dot(m->size, given, product));
   for (int64_t i = 0; i < m->size; i++)
     off[i] = given[i] - taken[i];
-  bwi_keep_states(system->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, off);
-  BW_TRY(by_mass(context, system, off, product));
+  bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, off);
+  BW_TRY(bwi_equations_mass(context, e, off, product));
   double left = sqrt(fmax(bwi_dot(m->size, off, product), 0));
   if (whole > 0 && left > left_out_limit * whole)
     bw_warn(context,
@@ -297,7 +294,7 @@ done:
   return status;
 }
 
-bw_status bwi_modal_motion_start(bw_context *context, motion *m, const bw_system *system,
+bw_status bwi_modal_motion_start(bw_context *context, motion *m, const bwi_equations *e,
                                  const bw_linear_transient_options *options,
                                  const bw_transient_factors *f, const bwi_motion_fields *out) {
   bw_status status = BW_OK;
@@ -309,14 +306,14 @@ bw_status bwi_modal_motion_start(bw_context *context, motion *m, const bw_system
       relative[i] = given ? given[i] : 0;
     if (m->support)
       add(m->size, which ? -f->support_velocity : -f->support, m->support, relative);
-    BW_TRY(by_mass(context, system, relative, product));
+    BW_TRY(bwi_equations_mass(context, e, relative, product));
     for (int k = 0; k < m->count; k++)
       to[k] = bwi_dot(m->size, m->basis + k * m->size, product);
   }
   modal_forces(m, f);
   expand(m, f, out);
-  BW_TRY(compare_start(context, m, system, options->displacement, out->u, "displacement"));
-  BW_TRY(compare_start(context, m, system, options->velocity, out->v, "velocity"));
+  BW_TRY(compare_start(context, m, e, options->displacement, out->u, "displacement"));
+  BW_TRY(compare_start(context, m, e, options->velocity, out->v, "velocity"));
 done:
   return status;
 }

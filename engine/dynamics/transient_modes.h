@@ -4,24 +4,30 @@
 #define BWI_DYNAMICS_TRANSIENT_MODES_H
 
 #include "barwright/transient.h"
-#include "linear/internal.h"
+#include "dynamics/equations.h"
 
 struct bwi_modal_motion;
+/* The factor of load k of a model, and behind its loads of the load of a remote point. */
+static inline double bwi_load_factor(const bw_transient_factors *f, int loads, int k) {
+  const double *of = k < loads ? f->load : f->point;
+  return of ? of[k < loads ? k : k - loads] : 1;
+}
 /* A field of a motion: displacement, velocity, acceleration, and d with M d the force of damping.
  */
 typedef struct bwi_motion_fields {
   double *u, *v, *a, *d;
 } bwi_motion_fields;
 
-/* `load`: load_count blocks of nodal forces; `prescribed`: displacements of supports or NULL. The
- * system gets a factor. */
-bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model, bw_system *system,
+/* `load`: blocks of nodal forces, of the loads and the remote points of the model; `prescribed`:
+ * displacements of supports, of a model without joints, or NULL. */
+bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model,
+                                  const bwi_equations *equations,
                                   const bw_linear_transient_options *options, const double *load,
                                   const double *prescribed, struct bwi_modal_motion **motion);
 /* The state at the start, from the fields u and v of the options, with a warning where it is not
  * what they say. */
 bw_status bwi_modal_motion_start(bw_context *context, struct bwi_modal_motion *motion,
-                                 const bw_system *system,
+                                 const bwi_equations *equations,
                                  const bw_linear_transient_options *options,
                                  const bw_transient_factors *now, const bwi_motion_fields *fields);
 /* The fields at the end of a step; the motion itself goes there with bwi_modal_motion_accept. */

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "barwright/job.h"
+#include "base/dense.h"
 
 void bwi_joined_fields_clear(bwi_joined_fields *e) {
   bwi_joined_clear(&e->equations);
@@ -98,6 +99,32 @@ static void add_points(const bw_model *model, bool springs, const double *u, dou
   }
 }
 
+typedef struct spring_work {
+  const double *u;
+  double work;
+} spring_work;
+
+static void add_work(void *data, int32_t node, const double force[3]) {
+  spring_work *s = data;
+  s->work += bw_dot(force, s->u + 3 * (int64_t)node);
+}
+
+double bwi_spring_energy(const bw_model *model, const double *u) {
+  const double none[3] = {0};
+  spring_work s = {u, 0};
+  for (int a = 0; a < model->attachment_count; a++)
+    if (!(model->attachment[a].mass > 0))
+      bwi_attachment_apply(&model->attachment[a], model->attachment[a].stiffness, u, none, add_work,
+                           &s);
+  for (int i = 0; i < model->coupling_count; i++) {
+    double q[6];
+    bwi_point_motions(&(bw_model){.coupling = &model->coupling[i], .coupling_count = 1}, u, q);
+    for (int k = 0; k < 6; k++)
+      s.work += model->coupling[i].point.spring[k] * q[k] * q[k];
+  }
+  return 0.5 * s.work;
+}
+
 /* ---- products -------------------------------------------------------------------------------- */
 
 bw_status bwi_joined_mass(bw_context *context, const bwi_joined_fields *e, const double *u,
@@ -122,6 +149,20 @@ bw_status bwi_joined_solve(bw_context *context, const bwi_joined_fields *e, cons
   BW_TRY(bw_sparse_matrix_apply(context, r->transposed, 1, f, e->x));
   BW_TRY(bwi_solve_fields(context, e->factor, NULL, 1, e->x, e->x));
   BW_TRY(bw_sparse_matrix_apply(context, r->t, 1, e->x, u));
+done:
+  return status;
+}
+
+bw_status bwi_joined_reactions(bw_context *context, const bwi_joined_fields *e, double *force) {
+  bw_status status = BW_OK;
+  const bwi_reduction *r = &e->equations.reduction;
+  BW_TRY(bwi_points_react(context, r, force));
+  bwi_reduction_move(r, force);
+  for (int p = 0; p < r->point_count; p++) /* what a rigid face takes is its point's */
+    for (int32_t i = 0; i < r->coupling[p].node_count; i++)
+      if (r->coupling[p].point.kind == BW_RIGID)
+        memset(force + 3 * (int64_t)r->coupling[p].node[i], 0, 3 * sizeof *force);
+  bwi_keep_states(r->dof_map, 1u << BW_DOF_PRESCRIBED, force);
 done:
   return status;
 }

@@ -37,6 +37,12 @@ bw_status bwi_joined_solve(bw_context *context, const bwi_joined_fields *fields,
 bw_status bwi_joined_largest(bw_context *context, const bwi_joined_fields *fields, const double *f,
                              double *largest);
 
+/* Residuals M a + C v + K u - f (node_count x 3) become reactions of supports: 0 where none acts.
+ */
+bw_status bwi_joined_reactions(bw_context *context, const bwi_joined_fields *fields, double *force);
+/* (J) of the springs of attachments and remote points. */
+double bwi_spring_energy(const bw_model *model, const double *u);
+
 /* The motions q = D u of the remote points of a model: displacement and rotation (m, rad,
  * coupling_count x 6). */
 void bwi_point_motions(const bw_model *model, const double *u, double *q);

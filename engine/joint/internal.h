@@ -91,6 +91,9 @@ void bwi_points_load(const bwi_reduction *r, const double gravity[3], double *b)
  * `force` (node_count x 3), in which what they exert is then left out. */
 bw_status bwi_points_spread(bw_context *context, const bwi_reduction *r, const double gravity[3],
                             const double *x, double *force, bw_coupling_result *result);
+/* Takes what prescribed components of distributed points exert off such a residual, which has
+ * their loads, springs and masses already. */
+bw_status bwi_points_react(bw_context *context, const bwi_reduction *r, double *force);
 /* The same of rigid ones, after bwi_reduction_move. */
 void bwi_points_gather(const bwi_reduction *r, double *force, bw_coupling_result *result);
 bool bwi_point_has_springs(const bw_remote_point *point);

@@ -68,6 +68,10 @@ bw_status bwi_levers_add(bw_context *context, const bw_static *solution,
   double *force = NULL, *b = NULL;
   if (points == 0)
     return BW_OK;
+  if (solution->coupling_count != points)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "load factors need what remote points exert, which a state of a motion does not "
+                   "have: take a static solution");
   force = BW_NEW(context, double, size);
   b = BW_NEW0(context, double, 9 * (int64_t)points);
   BW_TRY_MEMORY(force && b);

@@ -406,6 +406,14 @@ done:
   return status;
 }
 
+/* What a distributed point exerts leaves the residual. */
+static void exert(const bw_coupling *c, const double load[6], double *force) {
+  int64_t width = 3 * (int64_t)c->node_count;
+  for (int k = 0; k < 6 && c->point.kind == BW_DISTRIBUTED; k++)
+    for (int64_t i = 0; i < width; i++)
+      force[3 * (int64_t)c->node[i / 3] + i % 3] -= c->mean[k * width + i] * load[k];
+}
+
 bw_status bwi_points_spread(bw_context *context, const bwi_reduction *r, const double gravity[3],
                             const double *x, double *force, bw_coupling_result *result) {
   bw_status status = BW_OK;
@@ -423,15 +431,26 @@ bw_status bwi_points_spread(bw_context *context, const bwi_reduction *r, const d
   if (r->gone.count > 0)
     BW_TRY(react(context, r, force, result));
   for (int p = 0; p < r->point_count; p++) {
-    const bw_coupling *c = &r->coupling[p];
-    int64_t width = 3 * (int64_t)c->node_count;
-    for (int k = 0; k < 6 && c->point.kind == BW_DISTRIBUTED; k++) {
-      double load = result[p].load[k] += result[p].reaction[k];
-      for (int64_t i = 0; i < width; i++)
-        force[3 * (int64_t)c->node[i / 3] + i % 3] -= c->mean[k * width + i] * load;
-    }
+    for (int k = 0; k < 6 && r->coupling[p].point.kind == BW_DISTRIBUTED; k++)
+      result[p].load[k] += result[p].reaction[k];
+    exert(&r->coupling[p], result[p].load, force);
   }
 done:
+  return status;
+}
+
+bw_status bwi_points_react(bw_context *context, const bwi_reduction *r, double *force) {
+  bw_status status = BW_OK;
+  bw_coupling_result *result = NULL;
+  if (r->gone.count == 0)
+    return BW_OK;
+  result = BW_NEW0(context, bw_coupling_result, r->point_count);
+  BW_TRY_MEMORY(result);
+  BW_TRY(react(context, r, force, result));
+  for (int p = 0; p < r->point_count; p++)
+    exert(&r->coupling[p], result[p].reaction, force);
+done:
+  bw_free(result);
   return status;
 }
 

@@ -37,9 +37,9 @@ bw_status bw_model_refuse_joints(bw_context *context, const bw_model *model) {
                          kind[k].count == 1 ? "" : "s");
   return bw_fail(
       context, BW_UNSUPPORTED,
-      "the model has %s: it gives static solutions, modes, load factors, harmonic responses "
-      "and response spectra, but not what needs its equations otherwise; join the bodies "
-      "in one mesh, and leave masses, springs and remote points out for that",
+      "the model has %s: it gives static solutions, modes, load factors, harmonic responses, "
+      "response spectra and transients by modes, but not what needs its equations otherwise; join "
+      "the bodies in one mesh, and leave masses, springs and remote points out for that",
       list);
 }
 

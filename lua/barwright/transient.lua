@@ -11,28 +11,35 @@ local raise = core.raise
 
 local model, transient = core.classes.model.methods, core.classes.linear_transient.methods
 
--- By transient: {loads = {functions}, supports = function, rows = {of loads}, support_rows, by_modes = boolean,
+-- By transient: {loads = {functions, of couplings behind those of loads}, names = {of these},
+-- supports = function, rows = {of loads}, support_rows, by_modes = boolean,
 -- base = step that looks at functions where steps adapt}
 local histories_of = setmetatable({}, {__mode = "k"})
 
-local function read_histories(opts, count)
-  local loads, rows = {}, {}
-  for index, given in pairs(opts.loads) do
-    if math.type(index) ~= "integer" or index < 1 or index > count then
-      raise(("transient: option 'loads': there is no load %s: the part has %d"):format(tostring(index), count))
+local function read_histories(opts, counts)
+  local loads, rows, names, before = {}, {}, {}, 0
+  for _, kind in ipairs {"load", "coupling"} do
+    local option, count = kind .. "s", counts[kind]
+    for index, given in pairs(opts[option]) do
+      if math.type(index) ~= "integer" or index < 1 or index > count then
+        raise(("transient: option '%s': there is no %s %s: the part has %d"):format(option, kind, tostring(index),
+          count))
+      end
+      local name = ("transient: the history of %s %d"):format(kind, index)
+      local f, more, details = history.read(name, given)
+      if not f then return nil, more, details end
+      loads[before + index], rows[before + index], names[before + index] = f, more, name
     end
-    local f, more, details = history.read(("transient: the history of load %d"):format(index), given)
-    if not f then return nil, more, details end
-    loads[index], rows[index] = f, more
+    before = before + count
   end
   local supports, more, details = history.read("transient: the history of the supports", opts.supports)
   if not supports then return nil, more, details end
-  return {loads = loads, supports = supports, rows = rows, support_rows = more}
+  return {loads = loads, names = names, supports = supports, rows = rows, support_rows = more}
 end
 
 local function load_value(histories, i, time)
   local f = histories.loads[i]
-  return f and history.value(("transient: the history of load %d"):format(i), f, time) or 1
+  return f and history.value(histories.names[i], f, time) or 1
 end
 
 local function support_value(histories, time)
@@ -104,14 +111,16 @@ function model:transient(given)
     damping = {type = "any"}, -- read where it is used
     initial = {type = "table", default = {}},
     loads = {type = "table", default = {}},
+    couplings = {type = "table", default = {}},
     supports = {type = "any"},
     modes = {type = "modes"},
   })
   local initial = options.read("transient: option 'initial'", opts.initial,
     {displacement = {type = "any"}, velocity = {type = "any"}})
   if opts.supports == nil then opts.supports = 1 end
-  local count = #self.loads
-  local histories, why, about = read_histories(opts, count)
+  local loads, couplings = #self.loads, #self.couplings
+  local count = loads + couplings
+  local histories, why, about = read_histories(opts, {load = loads, coupling = couplings})
   if not histories then return nil, why, about end
   local made, message, details = core.linear_transient(self, {step = opts.step, rho = opts.rho, error = opts.error,
     damping = opts.damping, modes = opts.modes}, initial.displacement, initial.velocity,
@@ -125,7 +134,7 @@ end
 
 --- One step, which is taken again with a shorter length where its error is too large.
 function transient:step()
-  local histories, count = histories_of[self], self.load_count
+  local histories, count = histories_of[self], self.load_count + self.coupling_count
   while true do
     local h = self.step_length
     local time = self.time + h

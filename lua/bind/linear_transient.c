@@ -16,11 +16,14 @@ static const double *read_list(lua_State *L, int index, int32_t loads) {
   return value;
 }
 
-/* Factors from a list of numbers, one for each load, and three arguments behind it; then, or nil,
- * a list and a number of what a step does not see. */
-static bw_transient_factors read_factors(lua_State *L, int first, int32_t loads) {
+/* Factors from a list of numbers, one for each load and each coupling, and three arguments behind
+ * it; then, or nil, a list and a number of what a step does not see. */
+static bw_transient_factors read_factors(lua_State *L, int first, const bw_model *model) {
   bool sees = lua_isnoneornil(L, first + 4);
-  return (bw_transient_factors){.load = read_list(L, first, loads),
+  int32_t loads = model->load_count;
+  const double *factor = read_list(L, first, loads + model->coupling_count);
+  return (bw_transient_factors){.load = factor,
+                                .point = factor ? factor + loads : NULL,
                                 .support = lbw_check_number(L, first + 1),
                                 .support_velocity = lbw_check_number(L, first + 2),
                                 .support_acceleration = lbw_check_number(L, first + 3),
@@ -60,7 +63,7 @@ static int core_linear_transient(lua_State *L) {
   lua_settop(L, 10);
   options.displacement = read_field(L, 3, "transient: option 'initial': displacement", model->mesh);
   options.velocity = read_field(L, 4, "transient: option 'initial': velocity", model->mesh);
-  const bw_transient_factors now = read_factors(L, 5, model->load_count);
+  const bw_transient_factors now = read_factors(L, 5, model);
   lbw_box *box = lbw_box_new(L, &lbw_linear_transient_class);
   bw_linear_transient *transient = NULL;
   bw_status status = bw_linear_transient_create(lbw_enter(L), model, (bw_system *)own->extra,
@@ -76,7 +79,7 @@ static int core_linear_transient_step(lua_State *L) {
   int64_t steps = transient->steps;
   int factors = transient->factors;
   lua_settop(L, 7);
-  const bw_transient_factors next = read_factors(L, 2, transient->model->load_count);
+  const bw_transient_factors next = read_factors(L, 2, transient->model);
   bw_status status = bw_linear_transient_step(lbw_enter(L), transient, &next);
   if (transient->factors > factors)
     lbw_box_account(L, box); /* it has grown */
@@ -145,6 +148,7 @@ COUNT(rejected_steps, t->rejected)
 COUNT(coarse_steps, t->coarse)
 COUNT(factors, t->factors)
 COUNT(load_count, t->model->load_count)
+COUNT(coupling_count, t->model->coupling_count)
 #undef COUNT
 
 static int transient_mesh(lua_State *L) {
@@ -186,6 +190,7 @@ static const luaL_Reg properties[] = {{"displacement", transient_displacement},
                                       {"factors", transient_factors},
                                       {"error", transient_error},
                                       {"load_count", transient_load_count},
+                                      {"coupling_count", transient_coupling_count},
                                       {"initial_energy", transient_initial_energy},
                                       {"kinetic_energy", transient_kinetic_energy},
                                       {"strain_energy", transient_strain_energy},

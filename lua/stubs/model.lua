@@ -145,7 +145,7 @@ function Model:prescribe(selection, displacement) end
 
 ---Bonds two surfaces of the mesh, whose nodes need not match. Side a follows side b where they touch. Make a the side that the
 ---other one covers. Constant stress passes through a plane bond exactly. A model with bonds gives static solutions, modes, load factors,
----harmonic responses and response spectra.
+---harmonic responses, response spectra and transients by modes.
 ---What needs its equations otherwise is refused. A side without a facet, and a node on both sides, raise.
 ---
 ---A bond can have a preload across a plane section, as of a bolt: give the force first, then keep the `shortening` that the
@@ -230,7 +230,7 @@ function Model:whole() end
 ---Attaches a mass, or springs to the ground, to a selection: exactly one of them. It is spread evenly over the area, or over the
 ---nodes of a node set without a facet. Gravity acts on a mass, and modes move it; it does not stiffen the body. Springs restrain
 ---rigid-body modes as supports do. A model with attachments gives static solutions, modes, load factors, harmonic
----responses and response spectra. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set.
+---responses, response spectra and transients by modes. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}
@@ -263,7 +263,7 @@ function Model:clear_attachments() end
 ---and its force and moment spread over the face as tractions that vary linearly. The point can carry a force, a moment, a mass and
 ---springs to the ground, and its displacement and rotation can be prescribed. `static.couplings` has its motion and reactions.
 ---Supports on nodes of a rigid coupling must agree with what the point prescribes. A model with couplings gives static solutions,
----modes, load factors, harmonic responses, whose `curve` knows remote points, and response spectra. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set. Nodes in
+---modes, load factors, harmonic responses, whose `curve` knows remote points, response spectra and transients by modes. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set. Nodes in
 ---two rigid couplings raise.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
@@ -500,9 +500,11 @@ function Model:buckling(options) end
 ---local transient = assert(part:transient {step = 1e-4, loads = {{{0, 0}, {1e-3, 1}}}})
 ---print(assert(transient:run {time = 0.01, probes = {tip = {1, 0, 0}}, stress_every = 5}))
 ---```
----Displacements are small, loads keep their directions. The part must not change afterwards.
+---Displacements are small, loads keep their directions. The part must not change afterwards. A part with bonds, attachments or
+---couplings needs `modes`, and something that holds it.
 ---
----Errors: `memory` for a factor larger than what is free; `unsupported` for temperature loads; `convergence` where the first
+---Errors: `memory` for a factor larger than what is free; `unsupported` for temperature loads, and for joints without `modes`, with
+---preloads or with prescribed displacements; `unconstrained` for a part with joints that can move freely; `convergence` where the first
 ---acceleration is not found; `io` and `format` for a history in a file; `geometry` for an inverted element. Histories that are
 ---none, a material without density and modes of another part raise.
 ---

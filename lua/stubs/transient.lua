@@ -15,6 +15,7 @@
 ---@field damping? bw.Damping by mass and stiffness, with `modes` a ratio too; a loss factor is refused. Default: none.
 ---@field initial? bw.InitialMotion where it begins. With `modes`, what they leave out is lost: a warning says how much where it is above 1 %. A load that acts at time 0 then deforms the part at once by its static part. Default: at rest, undeformed.
 ---@field loads? table<integer, bw.History> factors of the loads by their number in the part. Default: 1 each, from time 0 on.
+---@field couplings? table<integer, bw.History> factors of the forces and moments of remote points, by the number of their coupling in the part. The weight of a point has the factor of the gravity load. Default: 1 each, from time 0 on.
 ---@field supports? bw.History factor of all prescribed displacements; velocity and acceleration follow by differences over a step. Default: 1.
 
 ---The start of a motion, where no support prescribes it.
@@ -44,13 +45,14 @@
 ---@field factors integer (count) that were made; with `modes` 0
 ---@field error number (-) of the displacement now, relative to the largest, root mean square over the mass: the sum of the estimates of all steps. 0 where steps do not adapt: unknown.
 ---@field load_count integer (count) of loads
+---@field coupling_count integer (count) of couplings
 ---@field displacement bw.Array (m, n × 3, per node) now, a copy like the others
 ---@field velocity bw.Array (m/s, n × 3, per node) now
 ---@field acceleration bw.Array (m/s2, n × 3, per node) now
 ---@field reaction bw.Array (N, n × 3, per node) of the supports at prescribed components, 0 elsewhere
 ---@field initial_energy number (J) kinetic and strain energy at time 0
 ---@field kinetic_energy number (J) now
----@field strain_energy number (J) now
+---@field strain_energy number (J) now, with that of springs
 ---@field work number (J) of loads and supports since time 0
 ---@field damping_energy number (J) that the damping took since time 0
 ---@field lost_energy number (J) that the scheme took: what is missing in the balance of the others
@@ -72,7 +74,8 @@ function LinearTransient:close() end
 function LinearTransient:step() end
 
 ---The present displacement as the static solution of the loads less the forces of inertia and damping: for stresses, files,
----pictures and the error estimate. Later steps do not change it.
+---pictures and the error estimate. Later steps do not change it. It has no forces of bonds, attachments and couplings, and load
+---factors of a part with couplings need a solution of `model:solve`.
 ---
 ---Errors: `memory` where there is none left.
 ---@return bw.Static? static the state

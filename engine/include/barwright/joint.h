@@ -33,9 +33,9 @@ BW_API bw_status bw_joined_modes(bw_context *context, const bw_model *model,
 /* Load factors of its static solution, with those of T^T K T and T^T K_sigma T, as
  * bw_buckling_of_static. Springs and bonds have no stress of their own. Forces of remote points
  * keep their direction, on levers that turn. BW_UNSUPPORTED for a moment about a remote point that
- * can turn about both axes across it, BW_LIMIT for more than 2000 nodes of a distributed coupling
- * with a lever, BW_INVALID for one that has changed since; those of bw_joined_statics and
- * bw_buckling_of_static. `options` may be NULL.
+ * can turn about both axes across it and for a state of a motion of a model with couplings,
+ * BW_LIMIT for more than 2000 nodes of a distributed coupling with a lever, BW_INVALID for one that
+ * has changed since; those of bw_joined_statics and bw_buckling_of_static. `options` may be NULL.
  */
 BW_API bw_status bw_joined_buckling(bw_context *context, const bw_static *solution,
                                     const bw_buckling_options *options, bw_buckling **buckling);

@@ -31,6 +31,7 @@ BW_API void bw_linear_transient_options_default(bw_linear_transient_options *opt
 /* What multiplies loads and prescribed displacements at a time. */
 typedef struct bw_transient_factors {
   const double *load;          /* (-, load_count) of each load of the model; NULL: 1. Borrowed */
+  const double *point;         /* (-, coupling_count) of each point's load; NULL: 1. Borrowed */
   double support;              /* (-) of the prescribed displacements of all supports */
   double support_velocity;     /* (1/s) its first derivative in time */
   double support_acceleration; /* (1/s2) its second derivative in time */
@@ -72,7 +73,10 @@ typedef struct bw_linear_transient {
  * rest): factors at the start. A warning says what modes leave out of the displacement and the
  * velocity at the start, where that is above 1 % in the norm of the mass. The static part of a load
  * that acts then is there at once. The model must not change afterwards. initial + work = kinetic +
- * strain + damped, but for what the scheme itself takes away. BW_INVALID for numbers outside their
+ * strain + damped, but for what the scheme itself takes away. With modes the model may have bonds,
+ * attachments and couplings, with which nothing can move freely: their masses and springs are in
+ * all energies. BW_UNSUPPORTED for these without modes, with preloads and with prescribed
+ * displacements that are not 0. BW_INVALID for numbers outside their
  * ranges, a material without density and modes of another model, BW_UNSUPPORTED for temperature
  * loads and other damping; BW_MEMORY, before it is allocated, for a factor larger than what is
  * free, BW_CONVERGENCE where the first acceleration is not found; those of bw_dof_map_create and
@@ -103,7 +107,8 @@ typedef struct bw_motion_resolution {
 BW_API bw_motion_resolution bw_linear_transient_resolution(bw_context *context,
                                                            const bw_linear_transient *transient);
 /* The present displacement as the static solution of the loads less the forces of inertia and of
- * damping: for stresses, files and pictures. It does not change with later steps. */
+ * damping: for stresses, files and pictures. It does not change with later steps, and has no forces
+ * of joints. */
 BW_API bw_status bw_linear_transient_static(bw_context *context,
                                             const bw_linear_transient *transient,
                                             bw_static **result);

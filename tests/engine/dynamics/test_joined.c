@@ -4,6 +4,7 @@
 
 #include "barwright/dynamics.h"
 #include "barwright/joint.h"
+#include "barwright/transient.h"
 
 static const double along[2] = {20, 400}, density[2] = {1, 1};
 
@@ -91,6 +92,48 @@ static void same_bits(void **state) {
   }
 }
 
+static bw_modes *lowest(bw_context *context, const bw_model *model) {
+  bw_modes *modes = NULL;
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  options.count = 4;
+  check_ok(context, bw_joined_modes(context, model, &options, &modes));
+  return modes;
+}
+
+static void same_bits_in_time(void **state) {
+  bw_context *context = check_context(state);
+  for (int kind = 0; kind < 2; kind++) {
+    bw_model *model = loaded(context, 2, kind ? BW_DISTRIBUTED : BW_RIGID);
+    bw_modes *modes = lowest(context, model);
+    const double half = 0.5;
+    const bw_transient_factors start = {.point = &half};
+    const bw_linear_transient_options options = {
+        .step = 1e-3, .modes = modes, .damping = {.ratio = 0.01}};
+    bw_linear_transient *t[2] = {NULL, NULL};
+    size_t bytes = 3 * (size_t)model->mesh->node_count * sizeof(double);
+    for (int k = 0; k < 2; k++) {
+      check_ok(context, bw_set_threads(context, k ? 3 : 1));
+      check_ok(context, bw_linear_transient_create(context, model, NULL, &options, &start, &t[k]));
+      for (int i = 0; i < 5; i++)
+        check_ok(context, bw_linear_transient_step(context, t[k], NULL));
+    }
+    assert_true(t[0]->kinetic > 0 && t[0]->strain > 0);
+    assert_memory_equal(t[0]->displacement, t[1]->displacement, bytes);
+    assert_memory_equal(t[0]->acceleration, t[1]->acceleration, bytes);
+    assert_memory_equal(t[0]->reaction, t[1]->reaction, bytes);
+    assert_memory_equal(&t[0]->work, &t[1]->work, sizeof(double));
+    const double wrong = NAN;
+    assert_int_equal(
+        bw_linear_transient_step(context, t[0], &(bw_transient_factors){.point = &wrong}),
+        BW_INVALID);
+    bw_release(t[0]);
+    bw_release(t[1]);
+    bw_release(modes);
+    bw_release(model);
+  }
+}
+
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
   bw_model *model = loaded(context, 1, BW_DISTRIBUTED);
@@ -114,11 +157,22 @@ static void memory_failures(void **state) {
   check_allocations(context, none, bw_harmonic_point_curve(context, h, 0, 2, along, q));
   check_allocations(context, none, bw_harmonic_random_points(context, h, 2, along, density, q));
   bw_release(h);
+  bw_modes *modes = lowest(context, model);
+  const bw_linear_transient_options superposed = {.step = 1e-3, .modes = modes};
+  bw_linear_transient *t = NULL;
+  bw_static *now = NULL;
+  check_allocations(context, t,
+                    bw_linear_transient_create(context, model, NULL, &superposed, NULL, &t));
+  check_ok(context, bw_linear_transient_create(context, model, NULL, &superposed, NULL, &t));
+  check_allocations(context, none, bw_linear_transient_step(context, t, NULL));
+  check_allocations(context, now, bw_linear_transient_static(context, t, &now));
+  bw_release(t);
+  bw_release(modes);
   bw_release(model);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(face_follows_point), check_test(same_bits),
-                                     check_test(memory_failures)};
+                                     check_test(same_bits_in_time), check_test(memory_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

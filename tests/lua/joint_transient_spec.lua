@@ -1,0 +1,229 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Transients of joined models by modes: a body cut in two, closed forms of oscillators, and states at rest.
+local bw = require "barwright"
+local check = require "check"
+
+--- A beam of two halves, whose faces in the middle match: in one piece, or cut.
+local function beam(cut, cells, material)
+  local nodes, elements, of, seen = {}, {}, {}, {}
+  for body = 0, 1 do
+    local half = bw.mesh.box {min = {body / 2, 0, 0}, max = {body / 2 + 0.5, 0.1, 0.05}, cells = cells, order = 2}
+    for i, p in ipairs(half.nodes:totable()) do
+      local key = ("%d %.6f %.6f %.6f"):format(cut and body or 0, p[1], p[2], p[3])
+      if not seen[key] then
+        nodes[#nodes + 1] = p
+        seen[key] = #nodes
+      end
+      of[i] = seen[key]
+    end
+    for _, e in ipairs(half.elements:totable()) do
+      for k = 1, #e do e[k] = of[e[k]] end
+      elements[#elements + 1] = e
+    end
+  end
+  local mesh = assert(bw.mesh.new {nodes = nodes, elements = elements, order = 2})
+  local part = bw.model {mesh = mesh,
+    material = material or bw.material.isotropic {young = 2e11, poisson = 0.3, density = 7800}}
+  part:fix(mesh.boundary:below("x", 0))
+  if cut then
+    local middle = mesh.boundary:above("x", 0.499):below("x", 0.501)
+    part:bond {a = middle:facing {1, 0, 0}, b = middle:facing {-1, 0, 0}}
+  end
+  return part, mesh.boundary:above("x", 1)
+end
+
+--- A rod along x without lateral contraction, fixed at x = 0, with hardly any mass: 2e9 N/m.
+local function rod()
+  local mesh = bw.mesh.box {max = {1, 0.1, 0.1}, cells = {4, 1, 1}, order = 2}
+  local part = bw.model {mesh = mesh,
+    material = bw.material.isotropic {young = 2e11, poisson = 0, density = 1e-3}}
+  part:fix(mesh.boundary:below("x", 0))
+  return part, mesh.boundary:above("x", 1)
+end
+
+local function largest(a) return math.max(a:max(), -a:min()) end
+
+--- Columns differ by at most `tolerance` of the largest number.
+local function same(expected, found, tolerance)
+  local off = largest(expected - found)
+  assert.is_true(off <= tolerance * largest(expected), ("%g of %g"):format(off, largest(expected)))
+end
+
+describe("transients of joined models", function()
+  it("move a body cut in two and bonded as the whole", function()
+    local found = {}
+    for i, cut in ipairs {false, true} do
+      local part, tip = beam(cut, {4, 2, 1})
+      part:load {on = tip, force = {0, 30, 100}}:gravity {0, 0, -9.81}
+      local modes = assert(part:modes {count = 8, tolerance = 1e-12})
+      local now = assert(part:transient {step = 1e-3, modes = modes,
+        damping = {ratio = 0.02, mass = 3, stiffness = 1e-6},
+        loads = {{{0, 0}, {0.004, 1}, {0.02, 1}, {0.021, 0}}, function(t) return math.sin(300 * t) end}})
+      local run = assert(now:run {time = 0.06, probes = {tip = {1, 0, 0}, middle = {0.25, 0.1, 0.05}},
+        stress_every = 20})
+      local force = {0, 0, 0}
+      local reaction = now.reaction
+      for k = 1, 3 do for n = 1, #part.mesh.nodes do force[k] = force[k] + reaction(n, k) end end
+      found[i] = {run = run, force = force, static = assert(now:static())}
+    end
+    local whole, cut = table.unpack(found)
+    for _, probe in ipairs {"tip", "middle"} do
+      for _, field in ipairs {"displacement", "velocity", "acceleration"} do
+        same(whole.run.probes[probe][field], cut.run.probes[probe][field],
+          field == "displacement" and 1e-8 or 1e-7)
+      end
+    end
+    same(whole.run.energy.kinetic_energy, cut.run.energy.kinetic_energy, 1e-8)
+    same(whole.run.energy.strain_energy, cut.run.energy.strain_energy, 1e-8)
+    same(whole.run.energy.work, cut.run.energy.work, 1e-8)
+    same(whole.run.energy.damping_energy, cut.run.energy.damping_energy, 1e-8)
+    same(whole.run.stress.von_mises, cut.run.stress.von_mises, 1e-7)
+    check.near(whole.static.energy, cut.static.energy, 1e-7)
+    for k = 1, 3 do
+      assert.is_true(math.abs(whole.force[k] - cut.force[k]) < 1e-7 * math.abs(whole.force[3]),
+        ("%g %g"):format(whole.force[k], cut.force[k]))
+    end
+  end)
+
+  it("swing a mass on a light rod by its closed form", function()
+    local mass, spring, stiffness, force, ratio = 20, 1e9, 2e9, 1e4, 0.03
+    local w = math.sqrt((stiffness + spring) / mass)
+    local d, v = ratio * w, w * math.sqrt(1 - ratio * ratio)
+    local rise = 7 / w
+    -- x'' + 2 d x' + w^2 x = f t / m, from rest
+    local function ramp(t)
+      if t <= 0 then return 0 end
+      local a = force / (stiffness + spring)
+      local b = 2 * d / w ^ 2
+      return a * (t - b + math.exp(-d * t) * (b * math.cos(v * t) + (d * b - 1) / v * math.sin(v * t)))
+    end
+    for _, how in ipairs {"attached", "rigid", "distributed"} do
+      local part, tip = rod()
+      local history, options = {{0, 0}, {rise, 1}}, {step = rise / 7, damping = {ratio = ratio}}
+      if how == "attached" then
+        part:attach {on = tip, mass = mass}:attach {on = tip, spring = {spring, 0, 0}}
+          :load {on = tip, force = {force, 0, 0}}
+        options.loads = {history}
+      else
+        part:couple {on = tip, kind = how, mass = mass, spring = {spring, 0, 0}, force = {force, 0, 0}}
+        options.couplings = {history}
+      end
+      options.modes = assert(part:modes {count = 7, tolerance = 1e-12})
+      local now = assert(part:transient(options))
+      local run = assert(now:run {time = 6 * rise, probes = {tip = {1, 0, 0}}})
+      for i = 1, #run.time do
+        local t = run.time[i]
+        local expected = (ramp(t) - ramp(t - rise)) / rise
+        local off = math.abs(run.probes.tip.displacement(i, 1) - expected)
+        assert.is_true(off < 1e-6 * force / (stiffness + spring), ("%s %g s: %g of %g"):format(how, t, off,
+          expected))
+      end
+      -- the strain energy has that of the spring, and of its static state it has not
+      local x = run.probes.tip.displacement(#run.time, 1)
+      check.near(0.5 * (stiffness + spring) * x * x, now.strain_energy, 1e-5)
+      check.near(0.5 * stiffness * x * x, assert(now:static()).energy, 1e-5)
+      local reaction, held = now.reaction, 0
+      for n = 1, #part.mesh.nodes do held = held + reaction(n, 1) end
+      check.near(-stiffness * x, held, 1e-5)
+    end
+  end)
+
+  it("swing two masses on two springs by their closed form", function()
+    -- two light rods, bonded one behind the other: masses m at 0.5 m and 1 m, springs of 2e9 N/m
+    local part, tip = beam(true, {3, 1, 1}, bw.material.isotropic {young = 2e11, poisson = 0, density = 1e-3})
+    local m, k, middle = 30, 2e9, part.mesh.boundary:above("x", 0.499):below("x", 0.501)
+    part:couple {on = tip, kind = "rigid", mass = m}:attach {on = middle:facing {1, 0, 0}, mass = m}
+      :gravity {100, 0, 0}
+    local now = assert(part:transient {step = 1e-4, modes = assert(part:modes {count = 9, tolerance = 1e-12})})
+    local run = assert(now:run {time = 0.01, probes = {tip = {1, 0, 0}}})
+    -- lambda of [[2, -1], [-1, 1]] and the shapes (1, s)
+    local expected = {}
+    for i = 1, #run.time do
+      local sum = 0
+      for _, sign in ipairs {-1, 1} do
+        local lambda = (3 + sign * math.sqrt(5)) / 2
+        local s = 2 - lambda -- of the end
+        local w2 = lambda * k / m
+        sum = sum + s * 100 * (1 + s) / (1 + s * s) / w2 * (1 - math.cos(math.sqrt(w2) * run.time[i]))
+      end
+      expected[i] = sum
+    end
+    local most = 0
+    for i = 1, #expected do most = math.max(most, expected[i]) end
+    for i = 1, #expected do
+      local off = math.abs(expected[i] - run.probes.tip.displacement(i, 1))
+      assert.is_true(off < 1e-5 * most, ("%g s: %g of %g"):format(run.time[i], off, most))
+    end
+  end)
+
+  it("come to rest at the static solution, with its reactions and energy", function()
+    for _, kind in ipairs {"rigid", "distributed"} do
+      local part, tip = beam(true, {3, 2, 1})
+      local boundary = part.mesh.boundary
+      part:attach {on = boundary:above("z", 0.05), mass = 5}
+        :attach {on = boundary:above("y", 0.1), spring = {0, 2e5, 1e6}}
+        :couple {on = tip, kind = kind, at = {1.2, 0, 0.1}, mass = 2, spring = {0, 0, 3e5}, force = {50, 200, 0},
+          moment = {0, 30, 0}, displacement = {0, false, false}}
+      if kind == "distributed" then -- supports hold nodes of its face, along x and y
+        part:prescribe(boundary:below("y", 0):above("x", 0.6), {0, false, false})
+      end
+      part:gravity {1, 2, -9.81}:load {on = boundary:below("z", 0), force = {100, 0, 500}}
+      local expected = assert(part:solve())
+      local now = assert(part:transient {step = 0.01, modes = assert(part:modes {count = 4, tolerance = 1e-12}),
+        damping = {ratio = 0.9}})
+      assert(now:run {time = 0.3})
+      same(expected.displacement, now.displacement, 1e-9)
+      same(expected.reaction, now.reaction, 1e-8)
+      check.near(expected.energy, assert(now:static()).energy, 1e-8)
+    end
+  end)
+
+  it("refuse what they do not know", function()
+    local part, tip = rod()
+    part:attach {on = tip, mass = 3}
+    local modes = assert(part:modes {count = 2})
+    check.fails("unsupported", "transients by modes", part:transient {step = 1e-3})
+    assert(part:transient {step = 1e-3, modes = modes})
+    check.raises("there is no coupling 1: the part has 0", function()
+      part:transient {step = 1e-3, modes = modes, couplings = {1}}
+    end)
+    -- modes without the mass are others, and so are those of a part without its bond
+    local plain = bw.model {mesh = part.mesh, material = part.material}
+    plain:fix(part.mesh.boundary:below("x", 0))
+    check.raises("supports and joints", function()
+      part:transient {step = 1e-3, modes = assert(plain:modes {count = 2})}
+    end)
+    part:clear_supports():attach {on = tip, spring = {1e6, 1e6, 1e6}}
+    part:prescribe(part.mesh.boundary:below("x", 0), {1e-3, 0, 0})
+    check.fails("unsupported", "holds supports still", part:transient {step = 1e-3, modes = modes})
+    part:clear_supports():fix(part.mesh.boundary:below("x", 0))
+      :couple {on = tip, displacement = {1e-3, false, false}}
+    check.fails("unsupported", "coupling 1 has a prescribed motion", part:transient {step = 1e-3, modes = modes})
+    part:clear_supports():clear_couplings():clear_attachments():attach {on = tip, mass = 1}
+    check.fails("unconstrained", "rigid-body mode", part:transient {step = 1e-3, modes = modes})
+    local halves = beam(true, {2, 1, 1})
+    local of_halves = assert(halves:modes {count = 2})
+    local loose = bw.model {mesh = halves.mesh, material = halves.material}
+    local middle = halves.mesh.boundary:above("x", 0.499):below("x", 0.501)
+    loose:fix(halves.mesh.boundary:below("x", 0))
+    loose:attach {on = middle:facing {-1, 0, 0}, spring = {1e9, 1e9, 1e9}}
+    check.raises("supports and joints", function()
+      halves:transient {step = 1e-3, modes = assert(loose:modes {count = 2})}
+    end)
+    local now = assert(halves:transient {step = 1e-3, modes = of_halves})
+    halves:clear_bonds()
+    check.raises("supports or joints", function() now:step() end)
+    halves:bond {a = middle:facing {1, 0, 0}, b = middle:facing {-1, 0, 0}, preload = 100}
+    check.fails("unsupported", "bond 1 has a preload", halves:transient {step = 1e-3, modes = of_halves})
+  end)
+
+  it("give states without what joints exert, of which load factors are refused", function()
+    local part, tip = rod()
+    part:couple {on = tip, kind = "rigid", mass = 3, force = {-10, 0, 0}}
+    local now = assert(part:transient {step = 1e-4, modes = assert(part:modes {count = 3})})
+    local static = assert(assert(now:step()):static())
+    assert.equal(0, #static.couplings)
+    check.fails("unsupported", "what remote points exert", static:buckling())
+    assert.truthy(tostring(static):find("error unknown", 1, true))
+  end)
+end)
