@@ -9,7 +9,7 @@ bw_status bwi_equations_open(bw_context *context, const bw_model *model, bw_syst
   bw_status status = BW_OK;
   *e = (bwi_equations){.size = 3 * (int64_t)model->mesh->node_count};
   if (!system) {
-    BW_TRY(bwi_joined_fields_open(context, model, 0, &e->joined));
+    BW_TRY(bwi_joined_fields_open(context, model, &e->joined));
     e->dof_map = e->joined.equations.reduction.dof_map;
     e->pattern = e->joined.equations.pattern;
     e->stiffness = e->joined.equations.stiffness;

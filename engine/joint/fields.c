@@ -17,27 +17,22 @@ void bwi_joined_fields_clear(bwi_joined_fields *e) {
   *e = (bwi_joined_fields){0};
 }
 
-bw_status bwi_joined_fields_open(bw_context *context, const bw_model *model, double shift,
-                                 bwi_joined_fields *e) {
+bw_status bwi_joined_fields_open(bw_context *context, const bw_model *model, bwi_joined_fields *e) {
   bw_status status = BW_OK;
-  bw_operator *m = NULL;
   bwi_joined_equations *q = &e->equations;
   *e = (bwi_joined_fields){.model = model};
   BW_TRY(bwi_joined_open(context, model, true, q));
-  if (q->rigid_count > 0 && shift == 0)
+  if (q->rigid_count > 0)
     BW_TRY(bwi_joined_fail_free(context, q));
   e->mass = BW_NEW(context, double, q->pattern->block_count);
   e->x = BW_NEW(context, double, q->reduction.unknown_count);
   BW_TRY_MEMORY(e->mass && e->x);
   BW_TRY(bw_mass(context, q->pattern, model->mesh, model->material, e->mass));
   bwi_add_attachments(model, q->pattern, 1, e->mass);
-  if (shift > 0)
-    BW_TRY(bwi_joined_operator(context, q, e->mass, 1, "mass of the joined bodies", &m));
-  BW_TRY(bwi_matrix_pair_open(context, q->k->matrix, m ? m->matrix : NULL, &e->pair));
-  BW_TRY(bwi_matrix_pair_factor(context, &e->pair, -shift, NULL, q->k->name.text,
+  BW_TRY(bwi_matrix_pair_open(context, q->k->matrix, NULL, &e->pair));
+  BW_TRY(bwi_matrix_pair_factor(context, &e->pair, 0, NULL, q->k->name.text,
                                 "a coarser mesh needs less", &e->factor));
 done:
-  bw_release(m);
   return status;
 }
 
@@ -61,11 +56,6 @@ static void spread(const bw_coupling *c, const double load[6], double *f) {
   for (int k = 0; k < 6; k++)
     for (int64_t i = 0; i < width && load[k] != 0; i++)
       f[3 * (int64_t)c->node[i / 3] + i % 3] += c->mean[k * width + i] * load[k];
-}
-
-void bwi_point_forces(const bw_model *model, const double *p, double *f) {
-  for (int i = 0; i < model->coupling_count; i++)
-    spread(&model->coupling[i], p + 6 * (int64_t)i, f);
 }
 
 void bwi_point_loads(const bw_model *model, double *f) {

@@ -17,12 +17,12 @@ typedef struct bwi_joined_fields {
   bwi_joined_equations equations;
   double *mass; /* with attached masses */
   bwi_matrix_pair pair;
-  bwi_factor *factor; /* of T^T (K + shift M) T */
+  bwi_factor *factor; /* of T^T K T */
   double *x;          /* work space: unknowns */
 } bwi_joined_fields;
-/* Preloads keep their shortening. `shift` (1/s2), from 0 on. BW_UNCONSTRAINED for a shift of 0
- * where rigid-body modes are left. Clear with bwi_joined_fields_clear in any case. */
-bw_status bwi_joined_fields_open(bw_context *context, const bw_model *model, double shift,
+/* Preloads keep their shortening. BW_UNCONSTRAINED where rigid-body modes are left. Clear with
+ * bwi_joined_fields_clear in any case. */
+bw_status bwi_joined_fields_open(bw_context *context, const bw_model *model,
                                  bwi_joined_fields *fields);
 void bwi_joined_fields_clear(bwi_joined_fields *fields);
 
@@ -30,7 +30,7 @@ bw_status bwi_joined_mass(bw_context *context, const bwi_joined_fields *fields, 
                           double *f);
 bw_status bwi_joined_stiffness(bw_context *context, const bwi_joined_fields *fields,
                                const double *u, double *f);
-/* u = T (T^T (K + shift M) T)^-1 T^T f */
+/* u = T (T^T K T)^-1 T^T f */
 bw_status bwi_joined_solve(bw_context *context, const bwi_joined_fields *fields, const double *f,
                            double *u);
 /* The largest component of T^T f. */
@@ -46,8 +46,6 @@ double bwi_spring_energy(const bw_model *model, const double *u);
 /* The motions q = D u of the remote points of a model: displacement and rotation (m, rad,
  * coupling_count x 6). */
 void bwi_point_motions(const bw_model *model, const double *u, double *q);
-/* f += D^T p: forces and moments (N, N m, coupling_count x 6) at remote points on the nodes. */
-void bwi_point_forces(const bw_model *model, const double *p, double *f);
 /* Given forces and moments of remote points, without weight: f += D^T p. */
 void bwi_point_loads(const bw_model *model, double *f);
 /* The weight of remote points by all gravity loads: f += D^T m g. */
