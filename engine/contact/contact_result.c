@@ -69,6 +69,7 @@ static bw_status take_solution(bw_context *context, bwi_contact_problem *c, bw_c
   if (closed)
     BW_TRY(bw_model_nodal_forces(context, loaded, force));
   BW_TRY(bw_statics(context, loaded, c->system, &options, &out->solution));
+  out->solution->in_contact = closed;
   if (c->motions > 0) { /* which differ by a rigid-body motion */
     double *u = out->solution->displacement;
     for (int64_t i = 0; i < bwi_contact_size(c); i++)

@@ -113,9 +113,8 @@ function Static:error_estimate() end
 ---grow by the factor. The equations get a factor where they have none.
 ---
 ---Errors: invalid (a part with bonds, attachments or couplings has changed since), unconstrained (the part can move freely, without
----`loads_turn`), unsupported (a solution of an edit session or of an external solver, a moment about a remote
----point that can turn about both axes across it),
----convergence (the iteration did not converge), memory (the factor does not fit), limit (too many load factors for the
+---`loads_turn`), unsupported (a solution in contact, of an edit session or of an external solver; a moment about a
+---remote point that can turn about both axes across it), convergence (the iteration did not converge), memory (the factor does not fit), limit (too many load factors for the
 ---eigensolver). A load that causes no stress raises.
 ---
 ---Source: docs/theory/stability.md.

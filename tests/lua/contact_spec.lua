@@ -26,6 +26,7 @@ describe("contact", function()
     assert.matches("pair 1: %(0, 0, 120000%) N .*; error unknown: one mesh", tostring(contact))
     assert.matches("^%(0, 0, 120000%) N .*; error unknown: one mesh$", tostring(contact.pairs[1]))
     assert.are.equal("cholesky", contact.report.solver)
+    check.fails("unsupported", "load factors do not know contact", contact.static:buckling())
     local path = os.tmpname() .. ".vtu"
     assert(contact:write(path))
     assert.is_not_nil(bw.mesh.read(path))

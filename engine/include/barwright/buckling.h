@@ -64,10 +64,10 @@ typedef struct bw_buckling {
  * K_sigma of the solution's stress, by the squares of the factors (docs/theory/stability.md). All
  * loads, temperatures and prescribed displacements of the model grow by the factor. Loads keep
  * their directions. `options` may be NULL. BW_UNCONSTRAINED for a body that supports leave free to
- * move, unless its loads turn with it, BW_UNSUPPORTED for a joined model (bw_model_joined) and a
- * solution without equations in this process (of an external solver or an edit session) and for
- * SLEPc, BW_INVALID where the load causes no stress, BW_LIMIT for too many load factors; those of
- * bw_system_factor and bw_modes_elastic. */
+ * move, unless its loads turn with it, BW_UNSUPPORTED for a joined model (bw_model_joined), a
+ * solution in contact and a solution without equations in this process (of an external solver or an
+ * edit session) and for SLEPc, BW_INVALID where the load causes no stress, BW_LIMIT for too many
+ * load factors; those of bw_system_factor and bw_modes_elastic. */
 BW_API bw_status bw_buckling_of_static(bw_context *context, const bw_static *solution,
                                        const bw_buckling_options *options, bw_buckling **buckling);
 /* The same of a displacement (m, node_count x 3) of a system's equations, without temperatures. The

@@ -45,6 +45,7 @@ typedef struct bw_static {
   bw_coupling_result *coupling;        /* coupling_count, or NULL; `force` is without their loads */
   double energy;                       /* (J) strain energy */
   double residual;                     /* (-) |K u - f| at unknowns over |f| */
+  bool in_contact;                     /* forces of contact are among the loads */
   struct bw_external_report *external; /* of an external solver, or NULL */
   bw_solver_report report;             /* how it was found */
 } bw_static;
