@@ -27,8 +27,7 @@ bw_status bw_model_refuse_joints(bw_context *context, const bw_model *model) {
   if (model->cyclic)
     return bw_fail(context, BW_UNSUPPORTED,
                    "the model is one of %d sectors of cyclic symmetry: it gives static solutions "
-                   "and modes, but not what needs its equations otherwise; model the whole for "
-                   "that",
+                   "and modes; for other analyses, model the whole",
                    model->cyclic->count);
   for (int k = 0; k < 3; k++)
     if (kind[k].count > 0)
@@ -38,8 +37,8 @@ bw_status bw_model_refuse_joints(bw_context *context, const bw_model *model) {
   return bw_fail(
       context, BW_UNSUPPORTED,
       "the model has %s: it gives static solutions, modes, load factors, harmonic responses, "
-      "response spectra and transients by modes, but not what needs its equations otherwise; join "
-      "the bodies in one mesh, and leave masses, springs and remote points out for that",
+      "response spectra, transients by modes and the worst case; for other analyses, join the "
+      "bodies in one mesh, and leave masses, springs and remote points out",
       list);
 }
 

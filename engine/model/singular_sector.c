@@ -147,6 +147,7 @@ bw_status bwi_sector_without_cuts(bw_context *context, const bw_model *model,
   for (int32_t i = 0; i < given->count; i++) {
     const bw_singular_place *place = &given->place[i];
     bool inside = true;
+    BW_TRY(bw_check_cancel(context));
     for (int32_t p = place->first; p < place->first + place->count && inside; p++)
       inside = is_in_cut(model, given->point + 3 * (int64_t)p, near);
     if (!inside)

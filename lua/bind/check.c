@@ -87,6 +87,8 @@ int64_t lbw_check_index(lua_State *L, int argument, const char *what, int64_t co
       lua_type(L, argument) == LUA_TNUMBER ? lua_tointegerx(L, argument, &is_integer) : 0;
   if (!is_integer || value < 1 || value > count) { /* often a table's field: no argument number */
     const char *got = lbw_got(L, argument);
+    if (count == 0)
+      lbw_error(L, "%s: there is none, got %s", what, got);
     lbw_error(L, "%s: a number from 1 to %I expected, got %s", what, (LUAI_UACINT)count, got);
   }
   return value - 1;

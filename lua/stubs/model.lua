@@ -145,8 +145,8 @@ function Model:prescribe(selection, displacement) end
 
 ---Bonds two surfaces of the mesh, whose nodes need not match. Side a follows side b where they touch. Make a the side that the
 ---other one covers. Constant stress passes through a plane bond exactly. A model with bonds gives static solutions, modes, load factors,
----harmonic responses, response spectra and transients by modes.
----What needs its equations otherwise is refused. A side without a facet, and a node on both sides, raise.
+---harmonic responses with random vibration, response spectra, transients by modes and `bw.worst_case`. Other analyses
+---refuse it. A side without a facet, and a node on both sides, raise.
 ---
 ---A bond can have a preload across a plane section, as of a bolt: give the force first, then keep the `shortening` that the
 ---static solution gives, and add the loads of operation. Modes keep the shortening. `Mesh:separated` cuts a shank between
@@ -183,7 +183,7 @@ function Model:clear_bonds() end
 
 ---Makes the body one of `count` equal sectors of a wheel. The face `low`, turned by a full turn over `count` about the axis, is the
 ---face `high`: their nodes and facets match one to one. The axis may look either way. Loads, supports, masses and results are
----those of one sector. A sector gives static solutions and modes; what needs its equations otherwise is refused. A second
+---those of one sector. A sector gives static solutions and modes; other analyses refuse it. A second
 ---cyclic symmetry, fewer than two sectors and a selection without a facet raise.
 ---```lua
 ---local box = bw.mesh.box {max = {1, 1, 0.3}, cells = {3, 3, 1}}
@@ -229,8 +229,8 @@ function Model:whole() end
 
 ---Attaches a mass, or springs to the ground, to a selection: exactly one of them. It is spread evenly over the area, or over the
 ---nodes of a node set without a facet. Gravity acts on a mass, and modes move it; it does not stiffen the body. Springs restrain
----rigid-body modes as supports do. A model with attachments gives static solutions, modes, load factors, harmonic
----responses, response spectra and transients by modes. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set.
+---rigid-body modes as supports do. A model with attachments gives what one with bonds gives. A selection without a facet
+---raises, unless it is a node set.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}
@@ -262,9 +262,9 @@ function Model:clear_attachments() end
 ---rigid body with the point. A distributed coupling leaves the face free to deform: the point moves as the face does in the mean,
 ---and its force and moment spread over the face as tractions that vary linearly. The point can carry a force, a moment, a mass and
 ---springs to the ground, and its displacement and rotation can be prescribed. `static.couplings` has its motion and reactions.
----Supports on nodes of a rigid coupling must agree with what the point prescribes. A model with couplings gives static solutions,
----modes, load factors, harmonic responses, whose `curve` knows remote points, response spectra and transients by modes. What needs its equations otherwise is refused. A selection without a facet raises, unless it is a node set. Nodes in
----two rigid couplings raise.
+---Supports on nodes of a rigid coupling must agree with what the point prescribes. A model with couplings gives what one with
+---bonds gives; `curve` of a harmonic response knows remote points. A selection without a facet raises, unless it is
+---a node set. Nodes in two rigid couplings raise.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}

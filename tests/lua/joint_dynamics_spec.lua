@@ -185,11 +185,14 @@ describe("dynamics of joined models", function()
     end
     local before = motions()
     assert.is_true(before[5] > 0 and before[7] > 0)
-    part:clear_couplings():couple {on = tip, at = {2, 0, 0}}:couple {on = tip, at = {3, 0, 0}, kind = "distributed"}
+    part:clear_couplings():couple {on = tip, at = {2, 0, 0}}
+    part:couple {on = tip, at = {3, 0, 0}, kind = "distributed"}
     assert.same(before, motions())
     part:clear_couplings()
     assert.same(before, motions())
-    check.raises("coupling", response.curve, response, {coupling = 2})
+    check.raises("coupling: a number from 1 to 1 expected, got 2", response.curve, response, {coupling = 2})
+    local plain = assert(part:load({on = tip, force = {1, 0, 0}}):harmonic {frequencies = {1}})
+    check.raises("coupling: there is none, got 1", plain.curve, plain, {coupling = 1})
   end)
 
   it("move a mass with inertia on a lever as a body on the springs that its point has", function()

@@ -225,8 +225,8 @@ typedef struct bw_model {
   bw_coupling *coupling;     /* coupling_count couplings with remote points */
   const bw_cyclic *cyclic;   /* retained; NULL: it is the whole */
 } bw_model;
-/* Whether it has bonds, attachments, couplings or a cyclic symmetry: only the functions of joint.h
- * know its equations. */
+/* Whether it has bonds, attachments, couplings or a cyclic symmetry: the functions of joint.h
+ * know its equations, and by them harmonic responses and response spectra (dynamics.h). */
 static inline bool bw_model_joined(const bw_model *model) {
   return model->bond_count > 0 || model->attachment_count > 0 || model->coupling_count > 0 ||
          model->cyclic;
@@ -346,13 +346,13 @@ BW_API bw_status bw_model_attach_spring(bw_context *context, bw_model *model,
 /* Removes all masses and springs. */
 BW_API bw_status bw_model_clear_attachments(bw_context *context, bw_model *model);
 /* Couples the nodes of a face, or of a node set without facets, with a remote point, which is
- * copied. Gravity acts on its mass. joint.h has static solutions and modes of such a model; other
- * functions refuse one where they need its equations. BW_EMPTY as for supports. BW_INVALID for a
- * node in two rigid couplings, numbers that are not finite, springs and masses below 0, and an
- * inertia that is not symmetric or negative. BW_GEOMETRY for facets without area, and for nodes on
- * one line: they leave the rotation about it undefined, and for a point farther from the face
- * than 10000 times the smallest radius of gyration of the face. BW_UNSUPPORTED for a sector of
- * cyclic symmetry. */
+ * copied. Gravity acts on its mass. joint.h has static solutions, modes and load factors of such a
+ * model; other functions refuse one where they need its equations. BW_EMPTY as for supports.
+ * BW_INVALID for a node in two rigid couplings, numbers that are not finite, springs and masses
+ * below 0, and an inertia that is not symmetric or negative. BW_GEOMETRY for facets without area,
+ * and for nodes on one line: they leave the rotation about it undefined, and for a point farther
+ * from the face than 10000 times the smallest radius of gyration of the face. BW_UNSUPPORTED for a
+ * sector of cyclic symmetry. */
 BW_API bw_status bw_model_couple(bw_context *context, bw_model *model, const bw_selection *on,
                                  const bw_remote_point *point);
 /* Removes all couplings. */
