@@ -346,6 +346,7 @@ describe("heat", function()
     local heat, mesh = bar(metal)
     check.raises("has no conductivity", bw.heat, {mesh = mesh, material = bw.material.abs})
     check.raises("one of the options", heat.load, heat, {})
+    check.raises("condition: there is none, got 1", heat.set, bw.heat {mesh = mesh, material = metal}, 1, 2)
     check.raises("times must ascend", function()
       assert(heat:transient {initial = 0}):run {time = 1, step = 1, histories = {{{1, 2}, {1, 3}}}}
     end)
