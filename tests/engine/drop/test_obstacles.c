@@ -326,6 +326,8 @@ static void test_refused(void **state) {
   /* a node is at the centre of the face */
   bw_drop *drop = drop_onto(context, model, options, sphere(context, NULL, 3e-3));
   check_near(drop->depth, 0, 1e-15);
+  check_near(drop->onto->point[0], 0.01, 1e-12);
+  check_near(drop->onto->point[2], -3e-3, 1e-12);
   bw_release(drop);
   bw_release(model);
 }
