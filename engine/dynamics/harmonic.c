@@ -10,6 +10,7 @@
 #include "barwright/dynamics.h"
 #include "dynamics/harmonic_regions.h"
 #include "dynamics/internal.h"
+#include "joint/fields.h"
 #include "linear/blas.h"
 #include "linear/internal.h"
 #include "linear/multivector.h"
@@ -556,6 +557,22 @@ static bw_status vectors_new(bw_context *context, const bw_harmonic_options *opt
   return BW_OK;
 }
 
+/* The motions of remote points. The model may lose its couplings later, so the response keeps what
+ * it needs of them. */
+static bw_status take_points(bw_context *context, bw_harmonic *h) {
+  bw_status status = BW_OK;
+  int points = h->coupling_count = h->model->coupling_count;
+  h->point = BW_NEW(context, double, 3 * (int64_t)points);
+  h->motion = BW_NEW(context, double, 6 * (int64_t)h->count * points);
+  BW_TRY_MEMORY(h->point && h->motion);
+  for (int p = 0; p < points; p++)
+    memcpy(h->point + 3 * (size_t)p, h->model->coupling[p].point.at, 3 * sizeof(double));
+  for (int k = 0; k < h->count; k++)
+    bwi_point_motions(h->model, bwi_harmonic_vector(h, k), h->motion + 6 * (int64_t)k * points);
+done:
+  return status;
+}
+
 bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_system *given,
                                const bw_harmonic_options *options, bw_system **system,
                                bw_harmonic **harmonic) {
@@ -587,7 +604,7 @@ bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_sy
                               : add_vectors(context, &equations, options, force, h));
   if (h->coupling)
     BW_TRY(find_errors(context, h, &error));
-  BW_TRY(bwi_harmonic_take_points(context, h));
+  BW_TRY(take_points(context, h));
   *harmonic = h;
   h = NULL;
 done:

@@ -9,12 +9,6 @@
 #include "linear/blas.h"
 #include "linear/multivector.h"
 
-const double *bwi_harmonic_vector(const bw_harmonic *h, int k) {
-  int64_t size = 3 * (int64_t)h->model->mesh->node_count;
-  int modes = h->modes->count;
-  return k < modes ? h->modes->shape + k * size : h->residual + (k - modes) * size;
-}
-
 bw_status bwi_harmonic_combine(bw_context *context, const bw_harmonic *h, const double *weight,
                                double *field) {
   bw_status status = BW_OK;

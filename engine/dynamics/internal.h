@@ -19,12 +19,14 @@ double bwi_between(const double *x, const double *y, double f);
 /* For qsort of doubles. */
 int bwi_compare_numbers(const void *a, const void *b);
 /* Vector k (node_count x 3) of a response. */
-const double *bwi_harmonic_vector(const bw_harmonic *harmonic, int k);
+static inline const double *bwi_harmonic_vector(const bw_harmonic *harmonic, int k) {
+  int64_t size = 3 * (int64_t)harmonic->model->mesh->node_count;
+  int modes = harmonic->modes->count;
+  return k < modes ? harmonic->modes->shape + k * size : harmonic->residual + (k - modes) * size;
+}
 /* sum of weight (harmonic->count) times vector: field (node_count x 3). */
 bw_status bwi_harmonic_combine(bw_context *context, const bw_harmonic *harmonic,
                                const double *weight, double *field);
-/* Fills what it has of remote points. */
-bw_status bwi_harmonic_take_points(bw_context *context, bw_harmonic *harmonic);
 /* The covariance (harmonic->count squared, the lower triangle) of the vectors' coordinates times
  * the roots of their eigenvalues, under a process as bw_harmonic_random has it. *wrong is the mean
  * square of the error in energy. */

@@ -1,26 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Responses of remote points: their motions are linear in those of the nodes. The model may lose
- * its couplings later, so the response keeps what it needs of them. */
+/* Responses of remote points: their motions are linear in those of the nodes. */
 #include <math.h>
 #include <string.h>
 
 #include "dynamics/internal.h"
 #include "joint/fields.h"
 #include "linear/blas.h"
-
-bw_status bwi_harmonic_take_points(bw_context *context, bw_harmonic *h) {
-  bw_status status = BW_OK;
-  int points = h->coupling_count = h->model->coupling_count;
-  h->point = BW_NEW(context, double, 3 * (int64_t)points);
-  h->motion = BW_NEW(context, double, 6 * (int64_t)h->count * points);
-  BW_TRY_MEMORY(h->point && h->motion);
-  for (int p = 0; p < points; p++)
-    memcpy(h->point + 3 * (size_t)p, h->model->coupling[p].point.at, 3 * sizeof(double));
-  for (int k = 0; k < h->count; k++)
-    bwi_point_motions(h->model, bwi_harmonic_vector(h, k), h->motion + 6 * (int64_t)k * points);
-done:
-  return status;
-}
 
 bw_status bw_harmonic_point_curve(bw_context *context, const bw_harmonic *h, int coupling,
                                   int count, const double *frequency, double *response) {
