@@ -56,6 +56,10 @@ inline bw_status store(bwi_child_stream *out, const std::vector<double> &point,
   return status;
 }
 
+inline double rounded(double x) { return x; }
+/* Of its exact value: the interval around a lazy number depends on what was evaluated before. */
+template <class Number> double rounded(const Number &x) { return CGAL::to_double(x.exact()); }
+
 template <class Mesh> bw_status store(bwi_child_stream *out, const Mesh &mesh) {
   std::vector<double> point;
   std::vector<std::int32_t> triangle,
@@ -64,7 +68,7 @@ template <class Mesh> bw_status store(bwi_child_stream *out, const Mesh &mesh) {
   for (auto v : mesh.vertices()) {
     number[static_cast<std::size_t>(v)] = next++;
     for (int k = 0; k < 3; k++)
-      point.push_back(CGAL::to_double(mesh.point(v)[k]));
+      point.push_back(rounded(mesh.point(v)[k]));
   }
   for (auto f : mesh.faces())
     for (auto v : mesh.vertices_around_face(mesh.halfedge(f)))
