@@ -15,7 +15,6 @@ part:load {on = mesh.boundary:above("z", h), force = {0, 0, -30}}
 
 -- Without the peg the shelf sinks farther than the peg is away.
 local free = assert(part:solve())
-print(free)
 print(("without the peg the shelf sinks %.2f mm"):format(-1e3 * free.displacement:column(3):min()))
 
 -- What may touch what: the underside and a rigid cylinder. Where they touch is part of the answer.
@@ -24,16 +23,11 @@ local foot = mesh.boundary:below("z", 0)
 local contact = assert(part:contact {{on = foot, with = peg}})
 print(contact)
 local touch = contact.pairs[1]
-print(("the peg carries %.1f N of 30 N; %d of %d corners touch"):format(touch.force[3], touch.active,
-  touch.candidates))
+print(("the peg carries %.1f N of 30 N"):format(touch.force[3]))
 print(("with the peg it sinks %.2f mm"):format(-1e3 * contact.static.displacement:column(3):min()))
-assert(touch.force[3] > 0 and touch.force[3] < 30)
-
 -- The force is trusted. The largest pressure is that of the mesh: facets of 3 mm are wider than the contact.
-
 -- The root and the peg carry the load together.
 local root = contact.static:reaction_on(mesh.boundary:below("x", 0))
-print(("the root carries %.1f N"):format(root[3]))
 assert(math.abs(root[3] + touch.force[3] - 30) < 1e-3)
 
 -- A shelf that lies on two pegs needs no support, if nothing pushes it sideways.
@@ -56,7 +50,6 @@ local seam = boards.boundary:plane({L / 2, 0, 0}, {1, 0, 0}, 1e-9)
 glued:bond {a = seam & boards.boundary:region "left", b = seam & boards.boundary:region "rest"}
 local worst = assert(bw.worst_case(glued, {force = 60, contact = 4e-4}))
 print(worst)
-assert(worst.system.rigid_mode_count == 6) -- of both boards together: what presses is in balance
 if folder then
   assert(worst:picture(folder .. "/glued.png"))
   assert(contact:picture(folder .. "/contact.png"))

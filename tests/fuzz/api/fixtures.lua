@@ -146,7 +146,10 @@ makers.Harmonic = {function(p)
   return assert(p.Model:harmonic {range = {0, 50}, modes = 2, damping = {ratio = 0.1}})
 end}
 makers.HarmonicCurve = {function(p) return assert(p.Harmonic:curve {at = {1, 0, 0}, frequencies = {1, 2}}) end}
-makers.CombinedSpectrum = {function(p) return p.ResponseSpectrum:combine {} end}
+makers.CombinedSpectrum = {function(p)
+  return p.ResponseSpectrum:combine {assert(p.Model:response_spectrum {points = {{1e-6, 1}, {1e-5, 2}},
+    direction = {1, 0, 0}})}
+end}
 makers.ResponseSpectrum = {function(p)
   return assert(p.Model:response_spectrum {points = {{1e-6, 1}, {1e-5, 2}}, direction = {0, 0, 1}})
 end}
