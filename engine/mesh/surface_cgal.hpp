@@ -56,9 +56,13 @@ inline bw_status store(bwi_child_stream *out, const std::vector<double> &point,
   return status;
 }
 
-inline double rounded(double x) { return x; }
+inline double rounded(double x) {
+  return x;
+}
 /* Of its exact value: the interval around a lazy number depends on what was evaluated before. */
-template <class Number> double rounded(const Number &x) { return CGAL::to_double(x.exact()); }
+template <class Number> double rounded(const Number &x) {
+  return CGAL::to_double(x.exact());
+}
 
 template <class Mesh> bw_status store(bwi_child_stream *out, const Mesh &mesh) {
   std::vector<double> point;
