@@ -182,7 +182,7 @@ describe("a limit on time", function()
     ["a pattern"] = 'string.find(("a"):rep(40), (".-"):rep(20) .. "b")',
     ["an endless sort"] = "table.sort({3, 2, 1, 5, 4}, function() while true do end end)",
     ["a finaliser"] = "setmetatable({}, {__gc = function() while true do end end}) collectgarbage()",
-    ["the engine"] = "local m = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {40, 40, 40}} "
+    ["the engine"] = "local m = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {20, 20, 20}} "
       .. "bw.model {mesh = m, material = bw.material.pla}:modes {count = 200}",
   } do
     it("ends " .. what .. " (L3)", function()
