@@ -10,9 +10,13 @@
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/number_utils.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <exception>
 #include <new>
+#include <numeric>
+#include <tuple>
 #include <vector>
 
 #include "mesh/surface_cgal.h"
@@ -64,10 +68,9 @@ template <class Number> double rounded(const Number &x) {
   return CGAL::to_double(x.exact());
 }
 
-template <class Mesh> bw_status store(bwi_child_stream *out, const Mesh &mesh) {
-  std::vector<double> point;
-  std::vector<std::int32_t> triangle,
-      number(mesh.num_vertices() + mesh.number_of_removed_vertices());
+template <class Mesh>
+void read(const Mesh &mesh, std::vector<double> &point, std::vector<std::int32_t> &triangle) {
+  std::vector<std::int32_t> number(mesh.num_vertices() + mesh.number_of_removed_vertices());
   std::int32_t next = 0;
   for (auto v : mesh.vertices()) {
     number[static_cast<std::size_t>(v)] = next++;
@@ -77,7 +80,56 @@ template <class Mesh> bw_status store(bwi_child_stream *out, const Mesh &mesh) {
   for (auto f : mesh.faces())
     for (auto v : mesh.vertices_around_face(mesh.halfedge(f)))
       triangle.push_back(number[static_cast<std::size_t>(v)]);
+}
+
+template <class Mesh> bw_status store(bwi_child_stream *out, const Mesh &mesh) {
+  std::vector<double> point;
+  std::vector<std::int32_t> triangle;
+  read(mesh, point, triangle);
   return store(out, point, triangle);
+}
+
+/* Points by their coordinates, and facets by their points: intersections of CGAL number both in an
+ * order that depends on addresses, which differ from run to run. Points at one place have one rank,
+ * so that their order among each other does not matter to facets. */
+template <class Mesh> bw_status store_sorted(bwi_child_stream *out, const Mesh &mesh) {
+  using Facet = std::array<std::int32_t, 3>;
+  std::vector<double> point, sorted;
+  std::vector<std::int32_t> triangle;
+  read(mesh, point, triangle);
+  const std::size_t points = point.size() / 3;
+  const auto place = [&point](std::int32_t i) {
+    const double *x = &point[3 * static_cast<std::size_t>(i)];
+    return std::make_tuple(x[0], x[1], x[2]);
+  };
+  std::vector<std::int32_t> order(points), number(points), rank(points);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&place](std::int32_t i, std::int32_t j) { return place(i) < place(j); });
+  for (std::size_t i = 0; i < points; i++) {
+    const bool same = i > 0 && place(order[i]) == place(order[i - 1]);
+    number[static_cast<std::size_t>(order[i])] = static_cast<std::int32_t>(i);
+    rank[i] = same ? rank[i - 1] : static_cast<std::int32_t>(i);
+    const auto at = point.begin() + 3 * static_cast<std::ptrdiff_t>(order[i]);
+    sorted.insert(sorted.end(), at, at + 3);
+  }
+  const auto rank_of = [&rank](std::int32_t i) { return rank[static_cast<std::size_t>(i)]; };
+  const auto ranks = [&rank_of](const Facet &f) {
+    return Facet{rank_of(f[0]), rank_of(f[1]), rank_of(f[2])};
+  };
+  std::vector<Facet> facet(triangle.size() / 3);
+  for (std::size_t t = 0; t < facet.size(); t++) {
+    Facet &f = facet[t];
+    for (std::size_t k = 0; k < 3; k++)
+      f[k] = number[static_cast<std::size_t>(triangle[3 * t + k])];
+    std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
+  }
+  std::stable_sort(facet.begin(), facet.end(),
+                   [&ranks](const Facet &f, const Facet &g) { return ranks(f) < ranks(g); });
+  triangle.clear();
+  for (const Facet &f : facet)
+    triangle.insert(triangle.end(), f.begin(), f.end());
+  return store(out, sorted, triangle);
 }
 
 /* To be called in a catch (...) block: the exception as a failure. */

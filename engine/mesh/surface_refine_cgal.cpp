@@ -21,7 +21,7 @@ bw_status bwi_cgal_refine(bw_context *context, void *data, bwi_child_stream *out
     CGAL::Polygon_mesh_processing::corefine(first, second);
     Mesh &wanted = job->second ? second : first;
     wanted.collect_garbage();
-    return bwi::store(out, wanted);
+    return bwi::store_sorted(out, wanted);
   } catch (...) {
     return bwi::caught(context, "joining the faces of parts that touch");
   }

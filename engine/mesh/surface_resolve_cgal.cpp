@@ -18,7 +18,7 @@ bw_status bwi_cgal_resolve(bw_context *context, void *data, bwi_child_stream *ou
     namespace steps = CGAL::Polygon_mesh_processing::experimental;
     if (!steps::remove_self_intersections(mesh, CGAL::parameters::preserve_genus(false)))
       return bw_fail(context, BW_GEOMETRY, "not every self-intersection could be removed");
-    return bwi::store(out, mesh);
+    return bwi::store_sorted(out, mesh);
   } catch (...) {
     return bwi::caught(context, "taking out self-intersections");
   }

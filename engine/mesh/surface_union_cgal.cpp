@@ -39,7 +39,7 @@ bw_status bwi_cgal_union(bw_context *context, void *data, bwi_child_stream *out)
         whole = joined;
         bw_progress(context, "joining shells", (s + 1.0) / job->shells);
       }
-    return bwi::store(out, whole);
+    return bwi::store_sorted(out, whole);
   } catch (...) {
     return bwi::caught(context, "joining shells");
   }
