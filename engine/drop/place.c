@@ -29,7 +29,7 @@ static double depth_of(const bwi_drop_run *run, const double *way) {
 }
 
 static const char *name_of(const bw_rigid_surface *surface) {
-  return surface->kind == BW_RIGID_SPHERE ? "sphere" : "cylinder";
+  return surface->kind == BW_RIGID_SPHERE ? "peg" : "edge";
 }
 
 /* The way of the first node that meets it. */

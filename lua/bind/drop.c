@@ -247,8 +247,8 @@ static int drop_tostring(lua_State *L) {
       drop->error);
   ADD("\n  error of duration, force, impulse and stress unknown: one mesh, one number of modes");
   if (drop->onto->kind != BW_RIGID_PLANE)
-    ADD("\n  onto a %s of radius %s; between nodes it goes %s deep at the first touch",
-        drop->onto->kind == BW_RIGID_SPHERE ? "sphere" : "cylinder",
+    ADD("\n  onto %s of radius %s; between nodes it goes %s deep at the first touch",
+        drop->onto->kind == BW_RIGID_SPHERE ? "a peg" : "an edge",
         lbw_quantity(drop->onto->radius, "m").text, lbw_quantity(drop->depth, "m").text);
   ADD("\n  linear elasticity about the motion as a rigid body, rigid %s, no friction, %s",
       drop->onto->kind == BW_RIGID_PLANE ? "plane" : "obstacle",

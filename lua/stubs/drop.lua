@@ -113,7 +113,7 @@ function RandomDrops:picture(path, options) end
 ---@field gravity? number (m/s2) along `down`. Range: 0 or more. Default: 9.80665
 ---@field down? bw.Vector (-) where it falls, of any length. Default: {0, 0, -1}
 ---@field spin? bw.Vector (rad/s) angular velocity when it touches. Default: none
----@field onto? bw.RigidSurface floor (plane), peg (sphere) or edge (cylinder), which the part meets from outside, along `down`. One without a place is below the centre of mass. An edge without a radius has no finite stress. Default: a plane across `down`
+---@field onto? bw.RigidSurface floor (plane), peg (sphere) or edge (cylinder), which the part meets from outside, along `down`. One without a place is below the centre of mass. Its radius rounds the tip or edge: at a sharp one, the stress is infinite. Default: a plane across `down`
 ---@field damping? bw.Damping by a ratio and by stiffness. Default: none
 ---@field modes? bw.Modes elastic modes of the part. All of a mesh are refused: contact needs what they leave. Default: the lowest 40, or half of those of a small mesh
 ---@field impacts? integer (count) that are followed. One is over when no force has acted for a period of the lowest mode. Range: 1 to 10000. Default: 1
@@ -141,7 +141,7 @@ function RandomDrops:picture(path, options) end
 ---@field mass number (kg) of the part
 ---@field speed number (m/s) at the first touch
 ---@field onto bw.RigidSurface the obstacle, where the part of the mesh touches it
----@field obstacle_depth number (m) of a sphere or cylinder between nodes at the first touch, since nodes alone touch; at most a tenth of its radius
+---@field obstacle_depth number (m) by which a peg or edge enters between nodes at the first touch, since nodes alone touch; at most a tenth of its radius
 ---@field impacts bw.DropImpact[] in order
 ---@field sample_times bw.Array (s, n) when stresses were taken
 ---@field sample_stresses bw.Array (Pa, n) largest principal stress of an element then, tension or compression; the mean of the element

@@ -36,7 +36,7 @@ describe("drop", function()
     assert.equal("sphere", peg.onto.kind)
     for k, at in ipairs {0.015, 0.01, -0.05} do assert.near(at, peg.onto.point[k], 1e-3) end
     assert.is_true(peg.obstacle_depth > 0 and peg.obstacle_depth < 0.005)
-    assert.truthy(tostring(peg):find("onto a sphere of radius 50 mm; between nodes it goes", 1, true))
+    assert.truthy(tostring(peg):find("onto a peg of radius 50 mm; between nodes it goes", 1, true))
     local edge = assert(part:drop {onto = bw.rigid.cylinder {point = {0.01, 0, 0}, axis = {0, 1, 0},
       radius = 0.05}, samples = 2})
     assert.near(0.01, edge.onto.point[1], 1e-12)
@@ -109,7 +109,7 @@ describe("drop", function()
       assert.truthy(message:find(words, 1, true), message)
     end
     refused("leave out `inside`", bw.rigid.sphere {radius = 1, inside = true})
-    refused("misses the sphere of radius 0.005 m: it falls past at a distance of 0.015 m",
+    refused("misses the peg of radius 0.005 m: it falls past at a distance of 0.015 m",
       bw.rigid.sphere {centre = {0.05, 0.01, 0}, radius = 0.005})
     refused("make elements smaller", bw.rigid.cylinder {axis = {0, 1, 0}, radius = 0.002})
     assert.error_matches(function() part:drop {onto = bw.rigid.cylinder {axis = {0, 0, 2}, radius = 1}} end,
@@ -279,7 +279,7 @@ describe("barwright drop", function()
     assert.is_true(object.shortest_duration_s > 0)
     local failed, _, err = check.run("drop --peg 1mm --at 30mm,50mm,0 " .. rod)
     assert.equal(3, failed)
-    assert.truthy(err:find("misses the sphere of radius 1 mm", 1, true), err)
+    assert.truthy(err:find("misses the peg of radius 1 mm", 1, true), err)
   end)
 
   it("drops at random and leaves the verdict open", function()

@@ -247,6 +247,36 @@ static void test_plane(void **state) {
   bw_release(model);
 }
 
+/* The normal of a cube that lands on its corner, with a spin across it, turns as the body does: by
+ * the duration times a spin between the first and the last. A node that comes near at the first
+ * touch of a plate, and touches when the plate has turned by 0.02 rad, has a column of its own
+ * normal: one of the first touch would turn by 0.036. */
+static void test_turn(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *cube = model_of(context, body_box(context, 0.02, 0.02, 0.02, 2, 2, 2, 1), 0.3);
+  bw_model *plate = model_of(context, body_box(context, 0.03, 0.02, 0.004, 6, 4, 1, 1), 0.3);
+  bw_drop_options options = towards(-1, -1, -1);
+  bw_drop *drop = NULL;
+  options.gravity = 0;
+  options.speed = 2;
+  options.samples = 0;
+  options.spin[0] = 200;
+  options.spin[1] = -200;
+  check_ok(context, bw_drop_of_model(context, cube, NULL, &options, NULL, &drop));
+  const bw_drop_impact *impact = drop->impact;
+  assert_true(impact->turn > bw_norm(options.spin) * impact->duration);
+  assert_true(impact->turn < bw_norm(drop->spin) * impact->duration);
+  bw_release(drop);
+  const bw_drop_options flat = {
+      .speed = 1, .down = {0.03, 0.015, -1}, .spin = {0, 100, 0}, .impacts = 1, .tolerance = 1e-3};
+  check_ok(context, bw_drop_of_model(context, plate, NULL, &flat, NULL, &drop));
+  impact = drop->impact;
+  assert_true(impact->contacts == 2 && impact->turn > 0.01 && impact->turn < 0.025);
+  bw_release(drop);
+  bw_release(cube);
+  bw_release(plate);
+}
+
 static void bent_map(void *data, const double unit[3], double out[3]) {
   (void)data;
   out[0] = 0.15 * unit[0];
@@ -366,9 +396,11 @@ static void test_memory_failures(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_rod),     check_test(test_hertz),     check_test(test_corner),
-      check_test(test_bounces), check_test(test_plane),     check_test(test_flights),
-      check_test(test_halving), check_test(test_bad_input), check_test(test_memory_failures),
+      check_test(test_rod),       check_test(test_hertz),
+      check_test(test_corner),    check_test(test_bounces),
+      check_test(test_plane),     check_test(test_turn),
+      check_test(test_flights),   check_test(test_halving),
+      check_test(test_bad_input), check_test(test_memory_failures),
   };
   return cmocka_run_group_tests_name("drop", tests, NULL, NULL);
 }

@@ -310,10 +310,9 @@ static void test_refused(void **state) {
   const double far[3] = {0.04, 0, 0}, between[3] = {0.005, 0.005, 0};
   bw_rigid_surface *bowl = NULL;
   refuse(context, BW_GEOMETRY,
-         "misses the sphere of radius 0.005 m: it falls past at a distance "
-         "of 0.015 m",
-         model, options, sphere(context, far, 0.005));
-  refuse(context, BW_GEOMETRY, "misses the cylinder", model, options,
+         "misses the peg of radius 0.005 m: it falls past at a distance of 0.015 m", model, options,
+         sphere(context, far, 0.005));
+  refuse(context, BW_GEOMETRY, "misses the edge", model, options,
          cylinder(context, far, 0, 1, 0, 0.005));
   refuse(context, BW_INVALID, "across `down`", model, options,
          cylinder(context, NULL, 0, 0, 1, 0.005));
@@ -350,7 +349,7 @@ static void test_misses(void **state) {
   check_ok(context, bw_drop_misses(context, model, 3, options, misses));
   assert_true(misses[0] && !misses[1] && misses[2]);
   check_fails(context, BW_LIMIT, "goes 0.0029", bw_drop_misses(context, model, 4, options, misses));
-  check_fails(context, BW_GEOMETRY, "misses the sphere",
+  check_fails(context, BW_GEOMETRY, "misses the peg",
               bw_drop_misses(context, model, 1, options, misses));
   for (int i = 0; i < 4; i++)
     bw_release(onto[i]);
