@@ -172,9 +172,12 @@ local function state_assumptions(opts, onto, unknown, say)
     or "rigid plane", damping or "no damping", unknown)
 end
 
--- Ends with a failure; what the engine advises against too many nodes that touch is named as options.
+-- Ends with a failure; what the engine advises is named as options, against too many nodes that touch `options`.
 local function fail(out, message, details, options)
-  return out:fail((message:gsub("(nodes touch in one impact: ).*", "%1" .. options)), details)
+  message = message:gsub("(nodes touch in one impact: ).*", "%1" .. options)
+  message = message:gsub("make elements smaller where it hits, or its radius larger",
+    "give more --elements, or a larger radius")
+  return out:fail((message:gsub("leave its place out", "leave out --at")), details)
 end
 
 local function run_one(opts, given, out)

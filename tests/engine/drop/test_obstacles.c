@@ -351,6 +351,16 @@ static void test_misses(void **state) {
   check_fails(context, BW_LIMIT, "goes 0.0029", bw_drop_misses(context, model, 4, options, misses));
   check_fails(context, BW_GEOMETRY, "misses the peg",
               bw_drop_misses(context, model, 1, options, misses));
+  for (int64_t n = 1;; n++) {
+    bw_fail_allocation(n, false);
+    bw_status status = bw_drop_misses(context, model, 3, options, misses);
+    bw_fail_allocation(0, false);
+    if (status == BW_OK) {
+      assert_true(n > 4);
+      break;
+    }
+    assert_int_equal(status, BW_MEMORY);
+  }
   for (int i = 0; i < 4; i++)
     bw_release(onto[i]);
   bw_release(model);
