@@ -170,14 +170,14 @@ done:
 /* `reach` (m): a contact farther than that is not found, or INFINITY. */
 static bw_status fail_unheld(bw_context *context, const bwi_contact_problem *c,
                              const double *motion, double reach) {
-  char text[300], within[40] = "";
+  char text[300], within[60] = "";
   bwi_describe_motion(c->system->dof_map, motion, text, sizeof text);
   if (isfinite(reach))
-    snprintf(within, sizeof within, " within %.3g m", reach);
+    snprintf(within, sizeof within, " Its first %.3g m meet no surface.", reach);
   bw_fail(context, BW_UNCONSTRAINED,
-          "neither supports nor contact balance the load: nothing%s stops the %s. Add a support or "
+          "neither supports nor contact balance the load: nothing stops the %s.%s Add a support or "
           "a contact pair that does, or turn the load%s",
-          within, text, c->before ? ", or take a larger coefficient of friction" : "");
+          text, within, c->before ? ", or take a larger coefficient of friction" : "");
   bw_detail_text(context, "motion", text);
   return BW_UNCONSTRAINED;
 }
@@ -337,6 +337,7 @@ static bool has_converged(const bwi_contact_problem *c, const double *gap, doubl
 /* The loads of this step. */
 static bw_status solve_step(bw_context *context, bwi_contact_problem *c) {
   bw_status status = BW_OK;
+  bool stays = false;
   double worst = 0;
   int at = 0;
   double *gap = BW_NEW(context, double, c->rows.row_count);
@@ -350,7 +351,7 @@ static bw_status solve_step(bw_context *context, bwi_contact_problem *c) {
     else if (c->iterations == 1 && c->motions > 0)
       BW_TRY(find_start(context, c));
     BW_TRY(solve_linearised(context, c));
-    bool stays = find_displacement(c) <= settled * c->facet;
+    stays = find_displacement(c) <= settled * c->facet;
     if (c->finite && !c->curved && stays)
       goto done;
     BW_TRY(bwi_contact_rows_linearise(context, &c->rows, c->now, gap));
@@ -359,17 +360,18 @@ static bw_status solve_step(bw_context *context, bwi_contact_problem *c) {
     if (!c->curved || has_converged(c, gap, &worst, &at))
       goto done;
   }
-  if (c->finite && worst == 0)
+  if (c->finite && !stays)
     BW_TRY(bw_fail(context, BW_CONVERGENCE,
                    "contact in finite sliding does not come to rest in %d iterations of step %d: "
                    "what faces what keeps changing. Take more steps",
                    c->options->max_iterations, c->step));
   const double *x = c->rows.mesh->node + 3 * (int64_t)c->rows.node[at];
-  status = bw_fail(context, BW_CONVERGENCE,
-                   "contact does not converge in %d iterations: pair %d is %.3g m off its surface "
-                   "at (%g, %g, %g). Contact is for small sliding: the part may slide far on the "
-                   "curved surface",
-                   c->options->max_iterations, c->rows.of[at] + 1, worst, x[0], x[1], x[2]);
+  status =
+      bw_fail(context, BW_CONVERGENCE,
+              "contact does not converge in %d iterations of step %d: pair %d is %.3g m off "
+              "its surface at (%g, %g, %g). The part may slide far on it: take more steps, "
+              "or support it against rolling",
+              c->options->max_iterations, c->step, c->rows.of[at] + 1, worst, x[0], x[1], x[2]);
 done:
   bw_free(gap);
   return status;

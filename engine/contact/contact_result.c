@@ -136,6 +136,11 @@ static void take_friction(bwi_contact_problem *c, bw_contact *out) {
   c->work = c->slip = NULL;
 }
 
+/* The smaller gap; what is rounding is 0. */
+static void take_gap(const bwi_contact_problem *c, double gap, double *smallest) {
+  *smallest = fmin(*smallest, fabs(gap) <= c->rounded ? 0 : gap);
+}
+
 static void take_gaps(const bwi_contact_problem *c, bw_contact *out) {
   const bw_mesh *mesh = c->model->mesh;
   for (int32_t i = 0; i < mesh->node_count; i++)
@@ -147,8 +152,8 @@ static void take_gaps(const bwi_contact_problem *c, bw_contact *out) {
       if (c->rows.of[k] == pair && c->rows.area[k] > 0) {
         int32_t r = c->rows.first[k];
         double gap = c->p[r] > 0 ? 0 : c->w[r] / c->rows.area[k];
-        out->gap[c->rows.node[k]] = fmin(out->gap[c->rows.node[k]], gap);
-        out->state[pair].gap = fmin(out->state[pair].gap, gap);
+        take_gap(c, gap, &out->gap[c->rows.node[k]]);
+        take_gap(c, gap, &out->state[pair].gap);
       }
     if (!out->pair[pair].with)
       continue;
@@ -159,8 +164,8 @@ static void take_gaps(const bwi_contact_problem *c, bw_contact *out) {
       for (int k = 0; k < 3; k++)
         x[k] = mesh->node[3 * (int64_t)i + k] + c->now[3 * (int64_t)i + k];
       double gap = bwi_rigid_gap(out->pair[pair].with, x, normal) - out->pair[pair].interference;
-      out->gap[i] = fmin(out->gap[i], gap);
-      out->state[pair].gap = fmin(out->state[pair].gap, gap);
+      take_gap(c, gap, &out->gap[i]);
+      take_gap(c, gap, &out->state[pair].gap);
     }
   }
 }
@@ -315,8 +320,7 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
     if (slid > c->facet)
       note(context, &notes,
            "contact pair %d slides by %.3g m, more than the smallest facet of all pairs, %.3g m, "
-           "and "
-           "what faces what is that of the undeformed shape: take finite_sliding",
+           "and what faces what is that of the undeformed shape: take finite_sliding",
            i + 1, slid, c->facet);
   }
   for (const char *motion = out->free_text; *motion;) {
@@ -333,21 +337,20 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
       bw_free(notes.bytes);
       return bw_fail(
           context, BW_LIMIT,
-          "body %d rotates by %.2g rad in finite sliding, which takes rotations as small "
-          "and at most %g: turn it in the mesh, or support it against turning",
+          "body %d rotates by %.2g rad, and finite sliding allows %g: turn the body in the mesh, "
+          "or support it against turning",
           b + 1, rotation, largest_rotation);
     }
     if (rotation > large_rotation)
       note(context, &notes,
-           "body %d rotates by %.2g rad on its contact: rotations are taken as small, and the "
-           "ends of a body are off by %.2g of their distance from its axis",
-           b + 1, rotation, rotation * rotation / 2);
+           "body %d rotates by %.2g rad on its contact. Rotations are taken as small%s: points at "
+           "a distance r from the axis are off by about %.2g r",
+           b + 1, rotation, c->finite ? ", also in finite sliding" : "", rotation * rotation / 2);
   }
   if (c->elastic > large_displacement * side)
     note(context, &notes,
          "pressure moves the facets by %.3g m, more than a tenth of the longest side: that is "
-         "beyond "
-         "the range of linear theory",
+         "beyond the range of linear theory",
          c->elastic);
   out->notes = notes.bytes;
   return notes.failed ? BW_MEMORY : BW_OK;

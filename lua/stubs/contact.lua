@@ -72,7 +72,8 @@ local RigidSurface = {}
 ---Releases its memory at once.
 function RigidSurface:close() end
 
----A part in contact. Displacements and sliding are small: areas and lever arms are those of the undeformed part.
+---A part in contact. Rotations are small, and so is sliding between parts without `finite_sliding`. Areas and lever arms are those
+---of the undeformed part.
 ---The gap is zero in the mean of the hat function of each corner, and pressure is linear on each facet. Friction holds at the corners.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.2, 0.1, 0.05}, cells = {8, 4, 2}}

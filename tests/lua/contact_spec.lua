@@ -138,10 +138,29 @@ describe("contact", function()
     check.raises("option 'finite_sliding'", part.contact, part, pairs, {finite_sliding = 1})
   end)
 
+  it("says what to do where a curved surface does not converge", function()
+    local plate = bw.mesh.box {max = {0.1, 0.1, 0.02}, cells = {6, 6, 1}}
+    local part = bw.model {mesh = plate, material = bw.material.steel}
+    part:prescribe(plate.boundary:above("z", 0.02), {0.05, 0, -0.009})
+    local ball = bw.rigid.sphere {centre = {0.05, 0.05, -0.2}, radius = 0.2}
+    local pairs = {{on = plate.boundary:below("z", 0), with = ball}}
+    assert.equal(3, assert(part:contact(pairs)).iterations)
+    check.fails("convergence", "take more steps", part:contact(pairs, {max_iterations = 2}))
+  end)
+
+  it("a gap of rounding is none", function()
+    local part = block {pressure = 0}
+    part:prescribe(top, {0, 0, 1.7e-5})
+    local raised = bw.rigid.plane {point = {0, 0, 1.7e-5}, normal = {0, 0, 1}}
+    local contact = assert(part:contact {{on = foot, with = raised}})
+    assert.equal(0, contact.pairs[1].gap)
+    assert.matches("open by 0 mm", tostring(contact))
+  end)
+
   it("says what nothing stops", function()
     local contact, message, details = block {force = {0, 10, -100}}:contact {{on = foot, with = floor}}
     assert.is_nil(contact)
-    assert.matches("nothing within .* m stops the translation along %(0, 1, 0%)", message)
+    assert.matches("nothing stops the translation along %(0, 1, 0%)%. Its first %S+ m meet no surface%.", message)
     assert.are.equal("unconstrained", details.status)
     assert.are.equal("translation along (0, 1, 0)", details.motion)
     -- an axis far away would tell nothing
@@ -149,7 +168,7 @@ describe("contact", function()
     lifted:load {on = top & lifted.mesh.boundary:above("x", 0.15), pressure = -100}
     contact, message, details = lifted:contact {{on = foot, with = floor}}
     assert.is_nil(contact)
-    assert.matches("within .* m stops the translation along %(0, 0, 1%), with a slight rotation%.", message)
+    assert.matches("stops the translation along %(0, 0, 1%), with a slight rotation%. Its first %S+ m", message)
     assert.are.equal("translation along (0, 0, 1), with a slight rotation", details.motion)
   end)
 
