@@ -109,6 +109,8 @@ static bw_status check_steady(bw_context *context, const bwi_heat_system *s) {
       const bw_sparse_matrix *joint = bond ? bond->follows : s->heat->condition[c].joint;
       for (int32_t i = 0; joint && i < joint->rows; i++)
         for (int64_t e = joint->start[i]; e < joint->start[i + 1]; e++) {
+          if (bond && s->prescribe[bond->node[i]] >= 0)
+            continue; /* it follows none */
           uint8_t *one = &steady[mesh->component[bond ? bond->node[i] : i]];
           uint8_t *other = &steady[mesh->component[joint->column[e]]];
           found = found || *one != *other;

@@ -253,8 +253,9 @@ static int heat_tostring(lua_State *L) {
   luaL_Buffer buffer;
   char text[200];
   luaL_buffinit(L, &buffer);
-  snprintf(text, sizeof text, "heat in %s, %d nodes, %d conditions", heat->material->name,
-           (int)heat->mesh->node_count, heat->condition_count);
+  snprintf(text, sizeof text, "heat in %s, %d nodes, %d condition%s", heat->material->name,
+           (int)heat->mesh->node_count, heat->condition_count,
+           heat->condition_count == 1 ? "" : "s");
   luaL_addstring(&buffer, text);
   for (int i = 0; i < heat->condition_count; i++) {
     const bw_heat_condition *c = &heat->condition[i];
