@@ -4,6 +4,7 @@
  * A support at a node that follows others in a bond wins: the node follows them in its free
  * directions only. The nodes of a rigid coupling follow its remote point. */
 #include "joint/internal.h"
+#include "matrix/sparse.h"
 
 #include <string.h>
 
@@ -342,48 +343,6 @@ static bw_status product_rows(void *data, int64_t begin, int64_t end, int worker
   return BW_OK;
 }
 
-/* Both triangles of the lower one. */
-static bw_status mirror(bw_context *context, int32_t rows, const product *p,
-                        bw_sparse_matrix **out) {
-  bw_status status = BW_OK;
-  int32_t *column = NULL;
-  double *value = NULL;
-  int64_t *next = NULL, *start = BW_NEW0(context, int64_t, (int64_t)rows + 1);
-  BW_TRY_MEMORY(start);
-  for (int32_t i = 0; i < rows; i++)
-    for (int64_t e = p->start[i]; e < p->start[i + 1]; e++) {
-      start[i + 1]++;
-      start[p->column[e] + 1] += p->column[e] != i;
-    }
-  for (int32_t i = 0; i < rows; i++)
-    start[i + 1] += start[i];
-  next = BW_NEW(context, int64_t, rows);
-  column = BW_NEW(context, int32_t, start[rows]);
-  value = BW_NEW(context, double, start[rows]);
-  BW_TRY_MEMORY(next && column && value);
-  memcpy(next, start, (size_t)rows * sizeof *next);
-  for (int32_t i = 0; i < rows; i++)
-    for (int64_t e = p->start[i]; e < p->start[i + 1]; e++) {
-      int32_t j = p->column[e];
-      column[next[i]] = j;
-      value[next[i]++] = p->value[e];
-      if (j == i)
-        continue;
-      column[next[j]] = i;
-      value[next[j]++] = p->value[e];
-    }
-  BW_TRY(bw_sparse_matrix_adopt(context, rows, rows, start, column, value, out));
-  start = NULL;
-  column = NULL;
-  value = NULL;
-done:
-  bw_free(start);
-  bw_free(next);
-  bw_free(column);
-  bw_free(value);
-  return status;
-}
-
 bw_status bwi_reduce_matrix(bw_context *context, const bwi_reduction *r,
                             const bw_block_pattern *pattern, const double *values, int block,
                             bw_sparse_matrix **reduced) {
@@ -402,7 +361,7 @@ bw_status bwi_reduce_matrix(bw_context *context, const bwi_reduction *r,
   p.value = BW_NEW(context, double, p.start[rows]);
   BW_TRY_MEMORY(p.column && p.value);
   BW_TRY(bw_parallel(context, rows, ROWS_PER_CHUNK, product_rows, &p));
-  BW_TRY(mirror(context, r->unknown_count, &p, reduced));
+  BW_TRY(bwi_sparse_mirror(context, r->unknown_count, p.start, p.column, p.value, reduced));
 done:
   bw_free(p.sum);
   bw_free(p.touched);

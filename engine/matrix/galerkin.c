@@ -70,37 +70,40 @@ static bw_status sum_row(bw_context *context, const bw_sparse_matrix *a, const b
   return BW_OK;
 }
 
-static bw_status mirror(bw_context *context, int32_t rows, const lower *l,
-                        bw_sparse_matrix **product) {
+bw_status bwi_sparse_mirror(bw_context *context, int32_t rows, const int64_t *lower_start,
+                            const int32_t *lower_column, const double *lower_value,
+                            bw_sparse_matrix **out) {
   bw_status status = BW_OK;
-  int64_t *start = BW_NEW0(context, int64_t, (size_t)rows + 1);
-  int64_t *next = BW_NEW(context, int64_t, rows);
-  int32_t *column = BW_NEW(context, int32_t, 2 * l->count);
-  double *value = BW_NEW(context, double, 2 * l->count);
-  BW_TRY_MEMORY(start && next && column && value);
-  for (int32_t r = 0; r < rows; r++)
-    for (int64_t k = l->start[r]; k < l->start[r + 1]; k++) {
-      start[r + 1]++;
-      if (l->column[k] != r)
-        start[l->column[k] + 1]++;
+  int32_t *column = NULL;
+  double *value = NULL;
+  int64_t *next = NULL, *start = BW_NEW0(context, int64_t, (int64_t)rows + 1);
+  BW_TRY_MEMORY(start);
+  for (int32_t i = 0; i < rows; i++)
+    for (int64_t e = lower_start[i]; e < lower_start[i + 1]; e++) {
+      start[i + 1]++;
+      start[lower_column[e] + 1] += lower_column[e] != i;
     }
-  for (int32_t r = 0; r < rows; r++) {
-    start[r + 1] += start[r];
-    next[r] = start[r];
-  }
-  for (int32_t r = 0; r < rows; r++)
-    for (int64_t k = l->start[r]; k < l->start[r + 1]; k++) {
-      int32_t c = l->column[k];
-      column[next[r]] = c;
-      value[next[r]++] = l->value[k];
-      if (c == r)
+  for (int32_t i = 0; i < rows; i++)
+    start[i + 1] += start[i];
+  next = BW_NEW(context, int64_t, rows);
+  column = BW_NEW(context, int32_t, start[rows]);
+  value = BW_NEW(context, double, start[rows]);
+  BW_TRY_MEMORY(next && column && value);
+  memcpy(next, start, (size_t)rows * sizeof *next);
+  for (int32_t i = 0; i < rows; i++)
+    for (int64_t e = lower_start[i]; e < lower_start[i + 1]; e++) {
+      int32_t j = lower_column[e];
+      column[next[i]] = j;
+      value[next[i]++] = lower_value[e];
+      if (j == i)
         continue;
-      column[next[c]] = r;
-      value[next[c]++] = l->value[k];
+      column[next[j]] = i;
+      value[next[j]++] = lower_value[e];
     }
-  BW_TRY(bw_sparse_matrix_adopt(context, rows, rows, start, column, value, product));
-  bw_free(next);
-  return BW_OK;
+  BW_TRY(bw_sparse_matrix_adopt(context, rows, rows, start, column, value, out));
+  start = NULL;
+  column = NULL;
+  value = NULL;
 done:
   bw_free(start);
   bw_free(next);
@@ -125,7 +128,7 @@ bw_status bwi_galerkin(bw_context *context, const bw_sparse_matrix *a, const bw_
       BW_TRY(bw_check_cancel(context));
     BW_TRY(sum_row(context, a, p, t, r, place, &l));
   }
-  BW_TRY(mirror(context, p->columns, &l, product));
+  BW_TRY(bwi_sparse_mirror(context, p->columns, l.start, l.column, l.value, product));
 done:
   bw_release(t);
   bw_free(l.start);

@@ -3,7 +3,7 @@
  * solutions to the tolerance, its modes, the same bits on any number of threads, symmetric
  * operators on free bodies; what changes how a system is solved; what is refused; cancelled runs
  * and failing allocations. */
-#include "bodies.h"
+#include "bar.h"
 #include "linear/system_solver.h"
 
 typedef struct row {
@@ -32,29 +32,11 @@ static bw_material *wood(bw_context *context) {
   return material;
 }
 
-enum { FREE, HELD, ALONG_NORMALS, TWO_MOTIONS, SCENES };
-
-/* A bar: free; fixed at an end; slides along oblique normals; slides along one axis alone, so that
- * motions are left. */
 static bw_model *make_model(bw_context *context, int scene, bool orthotropic, int cells,
                             int order) {
   bw_mesh *mesh = body_box(context, 3, 1.1, 0.9, 2 * cells, cells, cells, order);
   bw_material *material = orthotropic ? wood(context) : body_material(context);
-  bw_model *model = NULL;
-  bw_selection *end = NULL, *side = NULL;
-  const double origin[3] = {0, 0, 0}, x[3] = {1, 0, 0}, low[3] = {1.9, -1, -1},
-               high[3] = {4, 1e-9, 2}, normal[3] = {0.1, 1, 0.2};
-  check_ok(context, bw_model_create(context, mesh, material, &model));
-  check_ok(context, bw_select_plane(context, mesh, origin, x, 1e-9, &end));
-  check_ok(context, bw_select_box(context, mesh, low, high, &side));
-  if (scene == HELD || scene == ALONG_NORMALS)
-    check_ok(context, bw_model_fix(context, model, end));
-  if (scene == ALONG_NORMALS)
-    check_ok(context, bw_model_slide(context, model, side, normal));
-  if (scene == TWO_MOTIONS)
-    check_ok(context, bw_model_slide(context, model, end, x));
-  bw_release(end);
-  bw_release(side);
+  bw_model *model = bar_model(context, mesh, material, scene);
   bw_release(material);
   bw_release(mesh);
   return model;
