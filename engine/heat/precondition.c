@@ -84,10 +84,12 @@ static bw_status make_prolong(bw_context *context, const bwi_heat_system *s, int
   for (int32_t r = 0; r < s->unknowns; r++)
     for (int k = 0; k < 2; k++) {
       int32_t i = end[s->node[r]][k];
-      if (corner[i] >= 0)
+      if (corner[i] >= 0) {
         BW_TRY(bwi_entries_add(context, &entries, r, corner[i], 0.5));
-      for (int64_t e = s->expand && corner[i] < 0 ? s->expand->start[i] : 0;
-           s->expand && corner[i] < 0 && e < s->expand->start[i + 1]; e++) {
+        continue;
+      }
+      for (int64_t e = s->expand ? s->expand->start[i] : 0;
+           s->expand && e < s->expand->start[i + 1]; e++) {
         const int32_t *of = end[s->node[s->expand->column[e]]];
         for (int l = 0; l < 2; l++)
           if (corner[of[l]] >= 0)

@@ -13,32 +13,18 @@ typedef struct lower {
   double *value;
 } lower;
 
-/* Which rows of P have each column, and with what value. */
 static bw_status transpose(bw_context *context, const bw_sparse_matrix *p, bw_sparse_matrix **t) {
   bw_status status = BW_OK;
   int64_t entries = p->start[p->rows];
-  int64_t *start = BW_NEW0(context, int64_t, (size_t)p->columns + 1);
-  int32_t *column = BW_NEW(context, int32_t, entries);
-  double *value = BW_NEW(context, double, entries);
-  BW_TRY_MEMORY(start && column && value);
-  for (int64_t k = 0; k < entries; k++)
-    start[p->column[k] + 1]++;
-  for (int32_t c = 0; c < p->columns; c++)
-    start[c + 1] += start[c];
+  int32_t *row = BW_NEW(context, int32_t, entries);
+  BW_TRY_MEMORY(row);
   for (int32_t r = 0; r < p->rows; r++)
-    for (int64_t k = p->start[r]; k < p->start[r + 1]; k++) {
-      int64_t at = start[p->column[k]]++;
-      column[at] = r;
-      value[at] = p->value[k];
-    }
-  memmove(start + 1, start, (size_t)p->columns * sizeof *start);
-  start[0] = 0;
-  BW_TRY(bw_sparse_matrix_adopt(context, p->columns, p->rows, start, column, value, t));
-  return BW_OK;
+    for (int64_t k = p->start[r]; k < p->start[r + 1]; k++)
+      row[k] = r;
+  BW_TRY(
+      bw_sparse_matrix_create(context, p->columns, p->rows, entries, p->column, row, p->value, t));
 done:
-  bw_free(start);
-  bw_free(column);
-  bw_free(value);
+  bw_free(row);
   return status;
 }
 
