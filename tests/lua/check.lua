@@ -33,6 +33,15 @@ function check.near(expected, value, tolerance)
   end
 end
 
+--- The largest magnitude in an array.
+function check.largest(a) return math.max(a:max(), -a:min()) end
+
+--- Arrays differ by at most `tolerance` of the largest magnitude.
+function check.same(expected, found, tolerance)
+  local off, most = check.largest(expected - found), check.largest(expected)
+  if off > tolerance * most or off ~= off then error(("they differ by %g of %g"):format(off, most), 2) end
+end
+
 --- Numbers from 0 up to below 1, the same ones for the same seed.
 function check.random(seed)
   return function()

@@ -1,9 +1,10 @@
 -- Contact of two bodies with and without friction beside CalculiX (ccx) on the same elements, with its contact
 -- from surface to surface on stiff springs: forces agree within 2 %. Lengths are in mm. Skipped without ccx.
 local bw = require "barwright"
+local check = require "check"
+local deck = require "deck"
 
 local HIGH, K = 100, 1e6 -- MPa/mm of the springs: 100 times the stiffness of a layer of elements
-local FACES = {{1, 2, 3}, {1, 4, 2}, {2, 4, 3}, {3, 4, 1}}
 
 --- A block on a block whose top is moved; the upper one has a foot that is round by `crown`.
 local function assembly(order, cells, crown)
@@ -24,34 +25,13 @@ local function assembly(order, cells, crown)
   return assert(bw.mesh.new {nodes = nodes, elements = elements, order = order})
 end
 
---- The faces of a selection in a deck.
-local function surface(mesh, selection, name)
-  local lines = {("*SURFACE, NAME=%s, TYPE=ELEMENT"):format(name)}
-  local elements, facets, behind = mesh.elements, mesh.facets, mesh.facet_elements
-  for _, f in ipairs(selection.facets:totable()) do
-    local e, has = behind(f), {}
-    for k = 1, 3 do has[facets(f, k)] = true end
-    for face, corners in ipairs(FACES) do
-      local all = true
-      for _, k in ipairs(corners) do all = all and has[elements(e, k)] end
-      if all then lines[#lines + 1] = ("%d, S%d"):format(e, face) end
-    end
-  end
-  return table.concat(lines, "\n")
-end
-
 --- The forces on the top by ccx for its moves, one step after the other.
 local function by_calculix(part, on, against, friction, moves, top)
   local stem = os.tmpname()
   assert(part:write_inp(stem .. ".inp"))
-  local file = assert(io.open(stem .. ".inp"))
-  local deck = file:read "a"
-  file:close()
-  local model = deck:match "^(.-)%*STEP"
-  local numbers = {}
-  for _, i in ipairs(top.nodes:totable()) do numbers[#numbers + 1] = tostring(i) .. "," end
-  local out = {model, surface(part.mesh, on, "UPPER"), surface(part.mesh, against, "LOWER"),
-    "*NSET, NSET=NTOP", table.concat(numbers, "\n"),
+  local model = check.read(stem .. ".inp"):match "^(.-)%*STEP"
+  local out = {model, deck.surface(part.mesh, on, "UPPER"), deck.surface(part.mesh, against, "LOWER"),
+    deck.node_set("NTOP", top),
     "*SURFACE INTERACTION, NAME=TOUCH", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", ("%g"):format(K)}
   if friction > 0 then
     out[#out + 1] = "*FRICTION"
@@ -64,9 +44,7 @@ local function by_calculix(part, on, against, friction, moves, top)
     for k = 1, 3 do out[#out + 1] = ("NTOP, %d, %d, %.9e"):format(k, k, move[k]) end
     out[#out + 1] = "*NODE PRINT, NSET=NTOP, TOTALS=ONLY\nRF\n*END STEP\n"
   end
-  file = assert(io.open(stem .. ".inp", "w"))
-  file:write(table.concat(out, "\n"))
-  file:close()
+  check.write(stem .. ".inp", table.concat(out, "\n"))
   os.execute(("cd /tmp && OMP_NUM_THREADS=1 ccx -i '%s' > '%s.log' 2>&1"):format(stem, stem))
   local forces = {}
   for line in assert(io.open(stem .. ".dat")):lines() do

@@ -3,37 +3,10 @@
 -- rods and bodies on springs, and CalculiX (ccx) on the same elements where it is there.
 local bw = require "barwright"
 local check = require "check"
+local beam = require "cut_beam"
+local deck = require "deck"
 
 local PI = math.pi
-
---- A beam of two halves, whose faces in the middle match: in one piece, or cut.
-local function beam(cut, cells)
-  local nodes, elements, of, seen = {}, {}, {}, {}
-  for body = 0, 1 do
-    local half = bw.mesh.box {min = {body / 2, 0, 0}, max = {body / 2 + 0.5, 0.1, 0.05}, cells = cells, order = 2}
-    for i, p in ipairs(half.nodes:totable()) do
-      local key = ("%d %.6f %.6f %.6f"):format(cut and body or 0, p[1], p[2], p[3])
-      if not seen[key] then
-        nodes[#nodes + 1] = p
-        seen[key] = #nodes
-      end
-      of[i] = seen[key]
-    end
-    for _, e in ipairs(half.elements:totable()) do
-      for k = 1, #e do e[k] = of[e[k]] end
-      elements[#elements + 1] = e
-    end
-  end
-  local mesh = assert(bw.mesh.new {nodes = nodes, elements = elements, order = 2})
-  local part = bw.model {mesh = mesh,
-    material = bw.material.isotropic {young = 2e11, poisson = 0.3, density = 7800}}
-  part:fix(mesh.boundary:below("x", 0))
-  if cut then
-    local middle = mesh.boundary:above("x", 0.499):below("x", 0.501)
-    part:bond {a = middle:facing {1, 0, 0}, b = middle:facing {-1, 0, 0}}
-  end
-  return part, mesh.boundary:above("x", 1)
-end
 
 --- A rod along x without lateral contraction, fixed at x = 0, of density `density`.
 local function rod(density, cells)
@@ -42,37 +15,6 @@ local function rod(density, cells)
     material = bw.material.isotropic {young = 2e11, poisson = 0, density = density}}
   part:fix(mesh.boundary:below("x", 0))
   return part, mesh.boundary:above("x", 1)
-end
-
---- What is on a grid of amplitudes is the same but for `tolerance` of the largest.
-local function same(expected, found, tolerance)
-  local function largest(a) return math.max(a:max(), -a:min()) end
-  assert.is_true(largest(expected - found) <= tolerance * largest(expected), ("%g of %g"):format(
-    largest(expected - found), largest(expected)))
-end
-
-local FACES = {{1, 2, 3}, {1, 4, 2}, {2, 4, 3}, {3, 4, 1}}
-
---- The faces of a selection in a deck of CalculiX.
-local function surface(mesh, selection, name)
-  local lines = {("*SURFACE, NAME=%s, TYPE=ELEMENT"):format(name)}
-  local elements, facets, behind = mesh.elements, mesh.facets, mesh.facet_elements
-  for _, f in ipairs(selection.facets:totable()) do
-    local e, has = behind(f), {}
-    for k = 1, 3 do has[facets(f, k)] = true end
-    for face, corners in ipairs(FACES) do
-      local all = true
-      for _, k in ipairs(corners) do all = all and has[elements(e, k)] end
-      if all then lines[#lines + 1] = ("%d, S%d"):format(e, face) end
-    end
-  end
-  return table.concat(lines, "\n")
-end
-
-local function node_set(name, selection)
-  local lines = {"*NSET, NSET=" .. name}
-  for _, i in ipairs(selection.nodes:totable()) do lines[#lines + 1] = i .. "," end
-  return table.concat(lines, "\n")
 end
 
 --- The nodes of a face move with a point at `at`: equations with the nodes of its displacement and its rotation.
@@ -99,10 +41,10 @@ local function by_calculix(part, tip, at, mass, steps)
   local plain = bw.model {mesh = mesh, material = part.material}
   plain:fix(mesh.boundary:below("x", 0))
   assert(plain:write_inp(stem .. ".inp"))
-  local deck = check.read(stem .. ".inp"):match "^(.-)%*BOUNDARY"
-  check.write(stem .. ".inp", table.concat({deck .. node_set("HELD", mesh.boundary:below("x", 0)),
-    "*BOUNDARY\nHELD, 1, 3", surface(mesh, middle:facing {1, 0, 0}, "SA"),
-    surface(mesh, middle:facing {-1, 0, 0}, "SB"),
+  local model = check.read(stem .. ".inp"):match "^(.-)%*BOUNDARY"
+  check.write(stem .. ".inp", table.concat({model .. deck.node_set("HELD", mesh.boundary:below("x", 0)),
+    "*BOUNDARY\nHELD, 1, 3", deck.surface(mesh, middle:facing {1, 0, 0}, "SA"),
+    deck.surface(mesh, middle:facing {-1, 0, 0}, "SB"),
     "*TIE, NAME=CUT, POSITION TOLERANCE=1e-6\nSA, SB",
     ("*NODE, NSET=POINT\n%d, %g, %g, %g\n*NODE, NSET=TURN\n%d, %g, %g, %g"):format(n + 1, at[1], at[2], at[3],
       n + 2, at[1], at[2], at[3]), rigid_face(tip, at, n + 1, n + 2),
@@ -136,8 +78,8 @@ describe("dynamics of joined models", function()
         places = part.mesh.nodes:totable(), mises = random.von_mises:max(), most = spectrum.von_mises:max()}
     end
     local whole, cut = table.unpack(found)
-    same(whole.curve.real, cut.curve.real, 1e-9)
-    same(whole.curve.imaginary, cut.curve.imaginary, 1e-9)
+    check.same(whole.curve.real, cut.curve.real, 1e-9)
+    check.same(whole.curve.imaginary, cut.curve.imaginary, 1e-9)
     check.near(whole.mises, cut.mises, 1e-8)
     check.near(whole.most, cut.most, 1e-8)
     check.near(whole.random.displacement:max(), cut.random.displacement:max(), 1e-8)
