@@ -44,26 +44,52 @@ done:
   return status;
 }
 
-bw_status bw_harmonic_curve(bw_context *context, const bw_harmonic *h, int32_t node, int count,
-                            const double *frequency, double *response) {
+/* What `width` numbers of each vector, `stride` apart, are over frequencies: real parts, then
+ * imaginary ones. */
+static bw_status take_curve(bw_context *context, const bw_harmonic *h, int width, int64_t stride,
+                            const double *of, int count, const double *frequency,
+                            double *response) {
   bw_status status = BW_OK;
-  double *q = NULL;
-  if (node < 0 || node >= h->model->mesh->node_count)
-    return bw_fail(context, BW_INVALID, "there is no node %d: the mesh has %d", (int)node + 1,
-                   (int)h->model->mesh->node_count);
-  q = BW_NEW(context, double, 2 * (int64_t)h->count + 1);
+  double *q = BW_NEW(context, double, 2 * (int64_t)h->count + 1);
   BW_TRY_MEMORY(q);
   for (int i = 0; i < count; i++) {
-    double *out = response + 6 * (int64_t)i;
+    double *out = response + 2 * (int64_t)width * i;
     BW_TRY(bw_harmonic_coordinates(context, h, frequency[i], q, NULL));
-    memset(out, 0, 6 * sizeof *out);
+    memset(out, 0, 2 * (size_t)width * sizeof *out);
     for (int k = 0; k < h->count; k++)
-      for (int c = 0; c < 6; c++)
-        out[c] += q[2 * k + c / 3] * bwi_harmonic_vector(h, k)[3 * (int64_t)node + c % 3];
+      for (int c = 0; c < 2 * width; c++)
+        out[c] += q[2 * k + c / width] * of[k * stride + c % width];
   }
 done:
   bw_free(q);
   return status;
+}
+
+bw_status bw_harmonic_curve(bw_context *context, const bw_harmonic *h, int32_t node, int count,
+                            const double *frequency, double *response) {
+  bw_status status = BW_OK;
+  double *u = NULL;
+  if (node < 0 || node >= h->model->mesh->node_count)
+    return bw_fail(context, BW_INVALID, "there is no node %d: the mesh has %d", (int)node + 1,
+                   (int)h->model->mesh->node_count);
+  u = BW_NEW(context, double, 3 * (int64_t)h->count + 1);
+  BW_TRY_MEMORY(u);
+  for (int k = 0; k < h->count; k++)
+    memcpy(u + 3 * (size_t)k, bwi_harmonic_vector(h, k) + 3 * (int64_t)node, 3 * sizeof *u);
+  BW_TRY(take_curve(context, h, 3, 3, u, count, frequency, response));
+done:
+  bw_free(u);
+  return status;
+}
+
+bw_status bw_harmonic_point_curve(bw_context *context, const bw_harmonic *h, int coupling,
+                                  int count, const double *frequency, double *response) {
+  int points = h->coupling_count;
+  if (coupling < 0 || coupling >= points)
+    return bw_fail(context, BW_INVALID, "there is no coupling %d: the model has %d", coupling + 1,
+                   points);
+  return take_curve(context, h, 6, 6 * (int64_t)points, h->motion + 6 * (int64_t)coupling, count,
+                    frequency, response);
 }
 
 double bwi_von_mises_product(const double *a, const double *b) {

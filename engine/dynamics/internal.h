@@ -27,12 +27,6 @@ static inline const double *bwi_harmonic_vector(const bw_harmonic *harmonic, int
 /* sum of weight (harmonic->count) times vector: field (node_count x 3). */
 bw_status bwi_harmonic_combine(bw_context *context, const bw_harmonic *harmonic,
                                const double *weight, double *field);
-/* The covariance (harmonic->count squared, the lower triangle) of the vectors' coordinates times
- * the roots of their eigenvalues, under a process as bw_harmonic_random has it. *wrong is the mean
- * square of the error in energy. */
-bw_status bwi_harmonic_covariance(bw_context *context, const bw_harmonic *harmonic, int count,
-                                  const double *frequency, const double *density,
-                                  double *covariance, double *wrong);
 /* The product of tensors a and b (6) that is the square of von Mises stress for a = b. */
 double bwi_von_mises_product(const double *a, const double *b);
 

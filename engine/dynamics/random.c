@@ -169,9 +169,9 @@ done:
 /* `covariance` becomes its eigenvectors; those that count give the fields. */
 static bw_status sum_fields(bw_context *context, const bw_harmonic *h,
                             const bw_stress_points *points, double *covariance,
-                            double *displacement, double *mises, double *whole) {
+                            double *displacement, double *mises, double *motion, double *whole) {
   bw_status status = BW_OK;
-  int n = h->count, info = 0, length = 8 * n + 64;
+  int n = h->count, width = 6 * h->coupling_count, info = 0, length = 8 * n + 64;
   double *mu = BW_NEW(context, double, n + 1), *work = BW_NEW(context, double, length);
   double *weight = BW_NEW(context, double, n + 1);
   double *field = BW_NEW(context, double, 3 * (int64_t)h->model->mesh->node_count);
@@ -189,6 +189,12 @@ static bw_status sum_fields(bw_context *context, const bw_harmonic *h,
       weight[i] = covariance[(size_t)r * (size_t)n + (size_t)i] * sqrt(mu[r] / h->eigenvalue[i]);
     BW_TRY(bwi_harmonic_combine(context, h, weight, field));
     BW_TRY(add_field(context, h, points, field, stress, displacement, mises));
+    for (int c = 0; motion && c < width; c++) {
+      double sum = 0;
+      for (int i = 0; i < n; i++)
+        sum += weight[i] * h->motion[(int64_t)i * width + c];
+      motion[c] += sum * sum;
+    }
     left -= mu[r];
   }
 done:
@@ -200,25 +206,18 @@ done:
   return status;
 }
 
-bw_status bwi_harmonic_covariance(bw_context *context, const bw_harmonic *h, int count,
-                                  const double *frequency, const double *density,
-                                  double *covariance, double *wrong) {
-  spectrum s = {count, frequency, density};
-  bw_status status = check_spectrum(context, h, &s);
-  return status == BW_OK ? integrate(context, h, &s, covariance, wrong) : status;
-}
-
 bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *h, int count,
                              const double *frequency, const double *density, double *displacement,
-                             double *von_mises, double *error) {
+                             double *von_mises, double *motion, double *error) {
   bw_status status = BW_OK;
+  spectrum s = {count, frequency, density};
   bw_stress_points points = {0};
   int64_t nodes = h->model->mesh->node_count;
   double *covariance = NULL, *mises = NULL, whole, wrong;
   bwi_blas_enter();
+  BW_TRY(check_spectrum(context, h, &s));
   covariance = BW_NEW0(context, double, (int64_t)h->count * h->count + 1);
   BW_TRY_MEMORY(covariance);
-  BW_TRY(bwi_harmonic_covariance(context, h, count, frequency, density, covariance, &wrong));
   BW_TRY(bw_stress_points_create(context, h->model->mesh, h->model->material, &points));
   if (von_mises) {
     mises = BW_NEW0(context, double, points.count);
@@ -226,9 +225,14 @@ bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *h, int coun
   }
   if (displacement)
     memset(displacement, 0, 3 * (size_t)nodes * sizeof *displacement);
-  BW_TRY(sum_fields(context, h, &points, covariance, displacement, mises, &whole));
+  if (motion)
+    memset(motion, 0, 6 * (size_t)h->coupling_count * sizeof *motion);
+  BW_TRY(integrate(context, h, &s, covariance, &wrong));
+  BW_TRY(sum_fields(context, h, &points, covariance, displacement, mises, motion, &whole));
   for (int64_t i = 0; displacement && i < 3 * nodes; i++)
     displacement[i] = sqrt(displacement[i]);
+  for (int i = 0; motion && i < 6 * h->coupling_count; i++)
+    motion[i] = sqrt(motion[i]);
   for (int64_t i = 0; von_mises && i < nodes; i++) {
     double largest = mises[i];
     for (int32_t k = points.point ? points.point[i].next : -1; k >= 0; k = points.point[k].next)

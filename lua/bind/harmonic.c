@@ -218,12 +218,8 @@ static int harmonic_random(lua_State *L) {
   double *displacement = (double *)lbw_push_array(L, BW_F64, nodes, 3)->data;
   double *von_mises = (double *)lbw_push_array(L, BW_F64, nodes, 1)->data, error = 0;
   double *motion = (double *)lbw_push_array(L, BW_F64, h->coupling_count, 6)->data;
-  bw_context *context = lbw_enter(L);
-  bw_status status = bw_harmonic_random(context, h, (int)count, frequency, frequency + count,
-                                        displacement, von_mises, &error);
-  if (status == BW_OK && h->coupling_count > 0)
-    status =
-        bw_harmonic_random_points(context, h, (int)count, frequency, frequency + count, motion);
+  bw_status status = bw_harmonic_random(lbw_enter(L), h, (int)count, frequency, frequency + count,
+                                        displacement, von_mises, motion, &error);
   lua_pushnumber(L, error);
   return lbw_leave(L, status, 4);
 }

@@ -130,20 +130,15 @@ BW_API bw_status bw_harmonic_envelope(bw_context *context, const bw_harmonic *ha
  * given by `count` points, frequency (Hz, count) ascending and density (any, count), 1/Hz: straight
  * lines on logarithmic axes, or on linear ones where a number is 0; nothing outside. displacement
  * (m, node_count x 3) and von_mises (Pa, node_count), of the mean square of von Mises stress
- * (Segalman, Fulcher, Reese, Field, SAND98-0260, 1998); *error (-) of the displacement, in energy,
- * as of the harmonic response. Each may be NULL. BW_SINGULAR for a mode or residual vector in the
+ * (Segalman, Fulcher, Reese, Field, SAND98-0260, 1998); motion (m, rad, coupling_count x 6), the
+ * displacement and rotation of remote points; *error (-) of the displacement, in energy, as of the
+ * harmonic response. Each may be NULL. BW_SINGULAR for a mode or residual vector in the
  * range that nothing damps (a ratio damps modes alone), BW_INVALID for points that do not ascend,
  * reach beyond the response's highest frequency, or are negative. */
 BW_API bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *harmonic, int count,
                                     const double *frequency, const double *density,
-                                    double *displacement, double *von_mises, double *error);
-
-/* Root mean squares of the motions of remote points under the process of bw_harmonic_random, given
- * as there by frequency (Hz, count) and density (any, count), 1/Hz: motion (m, rad, coupling_count
- * x 6), displacement and rotation. Those of bw_harmonic_random. */
-BW_API bw_status bw_harmonic_random_points(bw_context *context, const bw_harmonic *harmonic,
-                                           int count, const double *frequency,
-                                           const double *density, double *motion);
+                                    double *displacement, double *von_mises, double *motion,
+                                    double *error);
 
 /* ---- response spectrum ----------------------------------------------------------------------- */
 

@@ -315,8 +315,8 @@ static void regions_alike(void **state) {
   /* random vibration knows them */
   const double at[2] = {20, 2000}, density[2] = {1, 1};
   double wrong;
-  check_ok(context, bw_harmonic_random(context, h, 2, at, density, u, NULL, &wrong));
-  check_ok(context, bw_harmonic_random(context, plain, 2, at, density, u + size, NULL, NULL));
+  check_ok(context, bw_harmonic_random(context, h, 2, at, density, u, NULL, NULL, &wrong));
+  check_ok(context, bw_harmonic_random(context, plain, 2, at, density, u + size, NULL, NULL, NULL));
   largest = 0;
   for (int64_t j = 0; j < size; j++)
     largest = fmax(largest, u[j]);
@@ -556,7 +556,7 @@ static void envelope_of_fields(void **state) {
   /* a band far below the first mode has the stress of its frequency, of the same material where two
    * meet */
   const double band[2] = {1, 1.001}, density[2] = {4, 4};
-  check_ok(context, bw_harmonic_random(context, h, 2, band, density, NULL, value, NULL));
+  check_ok(context, bw_harmonic_random(context, h, 2, band, density, NULL, value, NULL, NULL));
   check_ok(context, bw_harmonic_stress(context, h, 1, NULL, NULL, field));
   for (int32_t i = 0; i < nodes; i++)
     check_near(value[i], sqrt(4 * 1e-3) * field[i], 1e-3 * value[i]);
@@ -688,7 +688,7 @@ static void random_single_mode(void **state) {
   bw_harmonic *h = answered(context, model, &options);
   double *u = numbers(size), *mises = numbers(nodes), *stress = numbers(6 * nodes);
   double rms = sqrt(M_PI * f0 * 3 / (4 * ratio * pow(w0, 4)));
-  check_ok(context, bw_harmonic_random(context, h, 2, at, density, u, mises, &error));
+  check_ok(context, bw_harmonic_random(context, h, 2, at, density, u, mises, NULL, &error));
   check_ok(context, bw_nodal_stress(context, mesh, model->material, modes->shape, stress));
   double largest = 0, most = 0;
   for (int i = 0; i < size; i++)
@@ -702,16 +702,16 @@ static void random_single_mode(void **state) {
   assert_true(error < 1e-6);
   const double low[2] = {2, 1}, beyond[2] = {0, 21 * f0}, minus[2] = {1, -1};
   check_fails(context, BW_INVALID, "must ascend",
-              bw_harmonic_random(context, h, 2, low, density, u, NULL, NULL));
+              bw_harmonic_random(context, h, 2, low, density, u, NULL, NULL, NULL));
   check_fails(context, BW_INVALID, "larger range",
-              bw_harmonic_random(context, h, 2, beyond, density, u, NULL, NULL));
+              bw_harmonic_random(context, h, 2, beyond, density, u, NULL, NULL, NULL));
   check_fails(context, BW_INVALID, "point 2",
-              bw_harmonic_random(context, h, 2, at, minus, u, NULL, NULL));
+              bw_harmonic_random(context, h, 2, at, minus, u, NULL, NULL, NULL));
   check_fails(context, BW_INVALID, "2 points or more",
-              bw_harmonic_random(context, h, 1, at, density, u, NULL, NULL));
+              bw_harmonic_random(context, h, 1, at, density, u, NULL, NULL, NULL));
   h->damping.ratio = 0;
   check_fails(context, BW_SINGULAR, "nothing damps mode",
-              bw_harmonic_random(context, h, 2, at, density, u, NULL, NULL));
+              bw_harmonic_random(context, h, 2, at, density, u, NULL, NULL, NULL));
   free(u);
   free(mises);
   free(stress);
@@ -739,7 +739,7 @@ static void random_by_sums(void **state) {
   double *u = numbers(size), *mises = numbers(nodes), *sum = numbers(size),
          *squares = numbers(nodes);
   double *re = numbers(2 * size), *im = numbers(2 * size), largest = 0, most = 0;
-  check_ok(context, bw_harmonic_random(context, h, 3, at, density, u, mises, NULL));
+  check_ok(context, bw_harmonic_random(context, h, 3, at, density, u, mises, NULL, NULL));
   for (int k = 0; k < steps; k++) {
     double f = 100 + 1500 * (k + 0.5) / steps, df = 1500.0 / steps;
     double s = f < 400 ? pow(f / 100, log(4) / log(4)) : 4 * pow(f / 400, log(1.0 / 8) / log(4));
@@ -781,7 +781,7 @@ static double largest_rms(bw_context *context, const bw_harmonic *h, double from
     at[k] = k + 1 < count ? from * pow(to / from, k / (count - 1.0)) : to;
     density[k] = pow(at[k], slope);
   }
-  check_ok(context, bw_harmonic_random(context, h, count, at, density, u, NULL, NULL));
+  check_ok(context, bw_harmonic_random(context, h, count, at, density, u, NULL, NULL, NULL));
   for (int i = 0; i < size; i++)
     largest = fmax(largest, u[i]);
   free(at);
@@ -823,7 +823,7 @@ static void random_far_from_peaks(void **state) {
   const double at[2] = {1, 4000}, density[2] = {1, 1};
   double *u = numbers(3 * mesh->node_count);
   check_fails(context, BW_SINGULAR, "nothing damps residual vector",
-              bw_harmonic_random(context, h, 2, at, density, u, NULL, NULL));
+              bw_harmonic_random(context, h, 2, at, density, u, NULL, NULL, NULL));
   free(u);
   bw_release(h);
   bw_release(model);
@@ -848,11 +848,11 @@ static void memory_failures(void **state) {
   void *none = NULL;
   check_ok(context, bw_harmonic_of_model(context, model, NULL, &options, NULL, &h));
   bw_fail_allocation(1, true);
-  bw_status status = bw_harmonic_random(context, h, 2, at, density, u, mises, &error);
+  bw_status status = bw_harmonic_random(context, h, 2, at, density, u, mises, NULL, &error);
   bw_fail_allocation(0, false);
   assert_int_equal(status, BW_MEMORY);
   check_allocations(context, none,
-                    bw_harmonic_random(context, h, 2, at, density, u, mises, &error));
+                    bw_harmonic_random(context, h, 2, at, density, u, mises, NULL, &error));
   free(u);
   free(mises);
   bw_release(h);

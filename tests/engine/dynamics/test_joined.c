@@ -83,7 +83,8 @@ static void same_bits(void **state) {
       check_ok(context, bw_set_threads(context, k ? 3 : 1));
       check_ok(context, bw_harmonic_of_model(context, model, NULL, &options, NULL, &h));
       check_ok(context, bw_harmonic_point_curve(context, h, 0, 2, along, q[k]));
-      check_ok(context, bw_harmonic_random_points(context, h, 2, along, density, rms[k]));
+      check_ok(context,
+               bw_harmonic_random(context, h, 2, along, density, NULL, NULL, rms[k], NULL));
       bw_release(h);
     }
     assert_memory_equal(q[0], q[1], sizeof q[0]);
@@ -155,7 +156,8 @@ static void memory_failures(void **state) {
                     bw_response_spectrum_of_model(context, model, NULL, &spectrum, NULL, &r));
   check_ok(context, bw_harmonic_of_model(context, model, NULL, &options, NULL, &h));
   check_allocations(context, none, bw_harmonic_point_curve(context, h, 0, 2, along, q));
-  check_allocations(context, none, bw_harmonic_random_points(context, h, 2, along, density, q));
+  check_allocations(context, none,
+                    bw_harmonic_random(context, h, 2, along, density, NULL, NULL, q, NULL));
   bw_release(h);
   bw_modes *modes = lowest(context, model);
   const bw_linear_transient_options superposed = {.step = 1e-3, .modes = modes};
