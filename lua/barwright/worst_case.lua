@@ -170,15 +170,17 @@ local function search_patches(self, opts, loads)
   return self
 end
 
--- What a joined part has no answer to.
+-- What a joined part has no answer to; true, or nil, a message and details for a sector.
 local function check_joined(part, opts)
-  if not load_limits.is_joined(part) then return end
+  if part.cyclic_symmetry then return core.refuse_joints(part) end
+  if not load_limits.is_joined(part) then return true end
   for _, name in ipairs {"certificate", "length", "laplacian"} do
     if opts[name] then
       raise(("worst_case: option '%s' is for parts without bonds, attachments and couplings: leave it out"):format(
         name))
     end
   end
+  return true
 end
 
 local function are_places(given)
@@ -210,7 +212,8 @@ function worst_case.analyse(part, given, view)
     ok, message, details = writable(opts.certificate)
     if not ok then return nil, message, details end
   end
-  check_joined(part, opts)
+  ok, message, details = check_joined(part, opts)
+  if not ok then return nil, message, details end
   if opts.length and (opts.method or opts.certify or opts.target == "displacement") then
     raise "worst_case: option 'length' has its own search: leave out 'method', 'certify' and 'target'"
   end

@@ -327,6 +327,13 @@ describe("the worst case of a joined body", function()
     moved:couple {on = moved.mesh.boundary:below("x", 0), kind = "rigid", displacement = {1e-3, 0, 0},
       rotation = {0, 0, 0}}
     check.fails("unsupported", "coupling 1 has a prescribed displacement", bw.worst_case(moved, limits))
+    -- a sector, whichever options are given
+    local box = bw.mesh.box {max = {W, W, H}, cells = {2, 2, 1}, order = 1}
+    local sector = bw.model {mesh = box, material = steel}
+    sector:cyclic {low = box.boundary:below("y", 0), high = box.boundary:below("x", 0), count = 4}
+    for _, more in ipairs {{}, {length = 1e-3}} do
+      check.fails("unsupported", "one of 4 sectors", bw.worst_case(sector, with(more)))
+    end
     -- its equations have no matrices and modes
     local worst = assert(bw.worst_case(part, limits))
     check.fails("unsupported", "those of a joined model", worst.system:modes {count = 2})
