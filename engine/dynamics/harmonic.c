@@ -463,13 +463,8 @@ bw_status bwi_check_held_model(bw_context *context, const bw_model *model, const
     BW_TRY(bw_fail(context, BW_INVALID, "%s needs a mass: give the material a density", what));
   if (model->cyclic)
     BW_TRY(bw_model_refuse_joints(context, model));
-  for (int p = 0; p < model->coupling_count; p++)
-    for (int k = 0; k < 6; k++)
-      if (model->coupling[p].point.fixed[k] && model->coupling[p].point.displacement[k] != 0)
-        BW_TRY(bw_fail(context, BW_UNSUPPORTED,
-                       "the remote point of coupling %d has a prescribed motion that is not zero: "
-                       "in %s what is held moves by an acceleration of the base alone",
-                       p + 1, what));
+  BW_TRY(bwi_points_refuse_motion(context, model,
+                                  "what is held moves by an acceleration of the base alone"));
   BW_TRY(bwi_dof_map_apart(context, model, &dof_map));
   if (dof_map->prescribed)
     BW_TRY(

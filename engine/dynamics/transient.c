@@ -197,13 +197,7 @@ static bw_status check_joints(bw_context *context, const bw_model *model,
                      "bond %d has a preload, which motion in time does not know: bond the section "
                      "without one",
                      b + 1);
-  for (int p = 0; p < model->coupling_count; p++)
-    for (int k = 0; k < 6; k++)
-      if (model->coupling[p].point.fixed[k] && model->coupling[p].point.displacement[k] != 0)
-        return bw_fail(context, BW_UNSUPPORTED,
-                       "the remote point of coupling %d has a prescribed motion that is not zero: "
-                       "%s",
-                       p + 1, still);
+  BW_TRY(bwi_points_refuse_motion(context, model, still));
   BW_TRY(bwi_dof_map_apart(context, model, &apart));
   if (apart->prescribed)
     BW_TRY(bw_fail(context, BW_UNSUPPORTED,

@@ -38,29 +38,23 @@ done:
 
 /* ---- remote points --------------------------------------------------------------------------- */
 
-void bwi_point_motions(const bw_model *model, const double *u, double *q) {
-  for (int p = 0; p < model->coupling_count; p++) {
-    const bw_coupling *c = &model->coupling[p];
-    int64_t width = 3 * (int64_t)c->node_count;
-    for (int k = 0; k < 6; k++) {
-      double sum = 0;
-      for (int64_t i = 0; i < width; i++)
-        sum += c->mean[k * width + i] * u[3 * (int64_t)c->node[i / 3] + i % 3];
-      q[6 * p + k] = sum;
-    }
+static void find_motion(const bw_coupling *c, const double *u, double q[6]) {
+  int64_t width = 3 * (int64_t)c->node_count;
+  for (int k = 0; k < 6; k++) {
+    q[k] = 0;
+    for (int64_t i = 0; i < width; i++)
+      q[k] += c->mean[k * width + i] * u[3 * (int64_t)c->node[i / 3] + i % 3];
   }
 }
 
-static void spread(const bw_coupling *c, const double load[6], double *f) {
-  int64_t width = 3 * (int64_t)c->node_count;
-  for (int k = 0; k < 6; k++)
-    for (int64_t i = 0; i < width && load[k] != 0; i++)
-      f[3 * (int64_t)c->node[i / 3] + i % 3] += c->mean[k * width + i] * load[k];
+void bwi_point_motions(const bw_model *model, const double *u, double *q) {
+  for (int p = 0; p < model->coupling_count; p++)
+    find_motion(&model->coupling[p], u, q + 6 * (size_t)p);
 }
 
 void bwi_point_loads(const bw_model *model, double *f) {
   for (int i = 0; i < model->coupling_count; i++)
-    spread(&model->coupling[i], model->coupling[i].point.load, f);
+    bwi_point_exert(&model->coupling[i], 1, model->coupling[i].point.load, f);
 }
 
 void bwi_point_weights(const bw_model *model, double *f) {
@@ -69,7 +63,7 @@ void bwi_point_weights(const bw_model *model, double *f) {
     for (int l = 0; l < model->load_count; l++)
       for (int k = 0; k < 3 && model->load[l].kind == BW_LOAD_GRAVITY; k++)
         weight[k] += model->coupling[i].point.mass * model->load[l].vector[k];
-    spread(&model->coupling[i], weight, f);
+    bwi_point_exert(&model->coupling[i], 1, weight, f);
   }
 }
 
@@ -80,12 +74,12 @@ static void add_points(const bw_model *model, bool springs, const double *u, dou
     double q[6], load[6] = {0};
     if (springs ? !bwi_point_has_springs(&c->point) : !bwi_point_has_mass(&c->point))
       continue;
-    bwi_point_motions(&(bw_model){.coupling = (bw_coupling *)c, .coupling_count = 1}, u, q);
+    find_motion(c, u, q);
     for (int k = 0; k < 6; k++)
       load[k] = springs ? c->point.spring[k] * q[k] : k < 3 ? c->point.mass * q[k] : 0;
     for (int a = 0; a < 9 && !springs; a++)
       load[3 + a / 3] += c->point.inertia[a] * q[3 + a % 3];
-    spread(c, load, f);
+    bwi_point_exert(c, 1, load, f);
   }
 }
 
@@ -108,7 +102,7 @@ double bwi_spring_energy(const bw_model *model, const double *u) {
                            &s);
   for (int i = 0; i < model->coupling_count; i++) {
     double q[6];
-    bwi_point_motions(&(bw_model){.coupling = &model->coupling[i], .coupling_count = 1}, u, q);
+    find_motion(&model->coupling[i], u, q);
     for (int k = 0; k < 6; k++)
       s.work += model->coupling[i].point.spring[k] * q[k] * q[k];
   }

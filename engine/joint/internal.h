@@ -77,6 +77,8 @@ void bwi_preload_results(const bw_model *model, const bwi_reduction *r, const do
 
 /* BW_INVALID for a node of a rigid coupling that a support or a bond moves otherwise. */
 bw_status bwi_points_check(bw_context *context, const bw_model *model, const bwi_reduction *r);
+/* BW_UNSUPPORTED, and why, for a remote point with a prescribed motion that is not zero. */
+bw_status bwi_points_refuse_motion(bw_context *context, const bw_model *model, const char *why);
 /* P and h, from T and g; then prescribed values of distributed couplings leave T and P. */
 bw_status bwi_points_open(bw_context *context, bwi_reduction *r);
 /* Adds the springs (else the masses) of remote points to a reduced matrix, which is replaced. */
@@ -96,6 +98,9 @@ bw_status bwi_points_spread(bw_context *context, const bwi_reduction *r, const d
 bw_status bwi_points_react(bw_context *context, const bwi_reduction *r, double *force);
 /* The same of rigid ones, after bwi_reduction_move. */
 void bwi_points_gather(const bwi_reduction *r, double *force, bw_coupling_result *result);
+/* force += factor D^T load, with the mean motion D u of the nodes of a coupling. */
+void bwi_point_exert(const bw_coupling *coupling, double factor, const double load[6],
+                     double *force);
 bool bwi_point_has_springs(const bw_remote_point *point);
 /* Whether modes need a density. */
 bool bwi_point_has_mass(const bw_remote_point *point);

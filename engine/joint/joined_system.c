@@ -387,14 +387,7 @@ static bw_status check_model(bw_context *context, const bw_model *model, const b
                      "bond %d has a preload, which strains the bodies without any other load: the "
                      "stress is not linear in the loads, leave the preload out",
                      b + 1);
-  for (int p = 0; p < model->coupling_count; p++)
-    for (int k = 0; k < 6; k++)
-      if (model->coupling[p].point.fixed[k] && model->coupling[p].point.displacement[k] != 0)
-        return bw_fail(context, BW_UNSUPPORTED,
-                       "the remote point of coupling %d has a prescribed displacement that is not "
-                       "zero: many loads are solved with fixed points only",
-                       p + 1);
-  return BW_OK;
+  return bwi_points_refuse_motion(context, model, "many loads are solved with fixed points only");
 }
 
 bw_status bw_joined_system(bw_context *context, const bw_model *model, const bw_solver *solver,

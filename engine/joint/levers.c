@@ -23,19 +23,15 @@ static void take_nodes(const bw_mesh *mesh, const bw_coupling *c, const double *
   }
 }
 
-/* A distributed coupling: its forces are D^T load, and leave `force`. */
+/* A distributed coupling: its forces are D^T load, and leave `force`. `own`: 0 at its nodes, before
+ * and after. */
 static void take_mean(const bw_mesh *mesh, const bw_coupling *c, const double load[6],
-                      double *force, double b[9]) {
-  int64_t width = 3 * (int64_t)c->node_count;
-  for (int64_t i = 0; i < width; i++) {
-    double g = 0;
-    const double *x = mesh->node + 3 * (int64_t)c->node[i / 3];
-    for (int k = 0; k < 6; k++)
-      g += c->mean[k * width + i] * load[k];
-    force[3 * (int64_t)c->node[i / 3] + i % 3] -= g;
-    for (int k = 0; k < 3; k++)
-      b[3 * (i % 3) + k] += g * (x[k] - c->point.at[k]);
-  }
+                      double *force, double *own, double b[9]) {
+  bwi_point_exert(c, 1, load, own);
+  take_nodes(mesh, c, own, b);
+  bwi_point_exert(c, -1, load, force);
+  for (int32_t i = 0; i < c->node_count; i++)
+    memset(own + 3 * (int64_t)c->node[i], 0, 3 * sizeof *own);
 }
 
 /* A moment that keeps its direction, or turns with the point, has no symmetric stiffness where the
@@ -65,7 +61,7 @@ bw_status bwi_levers_add(bw_context *context, const bw_static *solution,
   const bw_mesh *mesh = model->mesh;
   int points = model->coupling_count;
   int64_t size = 3 * (int64_t)mesh->node_count;
-  double *force = NULL, *b = NULL;
+  double *force = NULL, *own = NULL, *b = NULL;
   if (points == 0)
     return BW_OK;
   if (solution->coupling_count != points)
@@ -74,27 +70,29 @@ bw_status bwi_levers_add(bw_context *context, const bw_static *solution,
                    "have: take a static solution");
   force = BW_NEW(context, double, size);
   b = BW_NEW0(context, double, 9 * (int64_t)points);
-  BW_TRY_MEMORY(force && b);
+  own = BW_NEW0(context, double, size);
+  BW_TRY_MEMORY(force && own && b);
   BW_TRY(
       bw_block_multiply(context, q->pattern, q->stiffness, 9, 3, 1, solution->displacement, force));
   for (int64_t i = 0; i < size; i++)
     force[i] -= solution->force[i];
   for (int p = 0; p < points; p++)
     if (model->coupling[p].point.kind == BW_DISTRIBUTED)
-      take_mean(mesh, &model->coupling[p], solution->coupling[p].load, force, b + 9 * (size_t)p);
+      take_mean(mesh, &model->coupling[p], solution->coupling[p].load, force, own,
+                b + 9 * (size_t)p);
   bwi_reduction_move(&q->reduction, force);
   for (int p = 0; p < points; p++) {
     const bw_coupling *c = &model->coupling[p];
     const double *load = solution->coupling[p].load;
-    double s[6][6] = {{0}}, *own = b + 9 * (size_t)p, trace, largest = 0;
+    double s[6][6] = {{0}}, *sum = b + 9 * (size_t)p, trace, largest = 0;
     double moment = bw_norm(load) * c->reach + bw_norm(load + 3);
     if (c->point.kind == BW_RIGID)
-      take_nodes(mesh, c, force, own);
+      take_nodes(mesh, c, force, sum);
     BW_TRY(check_moment(context, c, &solution->coupling[p], p, moment));
-    trace = own[0] + own[4] + own[8];
+    trace = sum[0] + sum[4] + sum[8];
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 3; j++) {
-        s[3 + i][3 + j] = 0.5 * (own[3 * i + j] + own[3 * j + i]) - (i == j ? trace : 0);
+        s[3 + i][3 + j] = 0.5 * (sum[3 * i + j] + sum[3 * j + i]) - (i == j ? trace : 0);
         largest = fmax(largest, fabs(s[3 + i][3 + j]));
       }
     if (largest > rounding * moment)
@@ -102,6 +100,7 @@ bw_status bwi_levers_add(bw_context *context, const bw_static *solution,
   }
 done:
   bw_free(force);
+  bw_free(own);
   bw_free(b);
   return status;
 }

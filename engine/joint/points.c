@@ -118,6 +118,17 @@ bw_status bwi_points_check(bw_context *context, const bw_model *model, const bwi
   return BW_OK;
 }
 
+bw_status bwi_points_refuse_motion(bw_context *context, const bw_model *model, const char *why) {
+  for (int p = 0; p < model->coupling_count; p++)
+    for (int k = 0; k < 6; k++)
+      if (model->coupling[p].point.fixed[k] && model->coupling[p].point.displacement[k] != 0)
+        return bw_fail(context, BW_UNSUPPORTED,
+                       "the remote point of coupling %d has a prescribed motion that is not zero: "
+                       "%s",
+                       p + 1, why);
+  return BW_OK;
+}
+
 /* ---- P and h --------------------------------------------------------------------------------- */
 
 /* Calls through all entries of P from T; with NULL they are counted. */
@@ -406,12 +417,11 @@ done:
   return status;
 }
 
-/* What a distributed point exerts leaves the residual. */
-static void exert(const bw_coupling *c, const double load[6], double *force) {
+void bwi_point_exert(const bw_coupling *c, double factor, const double load[6], double *force) {
   int64_t width = 3 * (int64_t)c->node_count;
-  for (int k = 0; k < 6 && c->point.kind == BW_DISTRIBUTED; k++)
-    for (int64_t i = 0; i < width; i++)
-      force[3 * (int64_t)c->node[i / 3] + i % 3] -= c->mean[k * width + i] * load[k];
+  for (int k = 0; k < 6; k++)
+    for (int64_t i = 0; i < width && load[k] != 0; i++)
+      force[3 * (int64_t)c->node[i / 3] + i % 3] += factor * c->mean[k * width + i] * load[k];
 }
 
 bw_status bwi_points_spread(bw_context *context, const bwi_reduction *r, const double gravity[3],
@@ -431,9 +441,11 @@ bw_status bwi_points_spread(bw_context *context, const bwi_reduction *r, const d
   if (r->gone.count > 0)
     BW_TRY(react(context, r, force, result));
   for (int p = 0; p < r->point_count; p++) {
-    for (int k = 0; k < 6 && r->coupling[p].point.kind == BW_DISTRIBUTED; k++)
+    if (r->coupling[p].point.kind != BW_DISTRIBUTED)
+      continue;
+    for (int k = 0; k < 6; k++)
       result[p].load[k] += result[p].reaction[k];
-    exert(&r->coupling[p], result[p].load, force);
+    bwi_point_exert(&r->coupling[p], -1, result[p].load, force);
   }
 done:
   return status;
@@ -448,7 +460,7 @@ bw_status bwi_points_react(bw_context *context, const bwi_reduction *r, double *
   BW_TRY_MEMORY(result);
   BW_TRY(react(context, r, force, result));
   for (int p = 0; p < r->point_count; p++)
-    exert(&r->coupling[p], result[p].reaction, force);
+    bwi_point_exert(&r->coupling[p], -1, result[p].reaction, force);
 done:
   bw_free(result);
   return status;
