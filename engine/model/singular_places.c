@@ -23,6 +23,7 @@ typedef struct finder {
   double poisson;
   double *normal;  /* per facet, unit outward */
   uint8_t *corner; /* per facet: bw_corner, BW_CORNER_FREE where nothing constrains it */
+  uint8_t *rigid;  /* per facet: whether a rigid coupling constrains it, and no support */
   uint8_t *cut;    /* per facet: whether another sector goes on there */
   double margin;   /* (rad) of re-entrant edges in cuts */
 } finder;
@@ -68,8 +69,10 @@ static void classify(finder *f) {
   for (int c = 0; c < model->coupling_count; c++) {
     const bw_selection *on = model->coupling[c].on;
     for (int32_t j = 0; j < on->facet_count && model->coupling[c].point.kind == BW_RIGID; j++)
-      if (!on->node_set)
+      if (!on->node_set && f->corner[on->facet[j]] != BW_CORNER_FIXED) {
         f->corner[on->facet[j]] = BW_CORNER_FIXED;
+        f->rigid[on->facet[j]] = 1;
+      }
   }
   for (int s = 0; s < 2 && model->cyclic; s++) {
     const bw_selection *on = s == 0 ? model->cyclic->low : model->cyclic->high;
@@ -93,7 +96,7 @@ static void along_face(bwi_seam *seam, const bwi_topology *top, int64_t side,
 /* Edges between a facet that is constrained like this and a free one; of free ones those in the
  * cuts of a sector. */
 static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces *faces,
-                              bw_corner corner) {
+                              bw_corner corner, bw_singular_kind kind) {
   f->seams.count = 0;
   for (int64_t e = 0; e < top->edges; e++) {
     const int64_t *side = top->side + top->start[e];
@@ -105,6 +108,8 @@ static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces
     if (f->corner[t1] + f->corner[t2] != (int)corner || f->corner[t1] == f->corner[t2])
       continue;
     bool first = f->corner[t1] != BW_CORNER_FREE;
+    if (f->rigid[first ? t1 : t2] != (kind == BW_SINGULAR_COUPLING))
+      continue;
     bwi_seam seam = {.end = {bwi_side_from(top, side[0]), bwi_side_to(top, side[0])},
                      .key = {faces->of_triangle[first ? t1 : t2],
                              faces->of_triangle[first ? t2 : t1], (int32_t)corner}};
@@ -127,9 +132,8 @@ static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces
     if (status != BW_OK)
       return status;
   }
-  return bwi_singular_chain(f->context, f->places, &f->seams, top->points, top->point,
-                            corner == BW_CORNER_FREE ? BW_SINGULAR_EDGE : BW_SINGULAR_SUPPORT,
-                            corner, f->poisson);
+  return bwi_singular_chain(f->context, f->places, &f->seams, top->points, top->point, kind, corner,
+                            f->poisson);
 }
 
 static bw_status support_borders(finder *f, const bw_surface *boundary) {
@@ -138,9 +142,11 @@ static bw_status support_borders(finder *f, const bw_surface *boundary) {
   bw_faces *faces = NULL;
   BW_TRY(bwi_topology_create(f->context, boundary, &top));
   BW_TRY(bw_faces_find(f->context, boundary, 0, &faces));
-  BW_TRY(find_borders(f, top, faces, BW_CORNER_FIXED));
-  BW_TRY(find_borders(f, top, faces, BW_CORNER_SLIDING));
-  BW_TRY(find_borders(f, top, faces, BW_CORNER_FREE));
+  BW_TRY(find_borders(f, top, faces, BW_CORNER_FIXED, BW_SINGULAR_SUPPORT));
+  if (f->model->coupling_count > 0)
+    BW_TRY(find_borders(f, top, faces, BW_CORNER_FIXED, BW_SINGULAR_COUPLING));
+  BW_TRY(find_borders(f, top, faces, BW_CORNER_SLIDING, BW_SINGULAR_SUPPORT));
+  BW_TRY(find_borders(f, top, faces, BW_CORNER_FREE, BW_SINGULAR_EDGE));
 done:
   bw_release(faces);
   bwi_topology_destroy(top);
@@ -292,9 +298,10 @@ bw_status bw_singular_places_find(bw_context *context, const bw_model *model,
   BW_TRY(bw_singular_edges(context, surface ? surface : boundary, NULL, margin, &f.places));
   f.normal = BW_NEW(context, double, 3 * facets);
   f.corner = BW_NEW0(context, uint8_t, facets);
+  f.rigid = BW_NEW0(context, uint8_t, facets);
   f.cut = BW_NEW0(context, uint8_t, facets);
   f.margin = margin > 0 ? margin : BWI_FACET_MARGIN;
-  BW_TRY_MEMORY(f.normal && f.corner && f.cut);
+  BW_TRY_MEMORY(f.normal && f.corner && f.rigid && f.cut);
   if (model->cyclic)
     BW_TRY(bwi_sector_without_cuts(context, model, &f.places));
   for (size_t t = 0; t < facets; t++) {
@@ -315,6 +322,7 @@ done:
   bw_release(boundary);
   bw_free(f.normal);
   bw_free(f.corner);
+  bw_free(f.rigid);
   bw_free(f.cut);
   bw_free(f.seams.seam);
   return status;
