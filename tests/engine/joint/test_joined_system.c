@@ -185,6 +185,14 @@ static void refuses(void **state) {
   check_fails(context, BW_UNSUPPORTED, "joined model",
               bw_modes_elastic(context, system, NULL, &modes));
   bw_release(system);
+  system = NULL;
+  bw_selection *base = face(context, s.mesh, 0, 2, 0);
+  const bool fixed[3] = {true, true, true};
+  const double moved[3] = {0, 0, 1e-3};
+  check_ok(context, bw_model_prescribe(context, s.model, base, fixed, moved));
+  check_fails(context, BW_UNSUPPORTED, "a support prescribes a displacement",
+              bw_joined_system(context, s.model, NULL, &system));
+  bw_release(base);
   bw_release(pcg);
   bw_release(apart);
   close_stack(&s);
