@@ -225,8 +225,10 @@ typedef struct bw_model {
   bw_coupling *coupling;     /* coupling_count couplings with remote points */
   const bw_cyclic *cyclic;   /* retained; NULL: it is the whole */
 } bw_model;
-/* Whether it has bonds, attachments, couplings or a cyclic symmetry: the functions of joint.h
- * know its equations, and by them harmonic responses and response spectra (dynamics.h). */
+/* Whether it has bonds, attachments, couplings or a cyclic symmetry: the functions of joint.h know
+ * its equations. Harmonic responses and response spectra (dynamics.h), transients by modes
+ * (transient.h) and the worst case take those of a model that is no sector. Other functions that
+ * need its equations refuse it. */
 static inline bool bw_model_joined(const bw_model *model) {
   return model->bond_count > 0 || model->attachment_count > 0 || model->coupling_count > 0 ||
          model->cyclic;
@@ -314,10 +316,9 @@ BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, cons
                                       const double *expansion);
 /* Bonds two surfaces of the mesh: side a follows side b where they touch, or are no more than `gap`
  * (m) apart; below 0: a twentieth of the mean edge of the finer side. Constant stress passes
- * through a plane bond exactly. joint.h has static solutions, modes and load factors of such a
- * model; other functions refuse one where they need its equations. BW_EMPTY for a side without a
- * facet, BW_INVALID for a node on both sides and a gap that is no number, BW_GEOMETRY for sides
- * that do not touch (with the distance) and facets of side a that side b hardly covers,
+ * through a plane bond exactly. bw_model_joined says what knows such a model. BW_EMPTY for a side
+ * without a facet, BW_INVALID for a node on both sides and a gap that is no number, BW_GEOMETRY for
+ * sides that do not touch (with the distance) and facets of side a that side b hardly covers,
  * BW_UNSUPPORTED for a sector of cyclic symmetry. */
 BW_API bw_status bw_model_bond(bw_context *context, bw_model *model, const bw_selection *a,
                                const bw_selection *b, double gap);
@@ -334,8 +335,7 @@ BW_API void bw_model_clear_bonds(bw_model *model);
 /* Attaches a mass (kg), spread evenly over the area of a selection, or of a node set without facets
  * over its nodes. It has no stiffness. Gravity acts on it, and modes move it. BW_EMPTY as for
  * supports, BW_INVALID for a mass that is not positive, BW_GEOMETRY for facets without area.
- * joint.h has static solutions, modes and load factors of such a model; other functions refuse one
- * where they need its equations. */
+ * bw_model_joined says what knows such a model. */
 BW_API bw_status bw_model_attach_mass(bw_context *context, bw_model *model, const bw_selection *on,
                                       double mass);
 /* Attaches springs to the ground in the same way: stiffness (N/m) in all, along x, y and z, 0 or
@@ -346,8 +346,8 @@ BW_API bw_status bw_model_attach_spring(bw_context *context, bw_model *model,
 /* Removes all masses and springs. */
 BW_API bw_status bw_model_clear_attachments(bw_context *context, bw_model *model);
 /* Couples the nodes of a face, or of a node set without facets, with a remote point, which is
- * copied. Gravity acts on its mass. joint.h has static solutions, modes and load factors of such a
- * model; other functions refuse one where they need its equations. BW_EMPTY as for supports.
+ * copied. Gravity acts on its mass. bw_model_joined says what knows such a model. BW_EMPTY as for
+ * supports.
  * BW_INVALID for a node in two rigid couplings, numbers that are not finite, springs and masses
  * below 0, and an inertia that is not symmetric or negative. BW_GEOMETRY for facets without area,
  * and for nodes on one line: they leave the rotation about it undefined, and for a point farther
