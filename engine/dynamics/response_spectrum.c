@@ -338,6 +338,7 @@ bw_status bw_response_spectrum_of_model(bw_context *context, const bw_model *mod
   BW_TRY_MEMORY(r);
   bw_object_init(r, &spectrum_kind);
   r->model = bw_retain(model);
+  r->revision = model->object.revision;
   r->ratio = options->ratio;
   r->combination = options->combination;
   const double *d = options->direction;

@@ -83,12 +83,9 @@ local function check_others(responses)
       raise(("combine: argument 'others': a response spectrum expected at %d, got %s"):format(k - 1,
         core.got(responses[k])))
     end
-    if responses[k].mesh ~= responses[1].mesh then
-      raise(("combine: response %d is of another mesh"):format(k))
-    end
-    if #responses[k].couplings ~= #responses[1].couplings then
-      raise(("combine: response %d has %d couplings, the first %d"):format(k, #responses[k].couplings,
-        #responses[1].couplings))
+    if not core.spectra_of_one_model(responses[1], responses[k]) then
+      raise(("combine: response %d is of another model, or the model changed in between: compute the responses of "
+        .. "one model"):format(k))
     end
     for j = 1, k - 1 do
       if not at_right_angles(responses[j].direction, responses[k].direction) then

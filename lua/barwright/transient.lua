@@ -357,8 +357,8 @@ function recording:__tostring()
     lines[#lines + 1] = "  error by the step: none for loads that are linear within a step"
   elseif self.steps then
     local s = self.steps
-    lines[#lines + 1] = ("  error by the step: at most about %.2g %% of the largest displacement, the root mean "
-      .. "square over the mass, as the sum of all steps"):format(100 * s.error)
+    lines[#lines + 1] = ("  error by the step: about %.2g %% of the largest displacement, the root mean square "
+      .. "over the mass; an estimate, the sum of all steps"):format(100 * s.error)
     lines[#lines + 1] = ("  %d steps of %s to %s; since the start %d rejected, %d factors%s"):format(s.taken,
       core.quantity(s.shortest, "s"), core.quantity(s.longest, "s"), s.rejected, s.factors, s.coarse == 0 and ""
       or (", %d of the shortest length with a larger error than asked for"):format(s.coarse))

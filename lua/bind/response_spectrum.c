@@ -138,6 +138,13 @@ static int spectrum_mesh(lua_State *L) {
   return 1;
 }
 
+/* spectra_of_one_model(a, b): whether a model did not change between them */
+static int core_spectra_of_one_model(lua_State *L) {
+  const bw_response_spectrum *a = self(L), *b = lbw_check(L, 2, &lbw_response_spectrum_class);
+  lua_pushboolean(L, a->model == b->model && a->revision == b->revision);
+  return 1;
+}
+
 static const luaL_Reg methods[] = {{NULL, NULL}};
 static const luaL_Reg properties[] = {{"participation", spectrum_participation},
                                       {"effective_masses", spectrum_effective_masses},
@@ -160,6 +167,9 @@ const lbw_class lbw_response_spectrum_class = {"response_spectrum", methods, pro
 
 void lbw_open_response_spectrum(lua_State *L) {
   static const luaL_Reg of_model[] = {{"response_spectrum", model_response_spectrum}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"spectra_of_one_model", core_spectra_of_one_model},
+                                       {NULL, NULL}};
   lbw_class_register(L, &lbw_response_spectrum_class);
   lbw_add_methods(L, &lbw_model_class, of_model);
+  luaL_setfuncs(L, functions, 0);
 }

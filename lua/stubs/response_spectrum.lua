@@ -53,7 +53,8 @@ function ResponseSpectrum:write(path, options) end
 function ResponseSpectrum:picture(path, options) end
 
 ---The largest response when the base moves along several directions at once, each with a spectrum of its own. The directions
----are at right angles, and their motions do not depend on each other. Responses of other meshes, couplings and directions raise.
+---are at right angles, and their motions do not depend on each other. Responses of another model raise, and so do those from before a
+---change of the model and those along other directions.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))

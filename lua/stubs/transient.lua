@@ -136,7 +136,7 @@ function Recording:write(path) end
 ---@field rejected integer (count) of those taken again since the start of the motion
 ---@field coarse integer (count) since then of the shortest length allowed, with a larger error than asked for
 ---@field factors integer (count) made since then
----@field error number (-) of the displacement at the end, relative to the largest, root mean square over the mass: the sum of the estimates of all steps, which is several times the error where errors cancel
+---@field error number (-) of the displacement at the end, relative to the largest, root mean square over the mass: the sum of the estimates of all steps. It is several times the error where errors cancel, and was up to 14 % below it at `rho` 0.2 and 0.3.
 
 ---Energies in time.
 ---@class bw.RecordedEnergy

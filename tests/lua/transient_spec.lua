@@ -204,7 +204,7 @@ describe("motion in time", function()
       assert.is_true(most < 0.07)
       assert.equal(0, recording.steps.coarse)
       local text = tostring(recording)
-      assert.truthy(text:find("error by the step: at most about", 1, true))
+      assert.truthy(text:find("error by the step: about", 1, true))
       assert.truthy(text:find(("%d rejected, %d factors"):format(recording.steps.rejected,
         recording.steps.factors), 1, true))
       assert.is_nil(recording.period_error)

@@ -168,6 +168,7 @@ BW_API void bw_response_spectrum_options_default(bw_response_spectrum_options *o
 typedef struct bw_response_spectrum {
   bw_object object;
   const bw_model *model; /* retained */
+  uint64_t revision;     /* of the model when the response was made */
   bw_modes *modes;       /* retained; the first `count` of them are in the response */
   bw_combination combination;
   double ratio;           /* (-) */

@@ -146,13 +146,13 @@ makers.Harmonic = {function(p)
   return assert(p.Model:harmonic {range = {0, 50}, modes = 2, damping = {ratio = 0.1}})
 end}
 makers.HarmonicCurve = {function(p) return assert(p.Harmonic:curve {at = {1, 0, 0}, frequencies = {1, 2}}) end}
+local function shaken(model, direction)
+  return assert(model:response_spectrum {points = {{1e-6, 1}, {1e-5, 2}}, direction = direction})
+end
 makers.CombinedSpectrum = {function(p)
-  return p.ResponseSpectrum:combine {assert(p.Model:response_spectrum {points = {{1e-6, 1}, {1e-5, 2}},
-    direction = {1, 0, 0}})}
+  return shaken(p.Model, {0, 0, 1}):combine {shaken(p.Model, {1, 0, 0})}
 end}
-makers.ResponseSpectrum = {function(p)
-  return assert(p.Model:response_spectrum {points = {{1e-6, 1}, {1e-5, 2}}, direction = {0, 0, 1}})
-end}
+makers.ResponseSpectrum = {function(p) return shaken(p.Model, {0, 0, 1}) end}
 makers.HarmonicEnvelope = {function(p) return assert(p.Harmonic:envelope {frequencies = {1, 2}}) end}
 makers.Fatigue = {function(p)
   return assert(bw.fatigue {loads = {{static = p.Static, history = {0, 1, 0}}}, curve = {amplitude = 1e8}})
