@@ -229,10 +229,10 @@ end
 
 -- What is said of steps that adapt.
 local function adaptive_steps(body, times)
-  local shortest, longest = math.huge, 0
+  local shortest, longest
   for i = 2, #times do
     local h = times[i] - times[i - 1]
-    shortest, longest = math.min(shortest, h), math.max(longest, h)
+    shortest, longest = math.min(shortest or h, h), math.max(longest or h, h)
   end
   return {taken = #times - 1, shortest = shortest, longest = longest, rejected = body.rejected_steps,
     coarse = body.coarse_steps, factors = body.factors, error = body.error}
@@ -359,8 +359,9 @@ function recording:__tostring()
     local s = self.steps
     lines[#lines + 1] = ("  error by the step: about %.2g %% of the largest displacement, the root mean square "
       .. "over the mass; an estimate, the sum of all steps"):format(100 * s.error)
-    lines[#lines + 1] = ("  %d steps of %s to %s; since the start %d rejected, %d factors%s"):format(s.taken,
-      core.quantity(s.shortest, "s"), core.quantity(s.longest, "s"), s.rejected, s.factors, s.coarse == 0 and ""
+    lines[#lines + 1] = ("  %s; since the start %d rejected, %d factors%s"):format(s.taken == 0 and "no step"
+      or ("%d steps of %s to %s"):format(s.taken, core.quantity(s.shortest, "s"), core.quantity(s.longest, "s")),
+      s.rejected, s.factors, s.coarse == 0 and ""
       or (", %d of the shortest length with a larger error than asked for"):format(s.coarse))
   elseif self.steps_per_period then
     lines[#lines + 1] = ("  error by the step: periods too long by %s %.2g %%, at %.3g steps per period in the "

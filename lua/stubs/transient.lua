@@ -131,8 +131,8 @@ function Recording:write(path) end
 ---Steps that adapt.
 ---@class bw.RecordedSteps
 ---@field taken integer (count) of the recording
----@field shortest number (s) the shortest of them
----@field longest number (s) the longest of them
+---@field shortest? number (s) the shortest of them; nil where none was taken
+---@field longest? number (s) the longest of them; nil where none was taken
 ---@field rejected integer (count) of those taken again since the start of the motion
 ---@field coarse integer (count) since then of the shortest length allowed, with a larger error than asked for
 ---@field factors integer (count) made since then

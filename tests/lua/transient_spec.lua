@@ -208,6 +208,9 @@ describe("motion in time", function()
       assert.truthy(text:find(("%d rejected, %d factors"):format(recording.steps.rejected,
         recording.steps.factors), 1, true))
       assert.is_nil(recording.period_error)
+      local none = assert(transient:run {time = transient.time})
+      assert.is_nil(none.steps.shortest)
+      assert.truthy(tostring(none):find("no step; since the start", 1, true))
     end
   end)
 

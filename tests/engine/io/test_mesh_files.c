@@ -109,7 +109,7 @@ static void inp_names(void **state) {
 static void inp_division(void **state) {
   bw_context *context = check_context(state);
   static const struct {
-    const char *more, *first, *second; /* the regions of the elements; NULL: none */
+    const char *more, *first, *second; /* the regions of the elements */
   } decks[] = {
       {"", "Volume1", "Volume2"},
       {"*ELSET,ELSET=pla\n1,1\n*ELSET,ELSET=steel\n2\n", "pla", "steel"},
