@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/dense.h"
+
 bw_status bwi_equations_open(bw_context *context, const bw_model *model, bw_system *system,
                              bwi_equations *e) {
   bw_status status = BW_OK;
@@ -94,5 +96,51 @@ bw_status bwi_equations_largest(bw_context *context, const bwi_equations *e, con
     *largest = fmax(*largest, fabs(free[i]));
 done:
   bw_free(free);
+  return status;
+}
+
+bw_status bwi_equations_system(bw_context *context, const bw_model *model,
+                               const bw_dof_map *dof_map, bw_system *given, bw_system **system) {
+  if (given && bwi_system_serves(given, model, dof_map)) {
+    *system = bw_retain(given);
+    return BW_OK;
+  }
+  return bwi_system_begin(context, model->mesh, model->material, dof_map,
+                          bwi_system_reusable(given, model->mesh) ? given : NULL, system);
+}
+
+/* Of modal mass 1, held where the model is, and x = w^2 K^-1 M x: the difference in the norm of K,
+ * where w is the size of each side. It also sees where x opens a bond. */
+bw_status bwi_equations_check_modes(bw_context *context, const bw_model *model,
+                                    const bwi_equations *e, const bw_modes *modes) {
+  static const double residual_limit = 1e-4;
+  bw_status status = BW_OK;
+  int64_t size = e->size;
+  double *work = BW_NEW(context, double, 3 * size);
+  BW_TRY_MEMORY(work);
+  double *product = work + size, *answer = product + size;
+  bool fits =
+      modes->mesh == model->mesh && modes->components == 3 && modes->frequency && modes->count > 0;
+  for (int k = 0; fits && k < modes->count; k++) {
+    const double *shape = modes->shape + k * size;
+    double square = modes->eigenvalue[k];
+    memcpy(work, shape, (size_t)size * sizeof *work);
+    bwi_keep_states(e->dof_map, 1u << BW_DOF_PRESCRIBED, work);
+    fits = bwi_dot(size, work, work) <= 1e-16 * bwi_dot(size, shape, shape);
+    BW_TRY(bwi_equations_mass(context, e, shape, work));
+    fits = fits && fabs(bwi_dot(size, shape, work) - 1) < 1e-6;
+    BW_TRY(bwi_equations_solve(context, e, work, answer));
+    for (int64_t i = 0; i < size; i++)
+      answer[i] = square * answer[i] - shape[i];
+    BW_TRY(bwi_equations_elastic(context, e, answer, product));
+    fits = fits && bwi_dot(size, product, answer) <= residual_limit * residual_limit * square;
+  }
+  if (!fits)
+    status =
+        bw_fail(context, BW_INVALID,
+                "the modes are not elastic modes of this model: compute them of the same mesh, "
+                "material, supports and joints");
+done:
+  bw_free(work);
   return status;
 }

@@ -36,6 +36,13 @@ bw_status bwi_equations_solve(bw_context *context, const bwi_equations *equation
                               double *u);
 /* The loads of the model, of its remote points too: f (N, node_count x 3). */
 bw_status bwi_equations_force(bw_context *context, const bw_model *model, double *f);
+/* The system of a model without joints, `given` where it serves; without a factor where it is new.
+ */
+bw_status bwi_equations_system(bw_context *context, const bw_model *model,
+                               const bw_dof_map *dof_map, bw_system *given, bw_system **system);
+/* BW_INVALID for modes that are not elastic modes of the model. */
+bw_status bwi_equations_check_modes(bw_context *context, const bw_model *model,
+                                    const bwi_equations *equations, const bw_modes *modes);
 /* The largest part of f that moves an unknown. */
 bw_status bwi_equations_largest(bw_context *context, const bwi_equations *equations,
                                 const double *f, double *largest);

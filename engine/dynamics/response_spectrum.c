@@ -69,6 +69,9 @@ static bw_status check(bw_context *context, const bw_response_spectrum_options *
         "the damping ratio of the response spectrum is %g; it must be above 0, and below "
         "1",
         o->ratio);
+  if (o->solver && o->modes)
+    return bw_fail(context, BW_INVALID,
+                   "a response spectrum takes modes or a solver that finds them, not both");
   if (o->solver && o->solver->options.kind == BW_EIGENSOLVER_SLEPC)
     return bw_fail(context, BW_UNSUPPORTED,
                    "a response spectrum needs the equations in this process: SLEPc does not serve");
@@ -317,6 +320,35 @@ static int count_loads(const bw_model *model) {
   return count;
 }
 
+/* The equations and the modes, which are found unless they are given. */
+static bw_status open(bw_context *context, bw_system *given, const bw_response_spectrum_options *o,
+                      bw_system **used, bwi_equations *equations, bw_response_spectrum *r) {
+  bw_status status = BW_OK;
+  bw_dof_map *dof_map = NULL;
+  double last = o->frequency[o->count - 1];
+  if (!o->modes) {
+    BW_TRY(bwi_modes_up_to(context, r->model, given, o->solver, 0, last, used, &r->modes));
+    return bwi_equations_open(context, r->model, *used, equations);
+  }
+  if (!bw_model_joined(r->model)) {
+    BW_TRY(bw_dof_map_create(context, r->model, &dof_map));
+    BW_TRY(bwi_equations_system(context, r->model, dof_map, given, used));
+  }
+  BW_TRY(bwi_equations_open(context, r->model, *used, equations));
+  BW_TRY(bwi_equations_check_modes(context, r->model, equations, o->modes));
+  int n = o->modes->count;
+  double end = o->modes->frequency[n - 1];
+  if (n < equations->unknown_count && !(end >= last))
+    BW_TRY(bw_fail(context, BW_INVALID,
+                   "the modes end at %g Hz, below the last point of the response spectrum at %g "
+                   "Hz: give more of them",
+                   end, last));
+  r->modes = bw_retain(o->modes);
+done:
+  bw_release(dof_map);
+  return status;
+}
+
 bw_status bw_response_spectrum_of_model(bw_context *context, const bw_model *model,
                                         bw_system *given,
                                         const bw_response_spectrum_options *options,
@@ -344,10 +376,8 @@ bw_status bw_response_spectrum_of_model(bw_context *context, const bw_model *mod
   const double *d = options->direction;
   for (int j = 0; j < 3; j++)
     r->direction[j] = d[j] / sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  double last = options->frequency[options->count - 1];
   r->base = options->missing_mass ? options->acceleration[options->count - 1] : 0;
-  BW_TRY(bwi_modes_up_to(context, model, given, options->solver, 0, last, &used, &r->modes));
-  BW_TRY(bwi_equations_open(context, model, used, &equations));
+  BW_TRY(open(context, given, options, &used, &equations, r));
   BW_TRY(take_spectrum(context, options, r));
   BW_TRY(respond(context, &equations, r));
   *response = r;

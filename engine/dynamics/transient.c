@@ -244,11 +244,7 @@ static bw_status make_system(bw_context *context, const bw_model *model, bw_syst
     goto done;
   }
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
-  if (given && bwi_system_serves(given, model, dof_map))
-    s->system = bw_retain(given);
-  else
-    BW_TRY(bwi_system_begin(context, model->mesh, model->material, dof_map,
-                            bwi_system_reusable(given, model->mesh) ? given : NULL, &s->system));
+  BW_TRY(bwi_equations_system(context, model, dof_map, given, &s->system));
   if (dof_map->prescribed) {
     s->prescribed = BW_NEW(context, double, s->size);
     BW_TRY_MEMORY(s->prescribed);

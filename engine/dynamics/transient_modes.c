@@ -8,8 +8,8 @@
 
 #include "base/dense.h"
 
-/* Of modes, and of what they may leave out of the start without a warning. */
-static const double residual_limit = 1e-4, left_out_limit = 1e-2;
+/* Of the start: what modes may leave out of it without a warning. */
+static const double left_out_limit = 1e-2;
 
 typedef struct bwi_modal_motion {
   int64_t size;
@@ -49,37 +49,6 @@ static void add(int64_t size, double factor, const double *x, double *y) {
 }
 
 /* ---- the basis ------------------------------------------------------------------------------- */
-
-/* Of modal mass 1, held where the model is, and x = w^2 K^-1 M x: the difference in the norm of K,
- * where w is the size of each side. It also sees where x opens a bond. `work`: 3 x size. */
-static bw_status check_modes(bw_context *context, const bw_model *model, const bwi_equations *e,
-                             const bw_modes *modes, double *work) {
-  bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)model->mesh->node_count;
-  double *product = work + size, *answer = product + size;
-  bool fits = modes->mesh == model->mesh && modes->components == 3 && modes->count > 0;
-  for (int k = 0; fits && k < modes->count; k++) {
-    const double *shape = modes->shape + k * size;
-    double square = modes->eigenvalue[k];
-    memcpy(work, shape, (size_t)size * sizeof *work);
-    bwi_keep_states(e->dof_map, 1u << BW_DOF_PRESCRIBED, work);
-    fits = bwi_dot(size, work, work) <= 1e-16 * bwi_dot(size, shape, shape);
-    BW_TRY(bwi_equations_mass(context, e, shape, work));
-    fits = fits && fabs(bwi_dot(size, shape, work) - 1) < 1e-6;
-    BW_TRY(bwi_equations_solve(context, e, work, answer));
-    for (int64_t i = 0; i < size; i++)
-      answer[i] = square * answer[i] - shape[i];
-    BW_TRY(bwi_equations_elastic(context, e, answer, product));
-    fits = fits && bwi_dot(size, product, answer) <= residual_limit * residual_limit * square;
-  }
-  if (!fits)
-    status =
-        bw_fail(context, BW_INVALID,
-                "the modes are not elastic modes of this model: compute them of the same mesh, "
-                "material, supports and joints");
-done:
-  return status;
-}
 
 /* Rigid-body motions, made M-orthonormal, and behind them the modes. */
 static bw_status make_basis(bw_context *context, const bwi_equations *e, const bw_modes *modes,
@@ -213,7 +182,7 @@ bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model,
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
     all = (*numbers[i] = BW_NEW0(context, double, m->count)) && all;
   BW_TRY_MEMORY(all && (m->support || !prescribed));
-  BW_TRY(check_modes(context, model, e, modes, work));
+  BW_TRY(bwi_equations_check_modes(context, model, e, modes));
   BW_TRY(make_basis(context, e, modes, rigid, work, m));
   for (int k = 0; k < m->count; k++) {
     m->damping[k] = 2 * d->ratio * sqrt(m->square[k]) + d->mass + d->stiffness * m->square[k];

@@ -6,7 +6,7 @@ static const bw_response_spectrum *self(lua_State *L) {
   return (const bw_response_spectrum *)lbw_check(L, 1, &lbw_response_spectrum_class);
 }
 
-/* model:response_spectrum{points, direction, damping, combination, missing_mass, solver} */
+/* model:response_spectrum{points, direction, damping, combination, missing_mass, solver, modes} */
 static int model_response_spectrum(lua_State *L) {
   static const char *const words[] = {"cqc", "srss", "absolute", NULL};
   static const bw_combination combinations[] = {BW_CQC, BW_SRSS, BW_ABSOLUTE};
@@ -17,6 +17,7 @@ static int model_response_spectrum(lua_State *L) {
       {"combination", LBW_OTHER, 0},
       {"missing_mass", LBW_BOOLEAN, offsetof(bw_response_spectrum_options, missing_mass)},
       {"solver", LBW_OTHER, 0},
+      {"modes", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   bw_response_spectrum_options options;
@@ -25,6 +26,8 @@ static int model_response_spectrum(lua_State *L) {
   bw_response_spectrum_options_default(&options);
   lbw_options(L, 2, "response_spectrum", list, &options);
   options.solver = lbw_eigensolver_option(L, 2, "response_spectrum");
+  options.modes =
+      (bw_modes *)lbw_object_option(L, 2, "response_spectrum", "modes", &lbw_modes_class, "modes");
   options.combination =
       combinations[lbw_word_option(L, 2, "response_spectrum", "combination", words, 0)];
   lua_settop(L, 2);

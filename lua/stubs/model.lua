@@ -559,7 +559,8 @@ function Model:harmonic(options) end
 ---point, the static response of what they leave out, and their combination.
 ---
 ---Errors: unconstrained (supports leave the part free to move), unsupported (temperatures, prescribed displacements that are not
----zero) and those of `modes`. Points that do not ascend or begin above the first mode raise.
+---zero) and those of `modes`. Points that do not ascend or begin above the first mode raise, and so
+---do modes of another part or too few of them.
 ---Warnings say that the part's loads are not in it, and where no mode is up to the last point.
 ---
 ---Source: docs/theory/dynamics.md; Wilson, Der Kiureghian, Bayo (1981).
@@ -582,6 +583,7 @@ function Model:response_spectrum(options) end
 ---@field combination? "cqc"|"srss"|"absolute" complete quadratic combination, square root of the sum of squares, or sum of magnitudes. Default: "cqc"
 ---@field missing_mass? boolean whether what the modes leave out follows the base statically. Default: true
 ---@field solver? bw.Eigensolver|"auto" the eigensolver of the modes, not SLEPc. Default: "auto"
+---@field modes? bw.Modes elastic modes of the part, such as those of a response along another direction; the last one at or above the last point, unless they are all. Not with `solver`. Default: computed
 
 ---A harmonic response. Either `frequencies` or `range` is given.
 ---@class bw.HarmonicOptions

@@ -58,8 +58,10 @@ function ResponseSpectrum:picture(path, options) end
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
----local function along(d) return assert(part:response_spectrum {points = {{10, 5}, {2000, 3}}, direction = d}) end
----print(along {1, 0, 0}:combine({along {0, 1, 0}, along {0, 0, 1}}, {rule = "100-40-40"}))
+---local base = {points = {{10, 5}, {2000, 3}}, direction = {1, 0, 0}}
+---local x = assert(part:response_spectrum(base))
+---base.direction, base.modes = {0, 1, 0}, x.modes
+---print(x:combine({assert(part:response_spectrum(base))}, {rule = "100-40-40"}))
 ---```
 ---
 ---Source: [theory](../theory/dynamics.md#response-spectrum).

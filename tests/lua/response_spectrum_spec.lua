@@ -87,6 +87,9 @@ describe("response_spectrum", function()
       local f = {r[1].base_force[j], r[2].base_force[j], r[3].base_force[j]}
       check.near(math.sqrt(f[1] ^ 2 + f[2] ^ 2 + f[3] ^ 2), srss.base_force[j], 1e-12)
     end
+    local given = assert(part:response_spectrum {points = points, direction = axes[2], modes = r[1].modes})
+    check.near(r[2].von_mises:max(), given.von_mises:max(), 1e-9)
+    assert.equal(r[1].modes, given.modes)
     -- SRSS does not depend on the axes, for one spectrum along all
     local turned = {}
     for k, d in ipairs {{1, 0, 0}, {0, 0.6, 0.8}, {0, -0.8, 0.6}} do
@@ -148,6 +151,14 @@ describe("response_spectrum", function()
       ["option 'combination'"] = {points = points, direction = {1, 0, 0}, combination = "sum"},
       ["unknown option 'ratio'"] = {points = points, direction = {1, 0, 0}, ratio = 0.05},
       ["damping ratio of the response spectrum is 1"] = {points = points, direction = {1, 0, 0}, damping = 1}} do
+      check.raises(text, part.response_spectrum, part, given)
+    end
+    local other = bw.model({mesh = part.mesh, material = steel}):fix(part.mesh.boundary:above("x", L))
+    for text, given in pairs {["not elastic modes of this model"] = {modes = assert(other:modes {count = 30})},
+      ["the modes end at"] = {modes = assert(part:modes {count = 1})},
+      ["modes or a solver"] = {modes = assert(part:modes {count = 1}), solver = bw.eigensolver.lanczos {}},
+      ["option 'modes'"] = {modes = 3}} do
+      given.points, given.direction = points, {1, 0, 0}
       check.raises(text, part.response_spectrum, part, given)
     end
     local free = bw.model {mesh = part.mesh, material = steel}

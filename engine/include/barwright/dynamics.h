@@ -161,6 +161,8 @@ typedef struct bw_response_spectrum_options {
   bw_combination combination; /* default BW_CQC */
   bool missing_mass; /* with the static response of what the modes leave out; default true */
   const bw_eigensolver *solver; /* of the modes; default NULL: automatic. SLEPc does not serve */
+  bw_modes *modes; /* elastic modes of the model, the last one at or above the last point, unless
+                      these are all; retained; default NULL: by `solver` */
 } bw_response_spectrum_options;
 BW_API void bw_response_spectrum_options_default(bw_response_spectrum_options *options);
 
@@ -188,7 +190,8 @@ typedef struct bw_response_spectrum {
 } bw_response_spectrum;
 /* Of a model, whose loads are not in it, as a warning says (docs/theory/dynamics.md). Another one
  * says where no mode is up to the last point. `given` and *system as in bw_modes_of_model.
- * BW_INVALID for options outside their ranges, and where the first mode is below the first point;
+ * BW_INVALID for options outside their ranges, for given modes that are others or end below the
+ * last point, and where the first mode is below the first point;
  * else those of bw_harmonic_of_model. */
 BW_API bw_status bw_response_spectrum_of_model(bw_context *context, const bw_model *model,
                                                bw_system *given,

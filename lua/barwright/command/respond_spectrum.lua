@@ -87,7 +87,8 @@ function respond_spectrum.measure(part, opts, given)
   local responses = {}
   for k, direction in ipairs(given.directions) do
     local response, message, details = model.try(part.response_spectrum, part,
-      {points = given.points, direction = direction, damping = opts.damping})
+      {points = given.points, direction = direction, damping = opts.damping,
+        modes = responses[1] and responses[1].modes})
     if not response then return nil, message, details end
     responses[k] = response
   end

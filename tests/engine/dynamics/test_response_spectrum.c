@@ -60,6 +60,14 @@ static void single_mode_and_rigid(void **state) {
     largest = fmax(largest, r->displacement[i]);
   for (int64_t i = 0; i < size; i++)
     check_near(r->displacement[i], fabs(scale * modes->shape[i]), 1e-6 * largest);
+  options.modes = modes; /* given ones */
+  bw_response_spectrum *again = shaken(context, model, &options);
+  assert_ptr_equal(again->modes, modes);
+  assert_int_equal(again->count, 1);
+  for (int64_t i = 0; i < size; i++)
+    check_near(again->displacement[i], r->displacement[i], 1e-6 * largest);
+  bw_release(again);
+  options.modes = NULL;
   check_ok(context, bw_nodal_stress(context, mesh, model->material, modes->shape, stress));
   for (int32_t i = 0; i < mesh->node_count; i++)
     check_near(r->von_mises[i], scale * bw_von_mises(stress + 6 * i), 1e-5 * (1 + r->von_mises[i]));
