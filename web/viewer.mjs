@@ -34,7 +34,10 @@ const { scene, camera, aim, start } = makeStage(document.getElementById("view"),
 const body = makeBody(new Float32Array(rest), triangles);
 const position = body.geometry.getAttribute("position");
 scene.add(body);
-const size = aim(body.geometry.boundingBox, data.view || [1, -1.4, 0.8]);
+// Lines may reach beyond the body: an obstacle does.
+const seen = body.geometry.boundingBox.clone();
+for (const line of data.lines || []) for (const [x, y, z] of line) seen.expandByPoint(new THREE.Vector3(x, y, z));
+const size = aim(seen, data.view || [1, -1.4, 0.8]);
 
 const arrows = new Arrows(scene);
 const edges = new Edges(scene, data.lines || [], rest, size);
@@ -95,7 +98,7 @@ function deform() {
   }
   position.needsUpdate = true;
   arrows.place(position.array);
-  edges.place(position.array);
+  if (!data.rigid) edges.place(position.array);
 }
 
 function showArrows() {

@@ -252,7 +252,8 @@ local function run_one(opts, given, out)
     {opts.vtu, function() return drop:write(opts.vtu) end},
     {opts.picture, function() return drop:picture(opts.picture, {title = title}) end},
     {opts.report, function()
-      return drop_page.of_drop(drop, opts.report, {title = title, answer = table.concat(text, "\n")})
+      return drop_page.of_drop(drop, opts.report, {title = title, answer = table.concat(text, "\n"),
+        down = given.down})
     end}}
   if failed then return failed end
   return verdict == "holds" and output.DONE or output.NO

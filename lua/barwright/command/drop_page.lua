@@ -7,7 +7,17 @@ local report = require "barwright.report"
 
 local drop_page = {}
 
--- words: {title =, answer = sentences}; fields: {name, unit, array over elements, scale} each;
+-- From the side and a little below, where the obstacle and what touches it are seen.
+local function view_along(down)
+  local from = {1, -1.4, 0.8}
+  local size = down[1] ^ 2 + down[2] ^ 2 + down[3] ^ 2
+  local part = (from[1] * down[1] + from[2] * down[2] + from[3] * down[3]) / size
+  local along = 0.5 / math.sqrt(size) - part
+  return {from[1] + along * down[1], from[2] + along * down[2], from[3] + along * down[3]}
+end
+
+-- words: {title =, answer = sentences, down = of a single drop}; fields: {name, unit, array over elements, scale}
+-- each;
 -- moved: displacements of nodes, or nil; drawn: lines and their name, or nil.
 local function write(result, path, words, fields, moved, drawn)
   local mesh = result.mesh
@@ -23,6 +33,8 @@ local function write(result, path, words, fields, moved, drawn)
       values = report.floats(moved:gather(nodes)), field = 0}
   end
   data.lines = drawn and report.lines(drawn.lines)
+  data.rigid = true -- lines do not follow the deformation
+  data.view = words.down and view_along(words.down) or data.view
   return report.page(path, {title = words.title, answer = words.answer, data = data,
     body = drawn and report.legend(drawn) or "", manifest = {version = bw.version(),
       elements = mesh.element_count, modes = result.modes.count},
