@@ -6,11 +6,12 @@ local grids = require "grids"
 local scenario, expect = bw.scenario, bw.scenario.expect
 
 scenario.about {title = "Contact",
-  text = [[Contact without friction beside the closed forms of Hertz (Johnson 1985) and Lamé and a benchmark of
-NAFEMS, and with Coulomb's friction beside those of Cattaneo and Mindlin, of Spence and of a wedge
-([theory](theory/contact.md)).]]}
+  text = [[Contact without friction beside the closed forms of Hertz (Johnson 1985), Lamé and Persson, and with
+Coulomb's friction beside those of Cattaneo and Mindlin, of Spence and of a wedge ([theory](theory/contact.md)).
+Two are benchmarks of NAFEMS. The loaded pin is beside the values of Code_Aster's manual, for large rotations.]]}
 
 local pi, sqrt, exp, cos, sin, tan, abs = math.pi, math.sqrt, math.exp, math.cos, math.sin, math.tan, math.abs
+local log, atan = math.log, math.atan
 local E, nu = 200e9, 0.3
 local steel = bw.material.isotropic {young = E, poisson = nu}
 local modulus = E / (1 - nu ^ 2)
@@ -235,4 +236,143 @@ scenario("Roller on a block (NAFEMS)", function(t)
   -- 10 %: Spence has half-planes. With a sixteenth of the load and a mesh to match it is 3.4 %.
   expect(rough.stick_area / rough.area, "part that sticks with friction 0.1", "-")
     :near(spence(beta, mu), {relative = 0.1, source = "Spence 1975; Johnson 1985, 5.4"})
+end)
+
+--- The contact pressure times radius over the force for each width, by its angle to the force. b is the tangent of
+-- half the angle where contact ends (Persson 1964; Ciavarella and Decuzzi 2001: pin and plate of one material).
+local function persson(b, angle)
+  local y = tan(angle / 2)
+  local s, c = sqrt(math.max(b * b - y * y, 0)), sqrt(1 + b * b)
+  return 2 * s / (pi * c * (1 + y * y)) + log((c + s) / (c - s)) / (2 * pi * b * b * c * c)
+end
+
+--- The modulus (in plane strain, of 1 - nu^2) times the difference of radii over the force for each width.
+local function persson_clearance(b)
+  local sum, steps = 0, 1000
+  for i = 1, steps do
+    local q = pi / 2 * (i - 0.5) / steps
+    local s, c = b * cos(q), sqrt(1 + b * b)
+    sum = sum + log((c + s) / (c - s)) / (1 + (b * sin(q)) ^ 2) * s * pi / steps
+  end
+  return (2 * (1 - b * b) - sum / (pi * (1 + b * b))) / (pi * b * b)
+end
+
+--- The eighth part v of a circle, from the angle k pi / 4 on.
+local function arc(radius, k)
+  return function(v) return radius * cos(pi / 4 * (k + v)), radius * sin(pi / 4 * (k + v)) end
+end
+
+--- A map of the unit box to what lies between two lines, of a width.
+local function between(inner, outer, width, grade)
+  return function(u, v, w)
+    local x, y = inner(v)
+    local X, Y = outer(v)
+    local part = grade and grade(u) or u
+    return {x + part * (X - x), y + part * (Y - y), width * w}
+  end
+end
+
+--- Half of a pin: a square in it, and four eighths around that.
+local function half_pin(cells, radius, width)
+  local c = 0.45 * radius
+  local maps = {}
+  for side = -1, 0 do maps[#maps + 1] = function(u, v, w) return {c * (side + u), c * v, width * w} end end
+  for k, edge in ipairs {
+    function(v) return c, c * v end, function(v) return c * (1 - v), c end,
+    function(v) return -c * v, c end, function(v) return -c, c * (1 - v) end} do
+    maps[#maps + 1] = between(edge, arc(radius, k - 1), width)
+  end
+  return grids.patches({cells, cells, 1}, 2, maps).mesh
+end
+
+--- Half of a pin in half of a plate in plane strain, the force for each width along x on its axis.
+local function loaded_pin(plate, options)
+  local radius, gap, width, force = options.radius, options.gap or 0, options.width, options.force
+  local pin, tags = half_pin(options.cells, radius, width), {}
+  local mesh, first = both(pin, plate)
+  for e = 1, mesh.element_count do tags[e] = e <= pin.element_count and 1 or 2 end
+  mesh = assert(mesh:with_regions(tags, {"pin", "plate"}))
+  local part = bw.model {mesh = mesh, materials = {pin = options.pin, plate = options.plate}}
+  part:slide(mesh.boundary:below("y", 1e-9), {0, 1, 0})
+  part:slide(mesh.boundary:below("z", 1e-9), {0, 0, 1}):slide(mesh.boundary:above("z", width - 1e-9), {0, 0, 1})
+  local face, nodal = {}, {}
+  for side = 1, 2 do
+    face[side] = where(mesh, first, function(x, y, _, of_pin)
+      return of_pin == (side == 1) and abs(sqrt(x * x + y * y) - radius - (side - 1) * gap) < 1e-9
+    end)
+  end
+  for i, p in ipairs(mesh.nodes:totable()) do -- consistent along the axis, which is one edge
+    local on_axis = i <= first and abs(p[1]) + abs(p[2]) < 1e-9
+    local share = on_axis and (abs(p[3] - width / 2) < 1e-9 and 4 / 6 or 1 / 6) or 0
+    nodal[i] = {share * force * width / 2, 0, 0}
+  end
+  part:load {nodal = bw.array.new(nodal)}
+  return part, face, first
+end
+
+for _, fit in ipairs {"clearance", "neat fit"} do
+  scenario("Pin in a plate, " .. fit, function(t)
+    local cells, radius, gap, width, far = 24, 0.05, 5e-5, 0.002, 20
+    local b = 0.5
+    if fit == "neat fit" then -- then the angle does not depend on the force
+      local low, high = 0.5, 1
+      for _ = 1, 50 do
+        b = (low + high) / 2
+        if persson_clearance(b) > 0 then low = b else high = b end
+      end
+      gap = 0
+    end
+    local force = gap > 0 and modulus * gap / persson_clearance(b) or 1e6
+    local maps = {}
+    for k = 0, 3 do
+      maps[k + 1] = between(arc(radius + gap, k), arc(far * radius, k), width, function(u)
+        return (far ^ u - 1) / (far - 1)
+      end)
+    end
+    local part, face = loaded_pin(grids.patches({cells, cells, 1}, 2, maps).mesh,
+      {cells = cells, radius = radius, gap = gap, width = width, force = force, pin = steel, plate = steel})
+    local mesh = part.mesh
+    part:fix(where(mesh, 0, function(x, y) return sqrt(x * x + y * y) > far * radius - 1e-9 end))
+    local contact = t:require(part:contact {{on = face[1], with = face[2]}})
+    local pair, limit, source = contact.pairs[1], 2 * atan(b), "Persson 1964; Ciavarella and Decuzzi 2001"
+    expect(pair.area / width / radius, "angle where contact ends", "rad")
+      :near(limit, {relative = 0.02, source = source})
+    expect(pair.pressure, "largest pressure", "Pa")
+      :near(persson(b, 0) * force / radius, {relative = 0.02, source = source})
+    local found, exact, pressure, nodes = {}, {}, contact.pressure:totable(), mesh.nodes:totable()
+    for _, i in ipairs(face[1].nodes:totable()) do
+      local angle = atan(nodes[i][2], nodes[i][1])
+      if angle < 0.9 * limit then -- two cells from there
+        found[#found + 1], exact[#exact + 1] = pressure[i], persson(b, angle) * force / radius
+      end
+    end
+    expect(found, "pressure within 0.9 of that angle", "Pa"):near(exact, {relative = 0.02, source = source})
+  end)
+end
+
+-- Lengths are those of Altair's OS-V: 0230, the force and plane strain those of Code_Aster's V6.03.156.
+scenario("Loaded pin with friction (NAFEMS)", function(t)
+  local cells, radius, width = 16, 0.05, 0.004
+  local out = 2 * radius -- of the round end; the sheet is fixed twice as far behind the hole
+  local maps = {}
+  for k, edge in ipairs {arc(out, 0), arc(out, 1),
+    function(v) return -out * v, out end, function(v) return -out, out * (1 - v) end} do
+    maps[k] = between(arc(radius, k - 1), edge, width)
+  end
+  maps[5] = function(u, v, w) return {out * (u - 2), out * v, width * w} end
+  local part, face, first = loaded_pin(grids.patches({cells, cells, 1}, 2, maps).mesh,
+    {cells = cells, radius = radius, width = width, force = 20e6,
+      pin = bw.material.isotropic {young = 210e9, poisson = 0.3},
+      plate = bw.material.isotropic {young = 70e9, poisson = 0.3}})
+  local mesh, at = part.mesh, nil
+  part:fix(mesh.boundary:below("x", 1e-9 - 2 * out))
+  for i, p in ipairs(mesh.nodes:totable()) do
+    if i > first and abs(p[1] - radius) + abs(p[2]) + abs(p[3]) < 1e-9 then at = i end
+  end
+  local contact = t:require(part:contact {{on = face[1], with = face[2], friction = 0.1}})
+  local source = "benchmark of Konter 2006 in Code_Aster V6.03.156, model B"
+  expect(contact.static.displacement:totable()[at][1], "displacement of the hole under the pin", "m")
+    :near(0.73616515310581e-3, {relative = 0.02, source = source})
+  expect(contact.static.stress:totable()[at][1], "stress there across the contact", "Pa")
+    :near(-160.40053222751e6, {relative = 0.02, source = source})
 end)
