@@ -14,6 +14,7 @@
 static const double undecided = 1e-9; /* of the stiffest motion */
 static const double large_rotation = 0.05, largest_rotation = 0.2;
 static const double large_displacement = 0.1; /* of the longest side */
+static const double other_pressure = 0.1;     /* of the largest: what round faces may change */
 static const double coarse = 0.25; /* of the elastic displacement: penetration that is too much */
 
 static void contact_destroy(void *object) {
@@ -164,6 +165,8 @@ static void take_gaps(const bwi_contact_problem *c, bw_contact *out) {
       for (int k = 0; k < 3; k++)
         x[k] = mesh->node[3 * (int64_t)i + k] + c->now[3 * (int64_t)i + k];
       double gap = bwi_rigid_gap(out->pair[pair].with, x, normal) - out->pair[pair].interference;
+      if (out->pair[pair].smooth && f % mesh->nodes_per_facet >= 3)
+        gap -= c->rows.height[3 * (int64_t)facet + f % mesh->nodes_per_facet - 3];
       take_gap(c, gap, &out->gap[i]);
       take_gap(c, gap, &out->state[pair].gap);
     }
@@ -290,8 +293,51 @@ static void note(bw_context *context, bwi_text *notes, const char *format, ...) 
   bwi_text_add(notes, text);
 }
 
+/* Pairs whose pressure, or whose gap, would be another between round faces. */
+static bw_status note_flat_facets(bw_context *context, const bwi_contact_problem *c,
+                                  const bw_contact *out, bwi_text *notes) {
+  bw_status status = BW_OK;
+  double *change = BW_NEW(context, double, c->count), *round = BW_NEW(context, double, c->count);
+  BW_TRY_MEMORY(change && round);
+  BW_TRY(bwi_contact_round_pressure(context, c, change, round));
+  for (int pair = 0; pair < out->pair_count; pair++) {
+    double pressure = 0, most = 0, least = INFINITY, flat = out->state[pair].pressure;
+    for (int i = 0; i < c->count; i++) {
+      if (c->rows.of[i] != pair || !(c->rows.area[i] > 0))
+        continue;
+      pressure = fmax(pressure, round[i]);
+      least = fmin(least, c->w[c->rows.first[i]] / c->rows.area[i] + change[i]);
+      if (flat == 0 || fmax(round[i], c->p[c->rows.first[i]]) > 0)
+        most = fmax(most, fabs(change[i]));
+    }
+    if (fabs(pressure - flat) > other_pressure * flat && c->rows.pair[pair].smooth)
+      note(
+          context, notes,
+          "contact pair %d is uncertain: round faces lie so far over its facets that the error "
+          "of their gaps, about %.3g m, changes its largest pressure by %.0f %%: refine the facets",
+          pair + 1, most, 100 * fabs(pressure - flat) / flat);
+    else if (fabs(pressure - flat) > other_pressure * flat)
+      note(context, notes,
+           "contact pair %d is uncertain: its facets are flat where faces are round, which changes "
+           "gaps by up to %.3g m and its largest pressure by %.0f %% or more: set `smooth` of the "
+           "pair, or give a mesh with curved elements",
+           pair + 1, most, 100 * fabs(pressure - flat) / flat);
+    else if (flat == 0 && least < -c->rounded)
+      note(context, notes,
+           "contact pair %d is uncertain: its facets are flat where faces are round, and stay "
+           "open. Round faces touch: their gap is %.3g m less somewhere. Set `smooth` of the "
+           "pair, or give a mesh with curved elements",
+           pair + 1, most);
+  }
+done:
+  bw_free(change);
+  bw_free(round);
+  return status;
+}
+
 /* What the result leaves undecided, and where it is out of the range of the theory. */
 static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, bw_contact *out) {
+  bw_status status = BW_OK;
   const bw_dof_map *dof_map = c->system->dof_map;
   bwi_text notes = {.context = context};
   double side = 0, min[3], max[3];
@@ -315,6 +361,7 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
           "by %.3g m: its facets are too large for what it touches. Refine them",
           i + 1, out->state[i].penetration, c->elastic);
   }
+  BW_TRY(note_flat_facets(context, c, out, &notes));
   for (int i = 0; i < out->pair_count && !c->finite; i++) {
     double slid = out->pair[i].with ? 0 : bwi_contact_rows_slid(&c->rows, i, c->p, c->now);
     if (slid > c->facet)
@@ -333,14 +380,12 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
   for (int32_t b = 0; b < dof_map->mesh->component_count; b++) {
     double rotation = body_rotation(c, b);
     out->rotation = fmax(out->rotation, rotation);
-    if (c->finite && rotation > largest_rotation) {
-      bw_free(notes.bytes);
-      return bw_fail(
+    if (c->finite && rotation > largest_rotation)
+      BW_TRY(bw_fail(
           context, BW_LIMIT,
           "body %d rotates by %.2g rad, and finite sliding allows %g: turn the body in the mesh, "
           "or support it against turning",
-          b + 1, rotation, largest_rotation);
-    }
+          b + 1, rotation, largest_rotation));
     if (rotation > large_rotation)
       note(context, &notes,
            "body %d rotates by %.2g rad on its contact. Rotations are taken as small%s: points at "
@@ -353,7 +398,11 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
          "beyond the range of linear theory",
          c->elastic);
   out->notes = notes.bytes;
-  return notes.failed ? BW_MEMORY : BW_OK;
+  notes.bytes = NULL;
+  BW_TRY_MEMORY(!notes.failed);
+done:
+  bw_free(notes.bytes);
+  return status;
 }
 
 bw_status bwi_contact_take_result(bw_context *context, bwi_contact_problem *c,
@@ -373,9 +422,10 @@ bw_status bwi_contact_take_result(bw_context *context, bwi_contact_problem *c,
   BW_TRY_MEMORY(force && out->pair && out->state && out->pressure && out->gap);
   out->pair_count = c->rows.pair_count;
   for (int i = 0; i < out->pair_count; i++)
-    out->pair[i] = (bw_contact_pair){bw_retain(c->rows.pair[i].on), bw_retain(c->rows.pair[i].with),
-                                     bw_retain(c->rows.pair[i].against),
-                                     c->rows.pair[i].interference, c->rows.pair[i].friction};
+    out->pair[i] =
+        (bw_contact_pair){bw_retain(c->rows.pair[i].on),      bw_retain(c->rows.pair[i].with),
+                          bw_retain(c->rows.pair[i].against), c->rows.pair[i].interference,
+                          c->rows.pair[i].friction,           c->rows.pair[i].smooth};
   BW_TRY(take_solution(context, c, out));
   BW_TRY(take_undetermined(context, c, out));
   take_pressure(c, force, out);

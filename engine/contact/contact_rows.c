@@ -163,11 +163,15 @@ bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int 
   rows->of = BW_NEW(context, int32_t, 3 * facets);
   rows->area = BW_NEW0(context, double, 3 * facets);
   rows->point = BW_NEW(context, bwi_contact_point, points);
-  BW_TRY_MEMORY(rows->first && rows->tangent && rows->node && rows->of && rows->area &&
-                rows->point);
+  rows->height = BW_NEW0(context, double, 3 * (int64_t)mesh->facet_count);
+  BW_TRY_MEMORY(rows->height && rows->first && rows->tangent && rows->node && rows->of &&
+                rows->area && rows->point);
   for (int i = 0; i < pair_count; i++) {
     int64_t first = rows->point_count;
     BW_TRY(add_points(context, rows, i));
+    BW_TRY(bwi_contact_take_heights(context, mesh, pair[i].on, rows->height));
+    if (pair[i].against)
+      BW_TRY(bwi_contact_take_heights(context, mesh, pair[i].against, rows->height));
     number_corners(rows, i, first, number);
   }
   for (int32_t i = 0; i < rows->count; i++)
@@ -194,6 +198,7 @@ void bwi_contact_rows_clear(bwi_contact_rows *rows) {
   bw_free(rows->area);
   bw_free(rows->whole);
   bw_free(rows->point);
+  bw_free(rows->height);
   bw_free(rows->touching);
   bw_free(rows->start);
   bw_free(rows->column);
@@ -428,6 +433,8 @@ bw_status bwi_contact_rows_linearise(bw_context *context, bwi_contact_rows *rows
     } else
       point->gap = point->apart + (rows->finite ? 0 : bw_dot(point->normal, x));
     point->gap -= pair->interference;
+    if (pair->smooth)
+      point->gap += bwi_contact_smoothing(rows->mesh, rows->height, point);
     if (point->area == 0)
       point->gap = 0;
     for (int k = 0; k < 3; k++)

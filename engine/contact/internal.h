@@ -60,6 +60,7 @@ typedef struct bwi_contact_rows {
       *tangent; /* (count x 6) two of each, of length 1 and orthogonal; unused without friction */
   int64_t point_count;
   bwi_contact_point *point;
+  double *height;    /* (facet_count of the mesh x 3) of round faces over the facets' edges */
   int64_t *touching; /* (3 x point_count) 3 x point + corner, by candidates */
   int64_t *start;    /* (row_count + 1) entries of each row of B: */
   int32_t *column;   /* a node, */
@@ -92,6 +93,16 @@ double bwi_contact_rows_slid(const bwi_contact_rows *rows, int pair, const doubl
 bw_status bwi_contact_find_opposite(bw_context *context, const bw_mesh *mesh,
                                     const bw_contact_pair *pair, bool moved, int64_t count,
                                     bwi_contact_point *point);
+
+/* ---- smooth_faces.c -------------------------------------------------------------------------- */
+
+/* The heights (m) of round faces over the middles of the edges of the facets of a selection, edge
+ * k from corner k to the next, outward: into `height` (facet_count of the mesh x 3). */
+bw_status bwi_contact_take_heights(bw_context *context, const bw_mesh *mesh, const bw_selection *on,
+                                   double *height);
+/* (m) By how much the gap at a point is larger between round faces. */
+double bwi_contact_smoothing(const bw_mesh *mesh, const double *height,
+                             const bwi_contact_point *point);
 
 /* ---- complementarity.c ----------------------------------------------------------------------- */
 
@@ -227,6 +238,15 @@ bw_status bwi_contact_measure_all(bw_context *context, bwi_contact_problem *prob
 bw_status bwi_contact_take_deepest(bw_context *context, bwi_contact_problem *problem, int *added);
 /* S about the present normals, of the candidates with pressure alone. */
 bw_status bwi_contact_renew(bw_context *context, bwi_contact_problem *problem);
+
+/* ---- smooth_faces.c -------------------------------------------------------------------------- */
+
+/* Of the largest displacement by the pressure: changes of gaps that are looked at. */
+#define BWI_CONTACT_ROUNDS 0.01
+/* The pressures (Pa, count) on the working set were facets round, with friction as it is, and the
+ * mean changes of gaps (m, count). BW_CONVERGENCE as bwi_complementarity_solve. */
+bw_status bwi_contact_round_pressure(bw_context *context, const bwi_contact_problem *c,
+                                     double *change, double *pressure);
 
 /* ---- contact_result.c ------------------------------------------------------------------------ */
 

@@ -142,6 +142,7 @@ static bw_contact_pair read_pair(lua_State *L, int i) {
       {"with", LBW_OTHER, 0},
       {"interference", LBW_REAL, offsetof(bw_contact_pair, interference)},
       {"friction", LBW_REAL, offsetof(bw_contact_pair, friction)},
+      {"smooth", LBW_BOOLEAN, offsetof(bw_contact_pair, smooth)},
       {NULL, LBW_OTHER, 0}};
   char function[40];
   bw_contact_pair pair = {0};

@@ -661,6 +661,7 @@ function Model:contact(pairs, options) end
 ---@field with bw.RigidSurface|bw.Selection what they may touch; of facets those that they face in the undeformed mesh
 ---@field interference? number (m) by which gaps are smaller than in the mesh, as of a press fit; negative: larger. Default: 0
 ---@field friction? number (-) Coulomb's coefficient of friction. Range: 0 to 100. Default: 0
+---@field smooth? boolean gaps are those between round faces through the corners of the facets; normals that differ by less than 35 degrees are of one face. Default: false, as the facets are
 
 ---How contact is found.
 ---@class bw.ContactOptions

@@ -46,6 +46,9 @@ typedef struct bw_contact_pair {
   const bw_selection *against;  /* retained by results; else: with facets that face those of `on` */
   double interference; /* (m) by which gaps are smaller than in the mesh, any sign; default 0 */
   double friction;     /* (-) Coulomb's coefficient of friction, 0 to 100; default 0 */
+  bool smooth; /* gaps are those between round faces through the corners, whose normals are means
+                  over the facets of a selection that differ by less than 35 degrees; default
+                  false: as the facets are */
 } bw_contact_pair;
 /* A body in contact. It does not change. */
 typedef struct bw_contact bw_contact;
