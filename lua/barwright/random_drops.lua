@@ -2,6 +2,7 @@
 -- Drops in time of random attitudes from one factor and one set of modes: how likely each place is to break.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
+local has_strength = require "barwright.has_strength"
 local obstacle = require "barwright.obstacle"
 local options = require "barwright.options"
 local random = require "barwright.study.random"
@@ -61,7 +62,7 @@ end
 function random_drops.analyse(part, given)
   options.object("random_drops", "part", part, "model")
   local opts = options.read("random_drops", given, rules)
-  if not part.material.strength then
+  if not has_strength(part.material) then
     core.raise "random_drops: the strength of the material is not known: give one, or take part:drop"
   end
   if opts.onto and opts.onto.placed then

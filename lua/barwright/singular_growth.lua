@@ -65,6 +65,11 @@ function growth.check(places, at, radius, measured, grows)
     finding)
 end
 
+--- The finding that materials meet at the surface at a point: whether the stress grows there is not known.
+function growth.meeting(at)
+  return setmetatable({by = "materials", at = at}, finding)
+end
+
 local function describe(self)
   local place = self.place
   if not place then return "no re-entrant edge, support border or point load is known there" end
@@ -73,6 +78,10 @@ local function describe(self)
 end
 
 function finding:__tostring()
+  if self.by == "materials" then
+    return ("the largest stress may have no finite value: different materials meet at the surface at %s"):format(
+      core.point(self.at))
+  end
   local rates = {}
   if self.expected then rates[1] = ("h^%.4g expected"):format(-self.expected) end
   if self.measured then rates[#rates + 1] = ("h^%.2g measured"):format(-self.measured) end

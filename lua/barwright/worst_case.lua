@@ -6,6 +6,7 @@
 local arguments = require "barwright.arguments"
 local certificate = require "barwright.certificate"
 local core = require "barwright.core"
+local has_strength = require "barwright.has_strength"
 local judged_stress = require "barwright.judged_stress"
 local load_limits = require "barwright.load_limits"
 local options = require "barwright.options"
@@ -73,14 +74,6 @@ local function source(self, weak, origins, i)
   local found = origins[i]
   return {origin = found.origin, target = found.target, from = found.from, elements = found.elements or 1,
     volume = found.volume or self.mesh.volumes[found.target], label = labels[found.origin]:format(found.target)}
-end
-
--- Whether stress over strength is known everywhere. Of several materials each has its own.
-local function has_strength(material)
-  for _, part in ipairs(material.parts or {material}) do
-    if not part.strength then return false end
-  end
-  return true
 end
 
 local function region_list(self, weak, loads, origins)

@@ -7,6 +7,7 @@ local commands = require "barwright.command"
 local arguments = require "barwright.command.arguments"
 local help_text = require "barwright.command.help_text"
 local lengths = require "barwright.command.lengths"
+local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local places = require "barwright.command.places"
 local static_picture = require "barwright.command.static_picture"
@@ -90,9 +91,9 @@ describe("numbers and words in sentences", function()
     assert.equal("123 kN (99 to 2000 kN)", shown.interval(123400, 99e3, 2e6, "N"))
     assert.equal("(0, 0, -10) N", shown.vector({-0.0, 0, -10}, "N"))
     assert.equal("45 x 64.94 x 13 mm", shown.size {0.045, 0.06494, 0.013})
-    assert.equal("pla", model.material_text {material = "pla"})
-    assert.equal("pla with the given strength and density", model.material_text {material = "pla", strength = 1e6,
-      density = 1000})
+    local pla = {default = bw.material.pla, named = {}}
+    assert.equal("pla", made_of.text(pla, {}))
+    assert.equal("pla with the given strength and density", made_of.text(pla, {strength = 1e6, density = 1000}))
     for verdict, pair in pairs {holds = {0.5, 0.9}, breaks = {4, 0.5}, unsure = {0.5, 1.1}} do
       assert.equal(verdict, (model.verdict(table.unpack(pair))))
     end
@@ -958,17 +959,6 @@ describe("commands that compute", function()
     assert.equal(object.steps[#object.steps].estimated_error, object.estimated_error)
     assert.equal(object.reason == "tolerance", object.converged)
     check.near(0.01, object.supported_area_m2, 1e-9)
-  end)
-
-  it("says that the regions of a mesh are taken as one material", function()
-    local mesh = assert(bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 1, 1}}:split("x < 0.05", "grip"))
-    assert(mesh:write(folder .. "regions.msh"))
-    local words = "modes " .. folder .. "regions.msh --count 1 --material steel"
-    local _, out = check.run(words)
-    assert.truthy(out:find("The regions rest, grip are all taken as steel; in Lua bw.model {materials = ...} "
-      .. "gives each its own.", 1, true), out)
-    local _, object = answer(words)
-    assert.same({"rest", "grip"}, object.regions)
   end)
 
   it("modes has the frequencies of a beam, free and constrained", function()

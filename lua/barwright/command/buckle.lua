@@ -4,6 +4,7 @@ local bw = require "barwright"
 local buckle_page = require "barwright.command.buckle_page"
 local buckle_worst = require "barwright.command.buckle_worst"
 local loads_of = require "barwright.command.loads"
+local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
@@ -14,9 +15,9 @@ local MIN_ERROR = 0.02
 
 local function analyse(opts, loads, out)
   if opts.threads then bw.threads(opts.threads) end
-  local mesh, material, read = model.body(opts, out)
-  if not mesh then return nil, material, read end
-  local part, message, details = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, loads, out)
+  local mesh, read, why = model.body(opts, out)
+  if not mesh then return nil, read, why end
+  local part, message, details = loads_of.set_up(model.part(read, mesh, opts), opts, loads, out)
   if not part then return nil, message, details end
   out:json {supported_area_m2 = message}
   local static, buckling, errors
@@ -28,7 +29,8 @@ local function analyse(opts, loads, out)
   if not buckling then return nil, message, details end
   errors, message, details = buckling:error_estimate()
   if not errors then return nil, message, details end
-  return {static = static, buckling = buckling, errors = errors:totable()}
+  return {static = static, buckling = buckling, errors = errors:totable(),
+    governing = made_of.governing(read.made, part, static.utilisation)}
 end
 
 local load_words = {positive = "this load", negative = "the reversed load",
@@ -62,12 +64,12 @@ local function report(found, opts, out)
     say("  %2d. %10s, about %s too large in size", i, shown.number(factor), shown.error(errors[i]))
   end
   say("With these errors, or %s where that is more, %s.", shown.error(MIN_ERROR), words)
-  local material, used = found.static.material, nil
-  if material.strength and buckling.factor then
-    used = found.static.utilisation:max() * buckling.factor
+  local governing, used = found.governing, nil
+  if governing and buckling.factor then
+    used = governing.used * buckling.factor
     if used > 1 then
-      say("The stress at the first factor is %s of the strength, error unknown: the material may fail before.",
-        shown.percent(used))
+      say("The stress at the first factor is %s of the strength of %s, error unknown: the material may fail "
+        .. "before.", shown.percent(used), made_of.governing_text(governing))
     end
   end
   say(buckling.counted and "A count of the load factors confirms that none is missing."
@@ -75,7 +77,7 @@ local function report(found, opts, out)
   say "Linear theory: loads keep their directions, and shape and supports are perfect."
   out:json {verdict = verdict, load_factors = bw.json.list(factors), load_factor = buckling.factor,
     errors = bw.json.list(errors), counted = buckling.counted, searched = buckling.searched,
-    utilisation_at_factor = used, fix = bw.json.list(opts.fix), material = opts.material,
+    utilisation_at_factor = used, governing_region = used and governing.region, fix = bw.json.list(opts.fix),
     solver = buckling.report.solver}
   return verdict, words, sentences
 end
@@ -104,7 +106,7 @@ local function run_worst(opts, out)
 end
 
 local options = {
-  model.material_option,
+  made_of.option,
   {name = "count", value = "N", type = "integer", default = 4, min = 1, max = 500, what = "how many factors"},
   {name = "sign", value = "positive|negative|either", type = "string", default = "positive",
     one_of = {"positive", "negative", "either"},

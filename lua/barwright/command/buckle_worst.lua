@@ -44,9 +44,9 @@ end
 --- The worst load of a part and its error, or nil, message, details.
 function buckle_worst.analyse(opts, out)
   if opts.threads then bw.threads(opts.threads) end
-  local mesh, material, read = model.body(opts, out)
-  if not mesh then return nil, material, read end
-  local part, message, details = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, {}, out)
+  local mesh, read, why = model.body(opts, out)
+  if not mesh then return nil, read, why end
+  local part, message, details = loads_of.set_up(model.part(read, mesh, opts), opts, {}, out)
   if not part then return nil, message, details end
   out:json {supported_area_m2 = message}
   local forbidden
@@ -127,7 +127,7 @@ function buckle_worst.report(worst, opts, min_error, out)
     errors = bw.json.list {worst.mesh_error}, counted = worst.counted, force_n = opts.worst,
     buckling_force_n = factor and math.abs(factor) * opts.worst, contact_m2 = opts.contact,
     friction = opts.friction, forbid = bw.json.list(opts.forbid), fix = bw.json.list(opts.fix),
-    material = opts.material, analyses = worst.analyses}
+    analyses = worst.analyses}
   return verdict, says, sentences
 end
 

@@ -4,6 +4,7 @@ local bw = require "barwright"
 local core = require "barwright.core"
 local drop_page = require "barwright.command.drop_page"
 local growth = require "barwright.singular_growth"
+local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local obstacle = require "barwright.obstacle"
 local output = require "barwright.command.output"
@@ -76,8 +77,8 @@ local function damping_of(opts)
 end
 
 -- `count`: of modes; chosen if left out.
-local function drop_of(mesh, material, opts, given, count)
-  local part = bw.model {mesh = mesh, material = material}
+local function drop_of(read, mesh, opts, given, count)
+  local part = model.part(read, mesh, opts)
   local modes, drop, message, details
   if count then
     modes, message, details = model.try(part.modes, part, {count = count})
@@ -105,22 +106,26 @@ local function centre_of(mesh, element)
   return at
 end
 
--- The largest stress of elements that a mask of 0 and 1 has.
-local function largest(drop, mask)
-  local stress = drop.max_principal * mask
-  local element = stress:argmax()
+-- The stress that governs among the elements that a mask of 0 and 1 has: the largest one, of several materials the
+-- one that is nearest to its strength.
+local function largest(drop, part, read, mask)
+  local stress, governing = drop.max_principal * mask, nil
+  local used = drop.utilisation and drop.utilisation * mask
+  if used then governing = made_of.governing(read.made, part, used) end
+  local element = governing and governing.region and governing.element or stress:argmax()
   return {stress = stress[element], at = centre_of(drop.mesh, element), elements = drop.mesh.element_count,
-    used = drop.utilisation and (drop.utilisation * mask):max()}
+    used = used and used:max(), governing = governing}
 end
 
 -- The largest stress within `reach` of the obstacle, and that of the rest. The reach is an element of this mesh,
 -- or that of a finer one which it is compared with.
-local function measure(drop, reach)
+local function measure(drop, part, read, reach)
   reach = reach or growth.edge_length(drop.mesh, drop.impacts[1].place)
   local near = distances(drop):map("a <= h", {h = reach})
   local impact, energy = drop.impacts[1], drop.motion_energy
-  return {touch = largest(drop, near), rest = largest(drop, near:map "1 - a"), reach = reach, force = impact.force,
-    duration = impact.duration, impulse = impact.impulse, motion = energy[#energy] / drop.initial_energy}
+  return {touch = largest(drop, part, read, near), rest = largest(drop, part, read, near:map "1 - a"),
+    reach = reach, force = impact.force, duration = impact.duration, impulse = impact.impulse,
+    motion = energy[#energy] / drop.initial_energy}
 end
 
 -- The relative error of a value by those of the drops on a coarser mesh, with all modes and with half of them.
@@ -163,7 +168,10 @@ local function body(opts, out)
 end
 
 local function of_strength(place)
-  return place.used and (", %s of the strength"):format(shown.percent(place.used)) or ""
+  if not place.used then return "" end
+  local governing = place.governing
+  return (", %s of the strength%s"):format(shown.percent(place.used), governing and governing.region
+    and " of " .. made_of.governing_text(governing) or "")
 end
 
 local function state_assumptions(opts, onto, unknown, say)
@@ -181,17 +189,18 @@ local function fail(out, message, details, options)
 end
 
 local function run_one(opts, given, out)
-  local mesh, material, read = body(opts, out)
-  if not mesh then return out:fail(material, read) end
-  local drop, message, details, part = drop_of(mesh, material, opts, given)
+  local mesh, read, why = body(opts, out)
+  if not mesh then return out:fail(read, why) end
+  local drop, message, details, part = drop_of(read, mesh, opts, given)
   out:warnings()
   if not drop then return fail(out, message, details, "give fewer --elements, or tilt the part by --down") end
-  local found = measure(drop)
+  local found = measure(drop, part, read)
   local coarse = model.on_coarser(read, opts, 2, function(coarser)
     local count = drop.modes.count
-    local same = drop_of(coarser, material, opts, given, count)
-    local half = same and drop_of(coarser, material, opts, given, math.max(1, count // 2))
-    return half and {same = measure(same, found.reach), half = measure(half, found.reach)}
+    local same, _, _, other = drop_of(read, coarser, opts, given, count)
+    local half = same and drop_of(read, coarser, opts, given, math.max(1, count // 2))
+    return half and {same = measure(same, other, read, found.reach),
+      half = measure(half, other, read, found.reach)}
   end)
   local verdict, words = assess(found, coarse, part, read)
   local impact, touch, rest = drop.impacts[1], found.touch, found.rest
@@ -211,7 +220,8 @@ local function run_one(opts, given, out)
   say("The impact lasts %s (%s).", shown.estimate(impact.duration, "s"), texts.duration)
   say("The largest force is %s (%s).", shown.estimate(impact.force, "N"), texts.force)
   say("The impulse is %s (%s).", shown.estimate(impact.impulse, "N s"), texts.impulse)
-  say("The largest principal stress is %s at %s, within an element of what touches%s: %s.",
+  say("The %s is %s at %s, within an element of what touches%s: %s.", part.material.parts
+    and "principal stress nearest to its strength" or "largest principal stress",
     shown.estimate(touch.stress, "Pa"), core.point(touch.at), of_strength(touch),
     touch.grows and (coarse and "it depends on the mesh" or "it may depend on the mesh")
     or error_text(touch.error))
@@ -236,6 +246,7 @@ local function run_one(opts, given, out)
   state_assumptions(opts, given.onto, "the stress between samples", say)
   local function place_of(place)
     return {stress_pa = place.stress, at_m = place.at, utilisation = place.used, verdict = place.verdict,
+      region = place.governing and place.governing.region,
       estimated_error = coarse and place.error or nil, depends_on_mesh = place.grows}
   end
   out:json {verdict = verdict, value = drop.peak.stress, quantity = "largest principal stress, Pa",
@@ -246,7 +257,7 @@ local function run_one(opts, given, out)
     speed_m_s = drop.speed, height_m = opts.height, down = given.down, spin_rad_s = given.spin,
     peg_m = opts.peg, edge_m = opts.edge, obstacle_depth_m = given.onto and drop.obstacle_depth,
     energy_j = drop.initial_energy, energy_error = drop.energy_error, modes = drop.modes.count,
-    damping_ratio = opts.damping, material = opts.material, singular = found.singular ~= nil}
+    damping_ratio = opts.damping, singular = found.singular ~= nil}
   local title = ("%s: dropped from %s; %s"):format(model.name(opts.model), core.quantity(opts.height, "m"), words)
   local failed = out:write_files {{opts.csv, function() return drop:write_history(opts.csv) end},
     {opts.vtu, function() return drop:write(opts.vtu) end},
@@ -260,9 +271,9 @@ local function run_one(opts, given, out)
 end
 
 local function run_many(opts, given, out)
-  local mesh, material, read = body(opts, out)
-  if not mesh then return out:fail(material, read) end
-  local part = bw.model {mesh = mesh, material = material}
+  local mesh, read, why = body(opts, out)
+  if not mesh then return out:fail(read, why) end
+  local part = model.part(read, mesh, opts)
   local drops, message, details = model.try(bw.random_drops, part, {drops = opts.drops, seed = opts.seed,
     height = opts.height, onto = given.onto, damping = damping_of(opts)})
   out:warnings()
@@ -278,8 +289,10 @@ local function run_many(opts, given, out)
   if drops.misses > 0 then say("Of the drops, %d miss the obstacle and do no harm.", drops.misses) end
   say("That is the error of their number. The error of the mesh is unknown: one mesh.")
   if p > 0 then
-    say("Most often overloaded: %s, in %s of the drops. Within an element of a touching node that depends on "
-      .. "the mesh.", core.point(at), shown.percent(drops.exceedance[element]))
+    local region = made_of.region_of(part, element)
+    say("Most often overloaded: %s%s, in %s of the drops. Within an element of a touching node that depends on "
+      .. "the mesh.", core.point(at), region and " in region " .. region or "",
+      shown.percent(drops.exceedance[element]))
   end
   -- of those that hit
   local shortest = drops.durations:map("a + m * (a == 0)", {m = drops.durations:max()}):min()
@@ -296,7 +309,7 @@ local function run_many(opts, given, out)
     shortest_duration_s = shortest, misses = drops.misses, peg_m = opts.peg,
     edge_m = opts.edge, longest_duration_s = drops.durations:max(), energy_error = drops.energy_error,
     modes = drops.modes.count, damping_ratio = opts.damping,
-    material = opts.material}
+    region = p > 0 and made_of.region_of(part, element) or nil}
   local title = ("%s: overloaded in %s of %s from %s"):format(model.name(opts.model), shown.percent(p),
     model.count(drops.drops, "random drop"), core.quantity(opts.height, "m"))
   local failed = out:write_files {{opts.vtu, function() return drops:write(opts.vtu) end},
@@ -308,7 +321,7 @@ local function run_many(opts, given, out)
 end
 
 local options = {
-  model.material_option,
+  made_of.option,
   {name = "height", value = "HEIGHT", type = "number", unit = "m", default = 1, above = 0,
     what = "how far it falls until it touches"},
   {name = "down", value = "X,Y,Z", what = "where it falls, in the axes of the file; 0,0,-1 if left out"},
@@ -335,7 +348,7 @@ local options = {
     what = "write a page with a 3D view of the same, which opens from disk"},
   model.threads_option,
 }
-table.move(model.value_options, 1, #model.value_options, #options + 1, options)
+table.move(made_of.value_options, 1, #made_of.value_options, #options + 1, options)
 
 return {
   summary = "how hard a part hits a rigid floor, edge or peg, and how it is stressed",

@@ -2,6 +2,7 @@
 -- barwright heat MODEL: how warm the part gets in the steady state.
 local bw = require "barwright"
 local core = require "barwright.core"
+local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
@@ -97,8 +98,8 @@ local function select_places(mesh, given)
 end
 
 -- The steady state on a mesh with conditions on selections. Of the power in the volume it is the last condition.
-local function solve(mesh, material, opts, given, selections)
-  local heat, message, details = model.try(bw.heat, {mesh = mesh, material = material})
+local function solve(mesh, made, opts, given, selections)
+  local heat, message, details = model.try(made_of.make, made, bw.heat, mesh)
   if not heat then return nil, message, details end
   for i, condition in ipairs(given) do
     local on = selections[i]
@@ -135,14 +136,14 @@ end
 
 -- The errors of the places, added to those by heat: facets do not fill a place, and those that lie in it partly
 -- change the solution by so much, in proportion to their share.
-local function place_error(coarse, material, opts, given, selections, heat_error)
+local function place_error(coarse, made, opts, given, selections, heat_error)
   local sum = 0
   for i, condition in ipairs(given) do
     local wider, share = places.wider(coarse.mesh, condition.place, selections[i])
     if wider then
       local changed = table.move(selections, 1, #selections, 1, {})
       changed[i] = wider
-      local other, message, details = solve(coarse.mesh, material, opts, given, changed)
+      local other, message, details = solve(coarse.mesh, made, opts, given, changed)
       if not other then return nil, message, details end
       local temperature, heat = difference(coarse, other)
       sum = sum + share * temperature
@@ -160,38 +161,46 @@ local function with_conductivity(material, conductivity)
     conductivity = conductivity}
 end
 
+-- What the part is made of, with the conductivity that is given; or nil and a sentence.
+local function conducting(made, opts)
+  if opts.conductivity then return {default = with_conductivity(made.default, opts.conductivity), named = {}} end
+  for _, material in ipairs(made_of.materials(made)) do
+    if not material.conductivity then
+      return nil, ("the conductivity of %s is not known: give %s"):format(material.name,
+        #made.named == 0 and "it by --conductivity" or "another material")
+    end
+  end
+  return made
+end
+
 local function analyse(opts, given, out)
   if opts.threads then bw.threads(opts.threads) end
-  local mesh, material, read = model.body(setmetatable({order = 2}, {__index = opts}), out)
-  if not mesh then return nil, material, read end
-  if opts.conductivity then
-    material = with_conductivity(material, opts.conductivity)
-  elseif not material.conductivity then
-    return nil, ("the conductivity of %s is not known: give it by --conductivity"):format(opts.material),
-      {status = "invalid"}
-  end
-  local selections, solution, message, details
+  local mesh, read, details = model.body(setmetatable({order = 2}, {__index = opts}), out)
+  if not mesh then return nil, read, details end
+  local made, message = conducting(read.made, opts)
+  if not made then return nil, message, {status = "invalid"} end
+  local selections, solution
   selections, message, details = select_places(mesh, given)
   if not selections then return nil, message, details end
   for i, condition in ipairs(given) do
     out:say("Condition at %s (%s): %s %s.", condition.place, core.quantity(selections[i].area, "m2"),
       condition.kind, condition.text)
   end
-  solution, message, details = solve(mesh, material, opts, given, selections)
+  solution, message, details = solve(mesh, made, opts, given, selections)
   out:warnings()
   if not solution then return nil, message, details end
   -- Linear elements of the same mesh have larger errors: the difference is about theirs.
   local linear = mesh:with_order(1)
   local on_linear = select_places(linear, given)
   local coarse
-  coarse, message, details = solve(linear, material, opts, given, on_linear)
+  coarse, message, details = solve(linear, made, opts, given, on_linear)
   if not coarse then return nil, message, details end
   local by_elements, heat_error = difference(solution, coarse)
   local by_places
-  by_places, message, details = place_error(coarse, material, opts, given, on_linear, heat_error)
+  by_places, message, details = place_error(coarse, made, opts, given, on_linear, heat_error)
   bw.warnings() -- those of the quadratic elements are shown
   if not by_places then return nil, message, details end
-  return {mesh = mesh, material = material, solution = solution, heat_error = heat_error, by_places = by_places,
+  return {mesh = mesh, made = made, solution = solution, heat_error = heat_error, by_places = by_places,
     estimated = by_elements + by_places}
 end
 
@@ -203,12 +212,16 @@ local function judge(highest, estimated, limit)
 end
 
 -- The conductivity in words: "50 W/(m K), as given", "0.13 W/(m K), that of pla".
-local function conductivity_text(material, opts)
-  local value, list = material.conductivity, {}
-  for i, each in ipairs(type(value) == "number" and {value} or {value[1], value[2], value[3]}) do
-    list[i] = core.quantity(each, "W/(m K)")
+local function conductivity_text(made, opts)
+  local texts = {}
+  for k, material in ipairs(made_of.materials(made)) do
+    local value, list = material.conductivity, {}
+    for i, each in ipairs(type(value) == "number" and {value} or {value[1], value[2], value[3]}) do
+      list[i] = core.quantity(each, "W/(m K)")
+    end
+    texts[k] = table.concat(list, ", ") .. (opts.conductivity and ", as given" or ", that of " .. material.name)
   end
-  return table.concat(list, ", ") .. (opts.conductivity and ", as given" or ", that of " .. opts.material)
+  return table.concat(texts, "; ")
 end
 
 -- Below this fraction of the temperature its differences are rounding (-).
@@ -243,11 +256,11 @@ local function report(found, given, opts, out)
     out:say("Estimated error of the flux, over all of the part: %s.", shown.error(flux_error))
   end
   out:say("Steady state: the conductivity is %s, and surfaces do not see each other.",
-    conductivity_text(found.material, opts))
+    conductivity_text(found.made, opts))
   out:json {verdict = verdict, value = highest, quantity = "highest temperature, K", estimated_error_k = estimated,
     place_error_k = found.by_places, at_m = at, lowest_k = lowest, limit_k = given.limit, heat_in = gained,
-    imbalance_w = solution.imbalance, flux_error = flux_error, material = opts.material,
-    conductivity = found.material.conductivity}
+    imbalance_w = solution.imbalance, flux_error = flux_error,
+    conductivity = #found.made.named == 0 and found.made.default.conductivity or nil}
   return verdict
 end
 
@@ -260,7 +273,7 @@ return {
       .. "leaves it open"),
   arguments = {model.body_argument},
   options = {
-    model.material_option,
+    made_of.option,
     {name = "conductivity", value = "NUMBER", type = "number", above = 0,
       what = "thermal conductivity, in W/(m K), in place of the material's"},
     {name = "temperature", value = "PLACE=TEMPERATURE", many = true, what = "a place is held at a temperature"},

@@ -55,7 +55,7 @@ function help_text.notes(rule, is_argument)
     for i, word in ipairs(rule.one_of) do words[i] = tostring(word) end
     notes[#notes + 1] = table.concat(words, ", ")
   end
-  if rule.default ~= nil and rule.type ~= "flag" and not rule.many then
+  if rule.default ~= nil and rule.type ~= "flag" then
     local words = {}
     for i, value in ipairs(type(rule.default) == "table" and rule.default or {rule.default}) do
       words[i] = type(value) == "number" and quantity.text(value, rule.unit) or tostring(value)

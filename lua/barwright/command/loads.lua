@@ -80,7 +80,7 @@ function loads.set_up(part, opts, given, out)
   end
   if given.gravity then
     if not part.material.density then
-      return nil, "the density of the material is not known", {status = "invalid"}
+      return nil, ("the density of %s is not known"):format(part.material.name), {status = "invalid"}
     end
     part:gravity(given.gravity)
     out:say("Load applied to the whole part: gravity %s.", shown.vector(given.gravity, "m/s2"))

@@ -5,6 +5,8 @@ local bw = require "barwright"
 local core = require "barwright.core"
 local growth = require "barwright.singular_growth"
 local lengths = require "barwright.command.lengths"
+local made_of = require "barwright.command.made_of"
+local distance = require("barwright.points").distance
 local shown = require "barwright.shown"
 local writable = require "barwright.writable"
 
@@ -50,41 +52,6 @@ end
 
 --- The solver that the options ask for; nil: it is chosen.
 function model.solver(opts) return solvers[opts.solver]() end
-
---- Materials by name.
-model.material_option = {name = "material", value = "NAME", default = "pla", one_of = bw.material.names(),
-  what = "what it is made of; `barwright materials` lists them"}
-
---- Values that replace those of the named material.
-model.value_options = {
-  {name = "young", value = "MODULUS", type = "number", unit = "Pa", above = 0,
-    what = "Young's modulus, instead of the material's"},
-  {name = "poisson", value = "RATIO", type = "number", min = 0, max = 0.499,
-    what = "Poisson's ratio, instead of the material's"},
-  {name = "strength", value = "STRESS", type = "number", unit = "Pa", above = 0,
-    what = "the stress at which it fails, instead of the material's"},
-  {name = "density", value = "DENSITY", type = "number", unit = "kg/m3", above = 0,
-    what = "the density, instead of the material's"},
-  {name = "toughness", value = "K_IC", type = "number", above = 0,
-    what = "the fracture toughness in Pa m^0.5, instead of the material's: 2e6 for instance"},
-}
-
-local value_names = {young = "Young's modulus", poisson = "Poisson's ratio", strength = "strength",
-  density = "density", toughness = "fracture toughness"}
-
--- The named material with what was given by value: {young, poisson, strength, density, toughness}.
-local function material_of(opts)
-  local named = bw.material.named(opts.material)
-  if not (opts.young or opts.poisson or opts.strength or opts.density or opts.toughness) then return named end
-  local young, poisson, strength = opts.young or named.young, opts.poisson or named.poisson,
-    opts.strength or named.strength
-  if type(young) ~= "number" or type(poisson) ~= "number" or type(strength) ~= "number" then
-    return nil, ("%s differs with the direction: give --young, --poisson and --strength, or another --material")
-      :format(opts.material), {status = "misuse"}
-  end
-  return bw.material.isotropic {name = opts.material, young = young, poisson = poisson, strength = strength,
-    density = opts.density or named.density, toughness = opts.toughness or named.toughness}
-end
 
 model.fix_option = {name = "fix", value = "PLACE", many = true,
   what = "a support: all displacements are zero there"}
@@ -147,13 +114,25 @@ local function sized(found)
   return found and {value = found.stress, edge = found.elements ^ (-1 / 3)}
 end
 
+-- The finding that materials meet at the surface within a radius of a point, or nil.
+local function find_meeting(part, read, at, radius)
+  local nodes, nearest = part.mesh.nodes, nil
+  for _, node in ipairs(made_of.meeting_nodes(read.made, part)) do
+    local there = {nodes(node, 1), nodes(node, 2), nodes(node, 3)}
+    local away = distance(there, at)
+    if away <= radius then nearest, radius = there, away end
+  end
+  return nearest and growth.meeting(nearest)
+end
+
 --- The finding that there is no finite stress at a point of a part, or nil. `fine`, `coarse`: the largest stress
 --- on its mesh and on a coarser one or nil, {stress =, elements =}.
 function model.find_singular(part, read, at, fine, coarse)
   local sound = read.surface and read.surface:check({limit = 1}).sound
   local found = model.try(part.singular_places, part, {surface = sound and read.surface or nil})
-  return growth.check(found, at, growth.radius(growth.edge_length(part.mesh, at)),
-    growth.exponent(sized(coarse), sized(fine)))
+  local radius = growth.radius(growth.edge_length(part.mesh, at))
+  return growth.check(found, at, radius, growth.exponent(sized(coarse), sized(fine)))
+    or find_meeting(part, read, at, radius)
 end
 
 --- The length of a box's diagonal.
@@ -337,44 +316,17 @@ function model.mesh(read, opts, out)
   return mesh
 end
 
--- At most so many regions are named.
-local REGIONS_NAMED = 4
-
--- Regions of a file, which the commands take as one material.
-local function report_regions(mesh, material, out)
-  local names, count = bw.json.list {}, #mesh.regions
-  for i, region in ipairs(mesh.regions) do names[i] = region.name end
-  out:json {regions = names}
-  if count < 2 then return end
-  out:say("The regions %s%s are all taken as %s; in Lua bw.model {materials = ...} gives each its own.",
-    table.concat(names, ", ", 1, math.min(count, REGIONS_NAMED)),
-    count > REGIONS_NAMED and (" and %d more"):format(count - REGIONS_NAMED) or "", material.name)
-end
-
---- Says and keeps what a mesh is.
-function model.report_mesh(mesh, material, out)
-  local size = {}
+--- Says and keeps what a mesh is. made: what it is made of (made_of.lua), or nil.
+function model.report_mesh(mesh, made, out)
+  local size, mass = {}, made and made_of.mass(made, mesh)
   for i = 1, 3 do size[i] = mesh.box.max[i] - mesh.box.min[i] end
   out:say("%s, %s, %s, %s%s.", model.count(mesh.element_count, "element"), model.count(mesh.node_count, "node"),
     shown.size(size), core.quantity(mesh.volume, "m3"),
-    material and material.density and ", " .. core.quantity(material.density * mesh.volume, "kg") or "")
+    mass and ", " .. core.quantity(mass, "kg") or "")
   out:json {elements = mesh.element_count, nodes = mesh.node_count, bodies = mesh.component_count,
     box_low_m = mesh.box.min, box_high_m = mesh.box.max, volume_m3 = mesh.volume,
-    area_m2 = mesh.boundary.area,
-    mass_kg = material and material.density and material.density * mesh.volume or nil}
-  if material then report_regions(mesh, material, out) end
-end
-
--- With --length critical the material needs a toughness: a sentence where it has none.
-local function missing_toughness(opts, material)
-  if opts.length ~= "critical" or material.critical_distance then return nil end
-  local known = {}
-  for _, name in ipairs(bw.material.names()) do
-    if bw.material.named(name).critical_distance then known[#known + 1] = name end
-  end
-  return ("option --length critical: the fracture toughness of %s is not known: give it by --toughness, or take a "
-    .. "material that has one (%s), or give a length such as --length 1mm"):format(opts.material,
-    table.concat(known, ", "))
+    area_m2 = mesh.boundary.area, mass_kg = mass}
+  if made then made_of.report(made, mesh, out) end
 end
 
 -- With --error the first mesh has this fraction of the elements asked for, the last one at most so many times
@@ -440,30 +392,17 @@ end
 --- Endings of the files of bodies with fields.
 model.field_endings = {"vtu", "pvtu", "msh", "mesh", "inp", "node", "ele"}
 
---- What a part is made of, in words: "pla", "pla with the given strength".
-function model.material_text(opts)
-  local given = {}
-  for _, option in ipairs(model.value_options) do
-    if opts[option.name] then given[#given + 1] = value_names[option.name] end
-  end
-  if #given == 0 then return opts.material end
-  local last = table.remove(given)
-  return ("%s with the given %s"):format(opts.material, #given > 0
-    and table.concat(given, ", ") .. " and " .. last or last)
-end
-
---- What is asked about, read and reported: what model.read gives, material. A size that is implausible for a part
---- is refused unless the unit was given.
+--- What is asked about, read and reported: what model.read gives, with `made` (made_of.lua). A size that is
+--- implausible for a part is refused unless the unit was given.
 function model.start(opts, out)
   local ok, message, details = check_outputs(opts)
   if not ok then return nil, message, details end
-  local read, material
-  material, message, details = material_of(opts)
-  if not material then return nil, message, details end
-  message = missing_toughness(opts, material)
-  if message then return nil, message, {status = "misuse"} end
+  local made, read
+  made, message = made_of.read(opts)
+  if not made then return nil, message, {status = "misuse"} end
   read, message, details = model.open(opts.model, opts.unit, out)
   if not read then return nil, message, details end
+  read.made = made
   out:say("%s: %s.", model.name(opts.model), read.format)
   if read.kind ~= "outline" then
     local size = {}
@@ -474,25 +413,26 @@ function model.start(opts, out)
         {status = "misuse", units = likely}
     end
   end
-  return read, material
+  message = made_of.fault(made, read)
+  if message then return nil, message, {status = "misuse"} end
+  return read
 end
 
---- The body that is asked about, reported as it is read and filled: mesh, material, what was read.
+--- The body that is asked about, reported as it is read and filled: mesh, what was read.
 function model.body(opts, out)
-  local read, material, details = model.start(opts, out)
-  if not read then return nil, material, details end
-  local mesh, message
+  local read, message, details = model.start(opts, out)
+  if not read then return nil, message, details end
+  local mesh
   mesh, message, details = model.mesh(read, opts, out)
   if not mesh then return nil, message, details end
-  if (opts.formulation or "standard") ~= "standard" then -- parts take it from their material
-    local part
-    part, message, details = model.try(bw.model,
-      {mesh = mesh, material = material, formulation = opts.formulation})
-    if not part then return nil, message, details end
-    material = part.material
-  end
-  model.report_mesh(mesh, material, out)
-  return mesh, material, read
+  model.report_mesh(mesh, read.made, out)
+  return mesh, read
+end
+
+--- The model of a mesh of what was read, without supports and loads; nil, message, details where the elements do
+--- not take the formulation asked for.
+function model.part(read, mesh, opts)
+  return model.try(made_of.make, read.made, bw.model, mesh, {formulation = opts.formulation})
 end
 
 --- The unit that a file's numbers were read in, by name where it has one.

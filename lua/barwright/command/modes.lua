@@ -2,6 +2,7 @@
 -- barwright modes MODEL: natural frequencies and modes, free or constrained.
 local bw = require "barwright"
 local core = require "barwright.core"
+local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local pitch = require "barwright.pitch"
@@ -10,10 +11,9 @@ local shown = require "barwright.shown"
 
 local function analyse(opts, out)
   if opts.threads then bw.threads(opts.threads) end
-  local mesh, material, read = model.body(opts.error and model.first_mesh(opts) or opts, out)
-  if not mesh then return nil, material, read end
-  local message, details
-  local part = bw.model {mesh = mesh, material = material}
+  local mesh, read, details = model.body(opts.error and model.first_mesh(opts) or opts, out)
+  if not mesh then return nil, read, details end
+  local part, message = (model.part(read, mesh, opts))
   local fixed = 0
   for _, place in ipairs(opts.fix) do
     local selection
@@ -60,8 +60,7 @@ local function report(modes, fixed, errors, accuracy, opts, out)
     out:json {estimated_error = accuracy.estimated_error, estimated_error_cents = cents}
   end
   out:json {frequencies_hz = list, error_cents = cents_of, rigid_motions = modes.rigid_count,
-    fix = bw.json.list(opts.fix),
-    material = opts.material, counted = modes.counted, solver = modes.report.solver}
+    fix = bw.json.list(opts.fix), counted = modes.counted, solver = modes.report.solver}
   if opts.sure then
     out:say(modes.counted and "A count of the eigenvalues confirms that none below the last is missing."
       or modes.tested and "No mode below the last was found from random vectors, which is no proof."
@@ -76,7 +75,7 @@ return {
     .. output.codes "done",
   arguments = {model.body_argument},
   options = {
-    model.material_option,
+    made_of.option,
     {name = "count", value = "N", type = "integer", default = 6, min = 1, max = 500, what = "how many"},
     model.fix_option,
     model.unit_option,

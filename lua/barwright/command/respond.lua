@@ -4,13 +4,14 @@
 local bw = require "barwright"
 local core = require "barwright.core"
 local loads_of = require "barwright.command.loads"
+local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
 local respond_spectrum = require "barwright.command.respond_spectrum"
 local shown = require "barwright.shown"
 
--- {response =, displacement =, stress =}, the largest of each with its place.
+-- {response =, von_mises = of nodes, displacement =, stress =}, the largest of both with their places.
 local function respond(part, opts, given)
   local response, envelope, message, details
   response, message, details = model.try(part.harmonic, part,
@@ -18,13 +19,14 @@ local function respond(part, opts, given)
   if not response then return nil, message, details end
   envelope, message, details = response:envelope()
   if not envelope then return nil, message, details end
-  return {response = response, displacement = envelope.largest.displacement, stress = envelope.largest.von_mises}
+  return {response = response, von_mises = envelope.von_mises,
+    displacement = envelope.largest.displacement, stress = envelope.largest.von_mises}
 end
 
 -- Largest stress and displacement on a coarser mesh, and its elements; nil where there is none to compare with.
-local function on_coarser(measure, read, opts, given, material)
+local function on_coarser(measure, read, opts, given)
   return model.on_coarser(read, opts, 2, function(mesh)
-    local part = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, given, {say = function() end})
+    local part = loads_of.set_up(model.part(read, mesh, opts), opts, given, {say = function() end})
     local found = part and measure(part, opts, given)
     return found and {stress = found.stress.value, displacement = found.displacement.value,
       elements = mesh.element_count}
@@ -33,18 +35,20 @@ end
 
 local function analyse(opts, given, out)
   if opts.threads then bw.threads(opts.threads) end
-  local mesh, material, read = model.body(setmetatable({order = 2}, {__index = opts}), out)
-  if not mesh then return nil, material, read end
-  local part, message, details = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, given, out)
+  local mesh, read, why = model.body(setmetatable({order = 2}, {__index = opts}), out)
+  if not mesh then return nil, read, why end
+  local part, message, details = loads_of.set_up(model.part(read, mesh, opts), opts, given, out)
   if not part then return nil, message, details end
   if given.base then out:say("The supports are accelerated: amplitude %s.", shown.vector(given.base, "m/s2")) end
   local measure, found = opts.spectrum and respond_spectrum.measure or respond
   found, message, details = measure(part, opts, given)
   out:warnings()
   if not found then return nil, message, details end
-  found.material = material
-  found.coarse = on_coarser(measure, read, opts, given, material)
-  found.singular = model.find_singular(part, read, found.stress.at,
+  local governing = made_of.governing_node(read.made, part, found.von_mises)
+  found.material, found.governing = part.material, governing
+  found.coarse = on_coarser(measure, read, opts, given)
+  local at = governing and mesh.nodes:rows(governing.node, governing.node):totable()[1] or found.stress.at
+  found.singular = model.find_singular(part, read, at,
     {stress = found.stress.value, elements = mesh.element_count}, found.coarse)
   return found
 end
@@ -61,24 +65,24 @@ end
 
 -- What the stress means for the part, in sentences and in JSON; the verdict.
 local function report_verdict(found, mesh, errors, opts, out)
-  local stress, displacement, strength = found.stress, found.displacement, found.material.strength
-  local used = type(strength) == "number" and stress.value / strength or nil
+  local stress, displacement, governing = found.stress, found.displacement, found.governing
+  local used = governing and governing.used
   local verdict, words = judge(used, errors.stress, found.singular)
   local large = model.beyond_linear(displacement.value, mesh.box)
   if large then out:say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
   if found.singular then out:say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
   if used then
     out:say("The stress is %s of %s: %s.", shown.percent(used),
-      opts.strength and "the given strength" or "the strength of " .. opts.material, words)
+      opts.strength and "the given strength" or "the strength of " .. made_of.governing_text(governing), words)
   else
-    out:say("The stress is not judged: %s has no strength that is one number.", opts.material)
+    out:say("The stress is not judged: %s has no strength that is one number.", found.material.name)
   end
   out:json {verdict = verdict, value = stress.value, at_m = stress.at, estimated_error = errors.stress,
     displacement_m = displacement.value, displacement_estimated_error = errors.displacement,
-    displacement_at_m = displacement.at, utilisation = used, strength_pa = strength,
+    displacement_at_m = displacement.at, utilisation = used,
+    strength_pa = governing and governing.material.strength, governing_region = governing and governing.region,
     coarse_value = found.coarse and found.coarse.stress, singular = found.singular ~= nil,
-    beyond_linear_theory = large, damping_ratio = opts.damping, fix = bw.json.list(opts.fix),
-    material = opts.material}
+    beyond_linear_theory = large, damping_ratio = opts.damping, fix = bw.json.list(opts.fix)}
   return verdict
 end
 
@@ -139,7 +143,7 @@ local function run_spectrum(opts, given, out)
 end
 
 local options = {
-  model.material_option,
+  made_of.option,
   model.fix_option,
   loads_of.options.force,
   loads_of.options.pressure,
@@ -164,7 +168,7 @@ local options = {
   model.threads_option,
 }
 for i, option in ipairs(respond_spectrum.options) do table.insert(options, 8 + i, option) end -- behind --damping
-table.move(model.value_options, 1, #model.value_options, #options + 1, options)
+table.move(made_of.value_options, 1, #made_of.value_options, #options + 1, options)
 
 return {
   summary = "how a part answers vibration over a range of frequencies",

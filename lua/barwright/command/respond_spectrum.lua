@@ -82,7 +82,8 @@ local function largest_of(mesh, field)
   return {value = field(node, column), at = mesh.nodes:rows(node, node):totable()[1]}
 end
 
---- {response =, responses = of each direction, displacement =, stress =}, or nil, message, details.
+--- {response =, responses = of each direction, von_mises = of nodes, displacement =, stress =}, or nil, message,
+--- details.
 function respond_spectrum.measure(part, opts, given)
   local responses = {}
   for k, direction in ipairs(given.directions) do
@@ -94,7 +95,8 @@ function respond_spectrum.measure(part, opts, given)
   end
   local all = responses[1]
   if #responses > 1 then all = all:combine({table.unpack(responses, 2)}, {rule = opts.rule}) end
-  return {response = all, responses = responses, displacement = largest_of(part.mesh, all.displacement),
+  return {response = all, responses = responses, von_mises = all.von_mises,
+    displacement = largest_of(part.mesh, all.displacement),
     stress = largest_of(part.mesh, all.von_mises)}
 end
 

@@ -5,6 +5,7 @@ local bw = require "barwright"
 local core = require "barwright.core"
 local distance = require("barwright.points").distance
 local fine_boundary = require "barwright.fine_boundary"
+local has_strength = require "barwright.has_strength"
 local model = require "barwright.command.model"
 local places = require "barwright.command.places"
 local report = require "barwright.report"
@@ -108,8 +109,8 @@ function static_picture.title(name, about)
   return ("%s: %s ± %s%s"):format(name, value, shown.error(error), verdict)
 end
 
---- Options of static:picture for a title, loads, places of supports, and a finding.
-function static_picture.options(static, title, loads, supports, singular)
+--- Options of static:picture for a title, loads, places of supports, a finding or nil, and the mass (kg) or nil.
+function static_picture.options(static, title, loads, supports, singular, mass)
   local mesh, lines = static.mesh, {}
   for _, place in ipairs(supports) do
     local border = static_picture.border(assert(places.select(mesh, place)))
@@ -117,8 +118,7 @@ function static_picture.options(static, title, loads, supports, singular)
   end
   local edge = model.edge_lines(singular)
   table.move(edge.lines or {}, 1, #(edge.lines or {}), #lines + 1, lines)
-  local density = static.material.density
-  local arrows = static_picture.arrows(mesh, loads, density and density * mesh.volume)
+  local arrows = static_picture.arrows(mesh, loads, mass)
   return {title = title, lines = lines, arrows = arrows, line_name = "border of the supports"
     .. (edge.lines and "; " .. edge.line_name or "")}
 end
@@ -132,6 +132,10 @@ function static_picture.report(static, path, options, answer)
   data.fields[1] = {name = "von Mises stress", unit = "MPa",
     values = report.floats(static.von_mises:gather(nodes) * 1e-6)}
   data.fields[2] = {name = "displacement", unit = "mm", values = report.floats(moved:map "norm(a)" * 1e3)}
+  if static.material.parts and has_strength(static.material) then
+    data.fields[3] = {name = "of the strength", unit = "%",
+      values = report.floats(static.mesh:to_nodes(static.utilisation, "max"):gather(nodes) * 100)}
+  end
   data.displacements[1] = {name = "under its loads", kind = "load", values = report.floats(moved), field = 0,
     arrows = bw.json.list(options.arrows)}
   data.lines = report.lines(options.lines)

@@ -6,31 +6,33 @@ local core = require "barwright.core"
 local facet_error = require "barwright.facet_error"
 local growth = require "barwright.singular_growth"
 local loads_of = require "barwright.command.loads"
+local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
+local patch_means = require "barwright.command.patch_means"
 local places = require "barwright.command.places"
 local shown = require "barwright.shown"
 local singular_places = require "barwright.singular"
 local static_picture = require "barwright.command.static_picture"
 
--- Of a solution: the largest von Mises stress, and stress over strength at nodes and in the mean over patches.
-local function measure(static, mesh, material, radius)
-  local found = {elements = mesh.element_count, stress = static.von_mises:max()}
-  if material.strength then
-    found.used = static.utilisation:max()
-    local stress = bw.surface_stress(mesh, material, static.displacement, static.force)
-    local mean = stress and bw.surface_mean(mesh, stress, radius, static)
-    found.used_mean = mean and material:utilisation(mean):max() or found.used
-  end
+-- Of a solution: the largest von Mises stress; where strengths are known, what governs (made_of.lua) by elements
+-- and in the mean over patches, with stress over strength.
+local function measure(static, read, radius)
+  local found = {elements = static.mesh.element_count, stress = static.von_mises:max()}
+  found.governing = made_of.governing(read.made, static, static.utilisation)
+  if not found.governing then return found end
+  found.used = found.governing.used
+  found.governing_mean = patch_means.governing(read.made, static, radius) or found.governing
+  found.used_mean = found.governing_mean.used
   return found
 end
 
 -- The same on a coarser mesh with the same loads; nil where there is none to compare with.
-local function on_coarser(read, opts, loads, material, radius)
+local function on_coarser(read, opts, loads, radius)
   return model.on_coarser(read, opts, opts.order, function(mesh)
-    local part = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, loads, {say = function() end})
+    local part = loads_of.set_up(model.part(read, mesh, opts), opts, loads, {say = function() end})
     local static = part and model.try(part.solve, part, {solver = model.solver(opts)})
-    return static and measure(static, mesh, material, radius)
+    return static and measure(static, read, radius)
   end)
 end
 
@@ -50,15 +52,26 @@ local function effective(static, finding)
   return list and list[1]
 end
 
+-- Of several materials: the node of the element that governs whose von Mises stress is largest.
+local function judged_place(static, governing)
+  if not (governing and governing.region) then return nil end
+  local mesh, best = static.mesh, nil
+  for k = 1, mesh.elements.column_count do
+    local node = mesh.elements(governing.element, k)
+    if not best or static.von_mises[node] > static.von_mises[best] then best = node end
+  end
+  return {mesh.nodes(best, 1), mesh.nodes(best, 2), mesh.nodes(best, 3)}
+end
+
 -- The largest stress, its error, stress over strength in both measures, and whether it is singular.
 local function assess(static, part, read, loads, opts, accuracy, at)
-  local mesh, material = static.mesh, static.material
   local radius, mean = opts.radius, static:error_estimate()
-  local found = {mean = mean, radius = radius, fine = measure(static, mesh, material, radius)}
+  local found = {mean = mean, radius = radius, fine = measure(static, read, radius)}
   if not accuracy then
-    found.coarse = on_coarser(read, opts, loads, material, radius)
+    found.coarse = on_coarser(read, opts, loads, radius)
+    at = judged_place(static, found.fine.governing) or at
     local message, details
-    found.facets, message, details = of_facets(mesh, read, at)
+    found.facets, message, details = of_facets(static.mesh, read, at)
     if not found.facets then return nil, message, details end
     found.estimated = math.sqrt(model.error_of(found.fine.stress, found.coarse and found.coarse.stress, mean) ^ 2
       + found.facets ^ 2)
@@ -68,7 +81,7 @@ local function assess(static, part, read, loads, opts, accuracy, at)
   found.estimated, found.facets = accuracy.estimated_error, accuracy.history[#accuracy.history].facet_error
   if not accuracy.converged then
     local first = model.try(part.solve, part, {solver = model.solver(opts)})
-    found.coarse = first and measure(first, part.mesh, material, radius)
+    found.coarse = first and measure(first, read, radius)
   end
   found.singular = accuracy.singular
   return found
@@ -96,7 +109,7 @@ local function report_fillet(static, read, opts, say, out)
 end
 
 local function report(static, part, read, loads, opts, accuracy, out)
-  local mesh, material = static.mesh, static.material
+  local mesh = static.mesh
   local node = static.von_mises:argmax()
   local max = static.displacement:map "norm(a)":max()
   local at = {mesh.nodes(node, 1), mesh.nodes(node, 2), mesh.nodes(node, 3)}
@@ -106,11 +119,12 @@ local function report(static, part, read, loads, opts, accuracy, out)
   local stress, used, estimated, singular = fine.stress, fine.used, found.estimated, found.singular
   local critical = effective(static, singular)
   if accuracy then model.report_accuracy(accuracy, out) end
-  local judged_error = estimated
+  local judged_error, governing = estimated, fine.governing
   if singular and used then
-    used = fine.used_mean
+    used, governing = fine.used_mean, fine.governing_mean
     judged_error = model.error_of(used, coarse and coarse.used_mean, mean)
   end
+  local strength = governing and governing.material.strength
   local verdict, words = model.verdict(used, judged_error)
   out:say("")
   local say, text = out:recorded() -- for the page as well
@@ -131,12 +145,13 @@ local function report(static, part, read, loads, opts, accuracy, out)
   end
   report_fillet(static, read, opts, say, out)
   if not used then
-    say("The strength of %s is not known.", opts.material)
+    say("The strength of %s is not known.", made_of.without_strength(read.made).name)
   else
-    say("The judged stress is %s%s of %s (estimated error %s): %s.", type(material.strength) == "number"
-      and shown.estimate(used * material.strength, "Pa") .. ", " or "", shown.percent(used),
-      opts.strength and "the given strength" or "the strength of " .. opts.material,
+    say("The judged stress is %s%s of %s (estimated error %s): %s.", type(strength) == "number"
+      and shown.estimate(used * strength, "Pa") .. ", " or "", shown.percent(used),
+      opts.strength and "the given strength" or "the strength of " .. made_of.governing_text(governing),
       shown.error(judged_error), words)
+    made_of.say_by_region(fine.governing, say)
   end
   local solved = static.report
   if solved.solver == "pcg" then out:say("Solved by %s.", tostring(solved)) end
@@ -146,7 +161,8 @@ local function report(static, part, read, loads, opts, accuracy, out)
     max_von_mises_pa = stress, max_von_mises_at_m = at,
     max_displacement_m = max, beyond_linear_theory = large, utilisation = used,
     utilisation_error = used and judged_error,
-    strength_pa = material.strength, mean_error = mean, facet_error = found.facets,
+    strength_pa = strength, governing_region = governing and governing.region,
+    by_region = governing and fine.governing.by_region, mean_error = mean, facet_error = found.facets,
     coarse_value = coarse and coarse.stress, coarse_elements = coarse and coarse.elements,
     singular_by = singular and singular.by, singular_place = singular and singular.place and {
       kind = singular.place.kind, angle_rad = singular.place.angle, at_m = singular.at},
@@ -154,22 +170,27 @@ local function report(static, part, read, loads, opts, accuracy, out)
     effective_stress_pa = critical and critical.value,
     effective_stress_error = critical and critical.estimated_error,
     critical_distance_m = critical and critical.length,
-    material = opts.material, energy_j = static.energy,
+    energy_j = static.energy,
     solver = model.solver_words(solved)}
   local title = static_picture.title(model.name(opts.model), {stress = stress, error = estimated,
-    judged = singular and {used = used, error = judged_error, strength = material.strength}, verdict = words})
+    judged = singular and {used = used, error = judged_error, strength = strength}, verdict = words})
   return {verdict = verdict, singular = singular, title = title, text = table.concat(text, "\n")}
 end
 
 local function analyse(opts, loads, out)
   if opts.threads then bw.threads(opts.threads) end
   local start = bw.seconds()
-  local mesh, material, read = model.body(opts.error and model.first_mesh(opts) or opts, out)
-  if not mesh then return nil, material, read end
-  local part, message, details
-  opts.radius, message, details = averaging_radius("statics", opts.length, material, mesh.box)
+  local mesh, read, why = model.body(opts.error and model.first_mesh(opts) or opts, out)
+  if not mesh then return nil, read, why end
+  local part, message, details = model.part(read, mesh, opts)
+  if not part then return nil, message, details end
+  if opts.error and part.material.parts then
+    return nil, "option --error refines for the largest stress, which need not govern a part of several "
+      .. "materials: leave it out", {status = "misuse"}
+  end
+  opts.radius, message, details = averaging_radius("statics", opts.length, part.material, mesh.box)
   if not opts.radius then return nil, message, details end
-  part, message, details = loads_of.set_up(bw.model {mesh = mesh, material = material}, opts, loads, out)
+  part, message, details = loads_of.set_up(part, opts, loads, out)
   if not part then return nil, message, details end
   out:json {supported_area_m2 = message}
   local static, accuracy
@@ -181,14 +202,15 @@ local function analyse(opts, loads, out)
   end
   out:warnings()
   if not static then return nil, accuracy, details end
-  local answer, why, about = report(static, part, read, loads, opts, accuracy, out)
-  if not answer then return nil, why, about end
+  local answer
+  answer, message, details = report(static, part, read, loads, opts, accuracy, out)
+  if not answer then return nil, message, details end
   out:json {seconds = bw.seconds() - start}
   return static, answer
 end
 
 local options = {
-  model.material_option,
+  made_of.option,
   model.fix_option,
   loads_of.options.force,
   loads_of.options.pressure,
@@ -216,7 +238,7 @@ local options = {
     what = "write all fields, for ParaView"},
   model.threads_option,
 }
-table.move(model.value_options, 1, #model.value_options, #options + 1, options)
+table.move(made_of.value_options, 1, #made_of.value_options, #options + 1, options)
 
 return {
   summary = "whether a part carries a load that is known",
@@ -234,7 +256,7 @@ return {
     if not static then return out:fail(answer, details) end -- a message
     local picture
     if opts.picture or opts.report then
-      picture = static_picture.options(static, answer.title, loads, opts.fix, answer.singular)
+      picture = static_picture.options(static, answer.title, loads, opts.fix, answer.singular, out.object.mass_kg)
     end
     local failed = out:write_files {{opts.vtu, function() return static:write(opts.vtu) end},
       {opts.picture, function() return static:picture(opts.picture, picture) end},

@@ -2,6 +2,7 @@
 -- barwright strengthen MODEL: thicken it around its weak places until it carries a force.
 local bw = require "barwright"
 local core = require "barwright.core"
+local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
@@ -82,13 +83,15 @@ local function strengthen(opts, out)
     if not ok then return nil, "option --keep: " .. message, {status = "misuse"} end
   end
   local read, material
-  read, material, details = model.start(opts, out)
-  if not read then return nil, material, details end
+  read, message, details = model.start(opts, out)
+  if not read then return nil, message, details end
   if read.kind == "outline" then return model.mesh(read, opts, out) end
   if read.kind ~= "surface" then
     return nil, opts.model .. ": a mesh of tetrahedra: strengthening needs a surface (STL OBJ OFF PLY)",
       {status = "unsupported"}
   end
+  material, message = made_of.one(read.made, "strengthen")
+  if not material then return nil, message, {status = "misuse"} end
   local result
   local steps = 0
   result, message, details = model.try(bw.strengthen, read.surface, {material = material, force = opts.force,
@@ -103,7 +106,7 @@ local function strengthen(opts, out)
     end})
   out:warnings()
   if not result then return nil, opts.model .. ": " .. message, details end
-  out:json {unit = model.unit_of(read, opts), material = opts.material}
+  out:json {unit = model.unit_of(read, opts), material = material.name}
   local moved
   moved, message, details = result.original:distance(result.surface.points)
   if not moved then return nil, message, details end
@@ -119,7 +122,7 @@ local options = {
     what = "the force that it must carry: the load on one side, which the reactions balance"},
   {name = "out", value = "FILE.stl", type = "file", endings = {"stl", "obj", "off", "ply"}, needed = true,
     what = "where the strengthened surface goes, in the unit of the input"},
-  model.material_option,
+  made_of.option,
   {name = "keep", value = "PLACE", many = true,
     what = "where the surface must not move"},
   model.contact_option,
@@ -134,7 +137,7 @@ local options = {
     what = "write a picture of what was thickened, and by how much"},
   model.threads_option,
 }
-table.move(model.value_options, 1, #model.value_options, #options + 1, options)
+table.move(made_of.value_options, 1, #made_of.value_options, #options + 1, options)
 
 return {
   summary = "thicken a part around its weak places until it carries a force",

@@ -2,6 +2,7 @@
 -- barwright worst MODEL: the least force that breaks it.
 local bw = require "barwright"
 local core = require "barwright.core"
+local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
@@ -27,7 +28,7 @@ local function keep(breaking, verdict, large, opts, out)
     critical_distance_m = opts.length == "critical" and breaking.material.critical_distance or nil,
     beyond_linear_theory = large, max_principal_pa = worst.max_principal, max_principal_at_m = worst.at,
     strength_pa = worst.strength, max_displacement_m = worst.max_displacement, worst_region = worst.region,
-    material = opts.material, solver = model.solver_words(breaking.reports.solver),
+    solver = model.solver_words(breaking.reports.solver),
   }
   local history, ties, regions = bw.json.list {}, bw.json.list {}, bw.json.list {}
   for i, level in ipairs(breaking.history) do
@@ -52,12 +53,12 @@ local sentences = {
 }
 
 -- The answer, in sentences.
-local function report(breaking, verdict, large, mass, opts, out)
+local function report(breaking, verdict, large, mass, made, opts, out)
   local singular = breaking.singular
   out:say("")
   out:say("%s breaks at %s under the worst load, on at least %s, at %s; %s%s.", model.name(opts.model),
     shown.interval(breaking.force, breaking.low, breaking.high, "N"), core.quantity(breaking.contact, "m2"),
-    core.point(breaking.at), model.material_text(opts), mass and ", " .. core.quantity(mass, "kg") or "")
+    core.point(breaking.at), made_of.text(made, opts), mass and ", " .. core.quantity(mass, "kg") or "")
   out:say(sentences[verdict], newtons(opts.force))
   local others = {}
   for i, place in ipairs(breaking.ties) do
@@ -248,17 +249,20 @@ local function analyse(opts, out)
   local folder
   if opts.out then
     local options = model.pick({"force", "contact", "fix", "forbid", "friction", "hands", "error", "length",
-      "modes", "regions", "solver", "elements", "material", "unit", "young", "poisson", "strength", "density",
+      "modes", "regions", "solver", "elements", "unit", "young", "poisson", "strength", "density",
       "toughness"}, opts)
+    options.material = table.concat(opts.material, ",")
     local message, details
     folder, message, details = bw.results.open(opts.out, {script = "barwright worst", inputs = {opts.model},
       options = options, seed = 1})
     if not folder then return nil, message, details end
   end
-  local read, material, details = model.start(opts, out)
-  if not read then return nil, material, details end
+  local read, message, details = model.start(opts, out)
+  if not read then return nil, message, details end
   if read.kind == "outline" then return model.mesh(read, opts, out) end
-  local breaking, message
+  local breaking, material
+  material, message = made_of.one(read.made, "worst")
+  if not material then return nil, message, {status = "misuse"} end
   breaking, message, details = model.try(bw.breaking_force, read.surface or read.mesh, {material = material,
     force = opts.force, contact = opts.contact, error = opts.error, elements = opts.elements,
     max_elements = opts.error and math.max(MAX_ELEMENTS, opts.elements) or nil, modes = opts.modes,
@@ -269,11 +273,11 @@ local function analyse(opts, out)
   local worst = breaking.worst
   local verdict = breaking:verdict(opts.force)
   local large = model.beyond_linear(worst.max_displacement * math.min(1, breaking.force / opts.force), read.box)
-  model.report_mesh(worst.mesh, material, out)
+  model.report_mesh(worst.mesh, read.made, out)
   out:json {unit = model.unit_of(read, opts), repaired = breaking.log and breaking.log.repaired or false,
     surface_moved_m = breaking.log and breaking.log.surface_moved or 0}
   keep(breaking, verdict, large, opts, out)
-  report(breaking, verdict, large, out.object.mass_kg, opts, out)
+  report(breaking, verdict, large, out.object.mass_kg, read.made, opts, out)
   report_limits(breaking, opts, out)
   advise(breaking, verdict, opts, out)
   local ok
@@ -288,7 +292,7 @@ local function analyse(opts, out)
 end
 
 local options = {
-  model.material_option,
+  made_of.option,
   {name = "force", value = "FORCE", type = "number", unit = "N", default = 20, above = 0,
     what = "the force that is judged: the load on one side, which the reactions balance; a hand's by default"},
   model.contact_option,
@@ -317,7 +321,7 @@ local options = {
     .. "into a folder"},
   model.threads_option,
 }
-table.move(model.value_options, 1, #model.value_options, #options + 1, options)
+table.move(made_of.value_options, 1, #made_of.value_options, #options + 1, options)
 
 return {
   summary = "the least force that breaks a part, and where",
