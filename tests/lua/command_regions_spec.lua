@@ -132,6 +132,7 @@ describe("commands on several materials", function()
     check.near(53e6, object.strength_pa, 1e-12)
     assert.is_true(object.utilisation * 53e6 <= object.value)
     assert.is_true(object.singular)
+    assert.equal("unsure", object.verdict) -- where the materials meet
     _, object = answer("drop " .. folder .. "bar.msh --height 0.1m" .. BOTH)
     local fall = assert(bw.model {mesh = mesh, materials = materials}:drop {height = 0.1})
     local most = object.touch.utilisation > object.elsewhere.utilisation and object.touch or object.elsewhere

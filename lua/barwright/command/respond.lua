@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright respond MODEL: how far a part moves, and how it is stressed, by a vibration of a range of frequencies
 -- or by a response spectrum (respond_spectrum.lua).
+local averaging_radius = require "barwright.averaging_radius"
 local bw = require "barwright"
 local core = require "barwright.core"
 local loads_of = require "barwright.command.loads"
@@ -23,13 +24,31 @@ local function respond(part, opts, given)
     displacement = envelope.largest.displacement, stress = envelope.largest.von_mises}
 end
 
+-- At the frequency of the largest stress, the largest von Mises amplitude of the mean stress over surface patches;
+-- nil of a spectrum, which has no phases, and of several materials.
+local function patch_mean(part, found, radius)
+  local frequency, means = found.stress.frequency, {}
+  if not frequency or part.material.parts then return nil end
+  local forces = {part:force_vector(), nil}
+  for k, displacement in ipairs {found.response:displacement(frequency)} do
+    local stress = bw.surface_stress(part.mesh, part.material, displacement, forces[k])
+    means[k] = stress and bw.surface_mean(part.mesh, stress, radius, part)
+  end
+  local real, imaginary = means[1], means[2]
+  if not (real and imaginary) then return nil end
+  -- the square of the stress at phase t is (a + b)/2 + (a - b)/2 cos 2t - c sin 2t
+  return bw.array.map("sqrt((a*a + b*b) / 2 + hypot((a*a - b*b) / 2, (s*s - d*d) / 4))", {
+    a = core.von_mises(real), b = core.von_mises(imaginary), s = core.von_mises(real + imaginary),
+    d = core.von_mises(real - imaginary)}):max()
+end
+
 -- Largest stress and displacement on a coarser mesh, and its elements; nil where there is none to compare with.
-local function on_coarser(measure, read, opts, given)
+local function on_coarser(measure, read, opts, given, radius)
   return model.on_coarser(read, opts, 2, function(mesh)
     local part = loads_of.set_up(model.part(read, mesh, opts), opts, given, {say = function() end})
     local found = part and measure(part, opts, given)
-    return found and {stress = found.stress.value, displacement = found.displacement.value,
-      elements = mesh.element_count}
+    return found and {stress = found.stress.value, mean = patch_mean(part, found, radius),
+      displacement = found.displacement.value, elements = mesh.element_count}
   end)
 end
 
@@ -46,40 +65,62 @@ local function analyse(opts, given, out)
   if not found then return nil, message, details end
   local governing = made_of.governing_node(read.made, part, found.von_mises)
   found.material, found.governing = part.material, governing
-  found.coarse = on_coarser(measure, read, opts, given)
+  local radius = averaging_radius("respond", nil, part.material, mesh.box)
+  found.coarse = on_coarser(measure, read, opts, given, radius)
   local at = governing and mesh.nodes:rows(governing.node, governing.node):totable()[1] or found.stress.at
   found.singular = model.find_singular(part, read, at,
     {stress = found.stress.value, elements = mesh.element_count}, found.coarse)
+  if found.singular then
+    found.radius, found.mean = radius, governing and patch_mean(part, found, radius)
+  end
   return found
 end
 
--- The verdict on a stress that is `used` of the strength, within a relative error. A stress without a finite value
--- exceeds nothing for certain.
-local function judge(used, estimated, singular)
+-- The verdict on a stress that is `used` of the strength, within a relative error.
+local function judge(used, estimated)
   local verdict, words = model.verdict(used, estimated)
   if verdict == "holds" then return verdict, "it stays below the strength" end
   if verdict == "unsure" then return verdict, words end
-  if singular then return "unsure", "a stress without a finite value decides nothing" end
   return "exceeds", "it exceeds the strength"
+end
+
+-- The stress over strength that is judged, its relative error, the verdict and its words. Of a stress without a
+-- finite value it is the mean over patches.
+local function judged(found, errors)
+  local governing, coarse = found.governing, found.coarse
+  if not governing then return nil, nil, "unsure" end
+  if not found.singular then return governing.used, errors.stress, judge(governing.used, errors.stress) end
+  if not found.mean then
+    return governing.used, nil, "unsure",
+      "not certain, as the stress may grow without end with finer elements"
+  end
+  local used = found.mean / governing.material.strength
+  local estimated = model.error_of(found.mean, coarse and coarse.mean) + errors.equations
+  return used, estimated, judge(used, estimated)
 end
 
 -- What the stress means for the part, in sentences and in JSON; the verdict.
 local function report_verdict(found, mesh, errors, opts, out)
   local stress, displacement, governing = found.stress, found.displacement, found.governing
-  local used = governing and governing.used
-  local verdict, words = judge(used, errors.stress, found.singular)
+  local used, judged_error, verdict, words = judged(found, errors)
   local large = model.beyond_linear(displacement.value, mesh.box)
   if large then out:say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
   if found.singular then out:say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
+  if found.mean then
+    out:say("The mean over a surface patch of radius %s is judged.", core.quantity(found.radius, "m"))
+  end
   if used then
-    out:say("The stress is %s of %s: %s.", shown.percent(used),
-      opts.strength and "the given strength" or "the strength of " .. made_of.governing_text(governing), words)
+    out:say("The %sstress is %s%s of %s%s: %s.", found.mean and "judged " or "", found.mean
+      and shown.estimate(found.mean, "Pa") .. ", " or "", shown.percent(used),
+      opts.strength and "the given strength" or "the strength of " .. made_of.governing_text(governing),
+      found.mean and (" (estimated error %s)"):format(shown.error(judged_error)) or "", words)
   else
     out:say("The stress is not judged: %s has no strength that is one number.", found.material.name)
   end
   out:json {verdict = verdict, value = stress.value, at_m = stress.at, estimated_error = errors.stress,
     displacement_m = displacement.value, displacement_estimated_error = errors.displacement,
     displacement_at_m = displacement.at, utilisation = used,
+    utilisation_error = judged_error, mean_pa = found.mean, averaging_radius_m = found.mean and found.radius,
     strength_pa = governing and governing.material.strength, governing_region = governing and governing.region,
     coarse_value = found.coarse and found.coarse.stress, singular = found.singular ~= nil,
     beyond_linear_theory = large, damping_ratio = opts.damping, fix = bw.json.list(opts.fix)}
@@ -89,7 +130,7 @@ end
 -- Relative errors of stress and displacement, and how they were estimated.
 local function errors_of(found, equations)
   local coarse = found.coarse
-  return {stress = model.error_of(found.stress.value, coarse and coarse.stress) + equations,
+  return {equations = equations, stress = model.error_of(found.stress.value, coarse and coarse.stress) + equations,
     displacement = model.error_of(found.displacement.value, coarse and coarse.displacement) + equations,
     way = coarse and "by a coarser mesh" or "assumed, as there is one mesh only"}
 end
