@@ -73,6 +73,11 @@ bw_status bwi_preload_add(bw_context *context, const bw_model *model, const bwi_
 void bwi_preload_results(const bw_model *model, const bwi_reduction *r, const double *displacement,
                          bw_joint_force *result);
 
+/* ---- joined.c -------------------------------------------------------------------------------- */
+
+/* The sum of the gravity loads of a model (m/s2). */
+void bwi_sum_gravity(const bw_model *model, double gravity[3]);
+
 /* ---- points.c, eliminate.c ------------------------------------------------------------------- */
 
 /* BW_INVALID for a node of a rigid coupling that a support or a bond moves otherwise. */
@@ -96,8 +101,10 @@ bw_status bwi_points_spread(bw_context *context, const bwi_reduction *r, const d
 /* Takes what prescribed components of distributed points exert off such a residual, which has
  * their loads, springs and masses already. */
 bw_status bwi_points_react(bw_context *context, const bwi_reduction *r, double *force);
-/* The same of rigid ones, after bwi_reduction_move. */
-void bwi_points_gather(const bwi_reduction *r, double *force, bw_coupling_result *result);
+/* The same of rigid ones, after bwi_reduction_move. What they exert on each of their nodes goes to
+ * `joint` (N, node_count x 3). */
+void bwi_points_gather(const bwi_reduction *r, double *force, bw_coupling_result *result,
+                       double *joint);
 /* force += factor D^T load, with the mean motion D u of the nodes of a coupling. */
 void bwi_point_exert(const bw_coupling *coupling, double factor, const double load[6],
                      double *force);

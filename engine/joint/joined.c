@@ -107,6 +107,7 @@ static bw_status sum_bonds(bw_context *context, const bwi_reduction *r, bw_stati
         for (int c = 0; c < 3; c++)
           f[c] -= part * d[c];
       }
+      memcpy(result->joint_force + 3 * (int64_t)node, f, sizeof f);
       bw_cross(x, f, m);
       for (int c = 0; c < 3; c++) {
         bonds[b].force[c] += f[c];
@@ -135,7 +136,7 @@ static void add_to_sums(void *data, int32_t node, const double force[3]) {
   }
 }
 
-static void sum_gravity(const bw_model *model, double gravity[3]) {
+void bwi_sum_gravity(const bw_model *model, double gravity[3]) {
   memset(gravity, 0, 3 * sizeof *gravity);
   for (int i = 0; i < model->load_count; i++)
     for (int c = 0; c < 3 && model->load[i].kind == BW_LOAD_GRAVITY; c++)
@@ -190,7 +191,7 @@ static bw_status solve(bw_context *context, const bwi_joined_equations *q, const
   const bwi_reduction *r = &q->reduction;
   int64_t size = 3 * (int64_t)model->mesh->node_count, unknowns = r->unknown_count;
   double gravity[3];
-  sum_gravity(model, gravity);
+  bwi_sum_gravity(model, gravity);
   double *rest = BW_NEW(context, double, size), *b = BW_NEW(context, double, unknowns),
          *x = BW_NEW0(context, double, unknowns), *kx = BW_NEW(context, double, unknowns);
   result->reaction = BW_NEW(context, double, size);
@@ -199,6 +200,10 @@ static bw_status solve(bw_context *context, const bwi_joined_equations *q, const
     result->coupling = BW_NEW0(context, bw_coupling_result, r->point_count);
     BW_TRY_MEMORY(result->coupling);
     result->coupling_count = r->point_count;
+  }
+  if (model->bond_count > 0 || r->point_count > 0) {
+    result->joint_force = BW_NEW0(context, double, size);
+    BW_TRY_MEMORY(result->joint_force);
   }
   BW_TRY(bw_block_multiply(context, q->pattern, q->stiffness, 9, 3, 1, r->g, rest));
   for (int64_t i = 0; i < size; i++)
@@ -235,7 +240,7 @@ static bw_status solve(bw_context *context, const bwi_joined_equations *q, const
     bwi_cyclic_move(model->cyclic, result->reaction);
   else
     bwi_reduction_move(r, result->reaction);
-  bwi_points_gather(r, result->reaction, result->coupling);
+  bwi_points_gather(r, result->reaction, result->coupling, result->joint_force);
   bwi_keep_states(r->dof_map, 1u << BW_DOF_PRESCRIBED, result->reaction);
 done:
   bw_free(rest);

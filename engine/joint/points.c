@@ -466,7 +466,8 @@ done:
   return status;
 }
 
-void bwi_points_gather(const bwi_reduction *r, double *force, bw_coupling_result *result) {
+void bwi_points_gather(const bwi_reduction *r, double *force, bw_coupling_result *result,
+                       double *joint) {
   for (int p = 0; p < r->point_count; p++) {
     const bw_coupling *c = &r->coupling[p];
     double sum[6] = {0};
@@ -479,6 +480,7 @@ void bwi_points_gather(const bwi_reduction *r, double *force, bw_coupling_result
       for (int k = 0; k < 3; k++) {
         sum[k] += f[k];
         sum[3 + k] += moment[k];
+        joint[3 * (int64_t)c->node[i] + k] = f[k];
         f[k] = 0;
       }
     }

@@ -105,7 +105,7 @@ done:
 /* The dual functions of a facet are D M^-1 N: their products with side b go to `sums`. `place`:
  * rows of nodes. *covered: its area, 0 where too little of it is covered. */
 static bw_status close_facet(bonding *d, int32_t facet, const int32_t *place, double *whole,
-                             double *own, bwi_entries *sums, double *covered) {
+                             double *normal, double *own, bwi_entries *sums, double *covered) {
   bw_status status = BW_OK;
   side_facet *s = &d->facet;
   int n = d->mesh->nodes_per_facet;
@@ -120,6 +120,8 @@ static bw_status close_facet(bonding *d, int32_t facet, const int32_t *place, do
   for (int i = 0; i < n; i++) {
     int32_t row = place[nodes_of(d->mesh, facet)[i]];
     whole[row] += s->whole[i];
+    for (int c = 0; c < 3; c++)
+      normal[3 * (int64_t)row + c] += s->whole[i] * d->overlaps.normal[c];
     own[row] += least_integral * d->overlaps.area;
     for (size_t m = 0; m < s->count; m++)
       BW_TRY(bwi_entries_add(d->context, sums, row, s->master[m].node,
@@ -190,8 +192,11 @@ static bw_status find_coefficients(bonding *d, bw_bond *bond) {
   int32_t *place = BW_NEW(d->context, int32_t, mesh->node_count);
   int32_t *ends = BW_NEW(d->context, int32_t, 2 * (int64_t)count);
   double *whole = BW_NEW0(d->context, double, count), *own = BW_NEW0(d->context, double, count);
+  double *normal = BW_NEW0(d->context, double, 3 * (int64_t)count);
   bond->node = BW_NEW(d->context, int32_t, count);
-  BW_TRY_MEMORY(place && ends && whole && own && bond->node);
+  bond->node_area = whole;
+  bond->node_normal = normal;
+  BW_TRY_MEMORY(place && ends && whole && own && normal && bond->node);
   for (int32_t i = 0; i < count; i++) {
     place[d->a->node[i]] = i;
     ends[2 * i] = ends[2 * i + 1] = -1;
@@ -203,7 +208,7 @@ static bw_status find_coefficients(bonding *d, bw_bond *bond) {
       BW_TRY(bw_check_cancel(d->context));
     d->facet = (side_facet){.master = d->facet.master, .capacity = d->facet.capacity};
     BW_TRY(bwi_overlaps_of(&d->overlaps, facet, add_point, d));
-    BW_TRY(close_facet(d, facet, place, whole, own, &sums, &covered));
+    BW_TRY(close_facet(d, facet, place, whole, normal, own, &sums, &covered));
     bond->area += covered;
     if (covered == 0)
       continue;
@@ -224,8 +229,11 @@ static bw_status find_coefficients(bonding *d, bw_bond *bond) {
   BW_TRY(node_rows(d, sum, whole, ends, &rows));
   for (int32_t i = 0; i < count; i++) { /* rows of nodes that nothing covers are left out */
     place[i] = kept;
-    if (own[i] > 0)
-      bond->node[kept++] = d->a->node[i];
+    if (!(own[i] > 0))
+      continue;
+    whole[kept] = whole[i];
+    memcpy(normal + 3 * (int64_t)kept, normal + 3 * (int64_t)i, 3 * sizeof *normal);
+    bond->node[kept++] = d->a->node[i];
   }
   for (size_t e = 0; e < rows.count; e++)
     rows.row[e] = place[rows.row[e]];
@@ -238,7 +246,6 @@ done:
   bwi_entries_clear(&rows);
   bw_free(place);
   bw_free(ends);
-  bw_free(whole);
   bw_free(own);
   return status;
 }
@@ -284,6 +291,8 @@ done:
   bw_free(d.facet.master);
   if (status != BW_OK) {
     bw_free(bond->node);
+    bw_free(bond->node_area);
+    bw_free(bond->node_normal);
     bw_release(bond->follows);
   }
   return status;
@@ -295,4 +304,6 @@ void bwi_bond_clear(bw_bond *bond) {
   bw_release(bond->covered);
   bw_release(bond->follows);
   bw_free(bond->node);
+  bw_free(bond->node_area);
+  bw_free(bond->node_normal);
 }

@@ -217,9 +217,10 @@ typedef struct bwi_overlaps {
   bw_context *context;
   const bw_mesh *mesh;
   const bw_selection *a;
-  double gap;     /* (m) up to which facets overlap */
-  double largest; /* (m) the largest gap that was found */
-  double area;    /* (m2) of the plane of the facet that was looked at last */
+  double gap;       /* (m) up to which facets overlap */
+  double largest;   /* (m) the largest gap that was found */
+  double area;      /* (m2) of the plane of the facet that was looked at last */
+  double normal[3]; /* (-) of that plane, outwards */
   bwi_box_tree tree;
   size_t near_count, capacity;
   int32_t *near; /* facets of side b near that facet */

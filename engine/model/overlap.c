@@ -195,6 +195,7 @@ bw_status bwi_overlaps_of(bwi_overlaps *o, int32_t facet, bwi_overlap_function *
   o->near_count = 0;
   BW_TRY(find_below(o, 0, box, box + 3));
   o->area = s.area;
+  memcpy(o->normal, s.normal, sizeof o->normal);
   for (size_t i = 0; i < o->near_count; i++)
     if (same_corners(o->mesh, facet, o->near[i], same_place * sqrt(2 * s.area)))
       return visit_overlap(o, &s, o->near[i], visit, data);

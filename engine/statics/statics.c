@@ -24,13 +24,15 @@ static void static_destroy(void *object) {
   bw_free(result->bond);
   bw_free(result->attachment);
   bw_free(result->coupling);
+  bw_free(result->joint_force);
   bw_free(result->external);
   bw_free(result);
 }
 
 static size_t static_bytes(const void *object) {
   const bw_static *result = object;
-  return sizeof *result + 9 * (size_t)result->model->mesh->node_count * sizeof(double);
+  size_t fields = result->joint_force ? 12 : 9;
+  return sizeof *result + fields * (size_t)result->model->mesh->node_count * sizeof(double);
 }
 
 static const bw_kind static_kind = {"static solution", static_destroy, static_bytes};

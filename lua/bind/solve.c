@@ -148,11 +148,32 @@ static int static_error_estimate(lua_State *L) {
   return lbw_leave(L, status, 2);
 }
 
+/* Pushes a table with the fields of tractions, which are yet to be computed. */
+static void push_tractions(lua_State *L, const bw_mesh *mesh, double *data[3]) {
+  static const char *const fields[] = {"traction", "normal", "shear"};
+  lua_createtable(L, 0, 10);
+  for (int i = 0; i < 3; i++) {
+    data[i] = (double *)lbw_push_array(L, BW_F64, mesh->node_count, i == 0 ? 3 : 1)->data;
+    lua_setfield(L, -2, fields[i]);
+  }
+}
+
+/* What they sum to, into the table on the top. */
+static void add_sums(lua_State *L, const bw_interface_force *sum) {
+  lbw_push_vector(L, sum->force);
+  lua_setfield(L, -2, "force");
+  lbw_push_vector(L, sum->moment);
+  lua_setfield(L, -2, "moment");
+  lua_pushnumber(L, sum->area);
+  lua_setfield(L, -2, "area");
+  lua_pushinteger(L, sum->shared);
+  lua_setfield(L, -2, "shared");
+}
+
 /* static:interface_traction(a, b): fields over the nodes, and what they sum to */
 static int static_interface_traction(lua_State *L) {
   const bw_static *result = self(L);
   const bw_mesh *mesh = result->model->mesh;
-  static const char *const fields[] = {"traction", "normal", "shear"};
   double *data[3];
   lua_settop(L, 3);
   int32_t a = lbw_check_region(L, 2, mesh), b = lbw_check_region(L, 3, mesh);
@@ -160,27 +181,47 @@ static int static_interface_traction(lua_State *L) {
     lbw_error(L, "interface_traction: two different regions expected, got '%s' twice",
               mesh->regions[a].name.text);
   bw_interface_force sum;
-  lua_createtable(L, 0, 10);
-  for (int i = 0; i < 3; i++) {
-    data[i] = (double *)lbw_push_array(L, BW_F64, mesh->node_count, i == 0 ? 3 : 1)->data;
-    lua_setfield(L, -2, fields[i]);
-  }
+  push_tractions(L, mesh, data);
   bw_status status =
       bw_interface_traction(lbw_enter(L), result, a, b, data[0], data[1], data[2], &sum);
-  lbw_push_vector(L, sum.force);
-  lua_setfield(L, -2, "force");
-  lbw_push_vector(L, sum.moment);
-  lua_setfield(L, -2, "moment");
-  lua_pushnumber(L, sum.area);
-  lua_setfield(L, -2, "area");
+  add_sums(L, &sum);
   lua_pushnumber(L, sum.imbalance);
   lua_setfield(L, -2, "imbalance");
-  lua_pushinteger(L, sum.shared);
-  lua_setfield(L, -2, "shared");
   for (int i = 2; i <= 3; i++) {
     lua_pushvalue(L, i);
     lua_setfield(L, -2, i == 2 ? "a" : "b");
   }
+  return lbw_leave(L, status, 1);
+}
+
+/* static:joint_traction(kind, number): the same of a joint or a support, and its nodes. The Lua
+ * library reads the options. */
+static int static_joint_traction(lua_State *L) {
+  static const char *const kinds[] = {"bond", "attachment", "coupling", "support"};
+  const bw_static *result = self(L);
+  const bw_model *model = result->model;
+  bw_interface_force sum;
+  double *data[3];
+  lua_settop(L, 3);
+  bw_joint_kind kind = (bw_joint_kind)lbw_check_index(L, 2, "kind", 4);
+  const int count[] = {model->bond_count, model->attachment_count, model->coupling_count,
+                       model->support_count};
+  int index = (int)lbw_check_index(L, 3, kinds[kind], count[kind]);
+  push_tractions(L, model->mesh, data);
+  const bw_bond *bond = kind == BW_JOINT_BOND ? &model->bond[index] : NULL;
+  const bw_selection *on = kind == BW_JOINT_ATTACHMENT ? model->attachment[index].on
+                           : kind == BW_JOINT_COUPLING ? model->coupling[index].on
+                           : kind == BW_JOINT_SUPPORT  ? model->support[index].on
+                                                       : NULL;
+  int32_t nodes = bond ? bond->node_count : on->node_count;
+  const int32_t *node = bond ? bond->node : on->node;
+  int32_t *out = (int32_t *)lbw_push_array(L, BW_I32, nodes, 1)->data;
+  for (int32_t i = 0; i < nodes; i++)
+    out[i] = node[i] + 1;
+  lua_setfield(L, -2, "nodes");
+  bw_status status =
+      bw_joint_traction(lbw_enter(L), result, kind, index, data[0], data[1], data[2], &sum);
+  add_sums(L, &sum);
   return lbw_leave(L, status, 1);
 }
 
@@ -431,6 +472,7 @@ static int static_locking(lua_State *L) {
 
 static const luaL_Reg static_methods[] = {{"error_estimate", static_error_estimate},
                                           {"interface_traction", static_interface_traction},
+                                          {"joint_traction", static_joint_traction},
                                           {"whole", static_whole},
                                           {NULL, NULL}};
 static const luaL_Reg static_properties[] = {

@@ -136,10 +136,10 @@ function Static:buckling(options) end
 
 ---The tractions that two regions of the mesh exert on each other, from the forces that their elements have at the nodes of the
 ---interface. Each value at a corner is a mean over the facets around it. What a support takes at a node of the interface is not
----included. Nodal forces there, and what a third region exerts, are divided evenly between the two. Where materials meet at
+---included. Nodal forces there, and what a third region or a joint exerts, are divided evenly between the two. Where materials meet at
 ---the surface of a body, the stress can be singular and the tractions there grow without limit as elements become small.
 ---
----Errors: unsupported (a model with bonds, attachments or couplings). A model that has changed since it was solved is refused.
+---Errors: unsupported (a sector of cyclic symmetry). A model that has changed since it was solved is refused.
 ---
 ---Source: docs/theory/elements.md.
 ---```lua
@@ -167,8 +167,49 @@ function Static:interface_traction(a, b) end
 ---@field force bw.Vector (N) on region a, the sum of the nodal forces; region b has the opposite one
 ---@field moment bw.Vector (N m) the same about the origin
 ---@field area number (m2) of the interface
----@field shared integer (count) nodes of the interface that supports or other regions hold, too
+---@field shared integer (count) nodes of the interface that supports, joints or other regions hold, too
 ---@field imbalance number (-) the sum of both sides' nodal forces at the other nodes, over their magnitude. Inertia relief and nodal forces on the interface show here
+
+---The traction that a joint or a support exerts on the body, from the forces at nodes that make up its resultant. Each value at a
+---corner is a mean over the facets around it. At the ends of a bond, and at the border of a support or of a rigid coupling, the
+---traction can be singular and grow without limit as elements become small. Values at nodes of side a outside of side b, whose
+---facets are covered in part, can be far off: let a be the side that the other one covers.
+---
+---Errors: unsupported (it is on nodes without facets). A model that has changed since it was solved is refused.
+---
+---Source: docs/theory/joints.md.
+---```lua
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:symmetry(mesh.boundary:below("x", 0)):fix(mesh.boundary:below("z", 0))
+---part:load {on = mesh.boundary:above("x", 0.1), force = {10, 0, 0}}
+---print(assert(assert(part:solve()):joint_traction {support = 1}))
+---```
+---@param options bw.JointTractionOptions which one
+---@return bw.JointTraction? traction on the body
+---@return string? message
+---@return bw.Details? details
+function Static:joint_traction(options) end
+
+---Which joint or support: one of them.
+---@class bw.JointTractionOptions
+---@field bond? integer (index from 1) of `Model.bonds`: the traction on its side a
+---@field attachment? integer (index from 1) of `Model.attachments`
+---@field coupling? integer (index from 1) of `Model.couplings`
+---@field support? integer (index from 1) of `Model.supports`
+
+---The traction of a joint or a support. `print` shows the largest, the resultant and what is not included. Its error is not known.
+---@class bw.JointTraction
+---@field kind "bond"|"attachment"|"coupling"|"support" what exerts it
+---@field number integer (index from 1) of its kind
+---@field nodes bw.Array (index from 1, n × 1) on which it acts, ascending
+---@field traction bw.Array (Pa, node_count × 3, per node) on the body; 0 elsewhere
+---@field normal bw.Array (Pa, node_count × 1, per node) along the outward normal of the body, positive in tension; 0 elsewhere
+---@field shear bw.Array (Pa, node_count × 1, per node) magnitude of the traction along the surface; 0 elsewhere
+---@field force bw.Vector (N) on the body, the sum of the nodal forces
+---@field moment bw.Vector (N m) the same about the origin
+---@field area number (m2) on which it acts
+---@field shared integer (count) nodes of a bond at which supports take a part that is left out; of a support, where the reaction is of others too
 
 ---The static solution of the whole wheel from that of a sector of cyclic symmetry, with the model of `Model:whole`. A solution of
 ---the whole, and one whose model has changed, raise.

@@ -41,7 +41,8 @@ typedef struct bw_interface_force {
   double area;      /* (m2) of the interface, 0 where the regions do not touch */
   double force[3];  /* (N) on region a; region b has the opposite one */
   double moment[3]; /* (N m) the same about the origin */
-  int32_t shared;   /* (count) nodes of the interface that a third region or a support holds, too */
+  int32_t shared;   /* (count) nodes of the interface that a third region, a support or a joint
+                       holds, too */
   double imbalance; /* (-) at the other nodes, the sum of the sizes of what the two regions lack to
                        equilibrium over that of their forces */
 } bw_interface_force;
@@ -49,8 +50,8 @@ typedef struct bw_interface_force {
  * elements of both (docs/theory/elements.md#interface-tractions). At nodes of their interface, 0
  * elsewhere: traction (Pa, node_count x 3), normal (Pa, node_count) positive in tension, shear (Pa,
  * node_count) the size of the rest. Mid-edge nodes have the means of their ends. BW_INVALID for
- * regions that are none, and for a model that has changed since, BW_UNSUPPORTED for one with bonds,
- * attachments or couplings. */
+ * regions that are none, and for a model that has changed since, BW_UNSUPPORTED for a
+ * sector of cyclic symmetry. */
 BW_API bw_status bw_interface_traction(bw_context *context, const bw_static *result, int32_t a,
                                        int32_t b, double *traction, double *normal, double *shear,
                                        bw_interface_force *sum);

@@ -4,6 +4,7 @@
 #ifndef BARWRIGHT_JOINT_H
 #define BARWRIGHT_JOINT_H
 
+#include "barwright/analysis.h"
 #include "barwright/buckling.h"
 #include "barwright/eigen.h"
 #include "barwright/statics.h"
@@ -50,6 +51,24 @@ BW_API bw_status bw_joined_buckling(bw_context *context, const bw_static *soluti
  * bw_joined_statics. */
 BW_API bw_status bw_joined_system(bw_context *context, const bw_model *model,
                                   const bw_solver *solver, bw_system **system);
+
+/* What exerts a traction. */
+typedef enum bw_joint_kind {
+  BW_JOINT_BOND,       /* a bond, on its side a */
+  BW_JOINT_ATTACHMENT, /* a spring, or the weight of a mass */
+  BW_JOINT_COUPLING,   /* a remote point, on its face */
+  BW_JOINT_SUPPORT     /* a support, also a plane of symmetry */
+} bw_joint_kind;
+/* The traction that joint or support `index` (from 0) of its kind exerts on the body, as of
+ * bw_interface_traction, and its sum: traction (Pa, node_count x 3), normal (Pa, node_count)
+ * positive in tension, shear (Pa, node_count). sum->shared counts the nodes of a bond that a
+ * support constrains too, of which its part is left out, and those of a support at which the
+ * reaction is of other supports too, and counts whole; sum->imbalance is 0. BW_INVALID for a model
+ * that has changed since and one without this joint, BW_UNSUPPORTED for one on nodes without
+ * facets (docs/theory/joints.md#tractions-of-joints). */
+BW_API bw_status bw_joint_traction(bw_context *context, const bw_static *result, bw_joint_kind kind,
+                                   int index, double *traction, double *normal, double *shear,
+                                   bw_interface_force *sum);
 
 /* ---- cyclic symmetry ------------------------------------------------------------------------- */
 

@@ -152,8 +152,11 @@ typedef struct bw_bond {
   double normal[3];            /* (-) of side a, outwards, where it pulls */
   int32_t node_count;          /* of side a that follow */
   int32_t *node;               /* (index, node_count) these nodes, ascending */
-  bw_sparse_matrix *follows;   /* (-, node_count x the mesh's) their displacements from those of
-                                        all nodes; each row sums to 1 */
+  double *node_area;           /* (m2, node_count) of their functions over what is bonded */
+  double *node_normal;       /* (m2, node_count x 3) of their functions times the normal of side a,
+                                outwards */
+  bw_sparse_matrix *follows; /* (-, node_count x the mesh's) their displacements from those of
+                                      all nodes; each row sums to 1 */
 } bw_bond;
 
 /* A mass, or a spring to the ground, of a selection: spread evenly over its area, or without facets

@@ -43,6 +43,8 @@ typedef struct bw_static {
                                           weight (which `force` contains) */
   int coupling_count;                  /* of the model's couplings */
   bw_coupling_result *coupling;        /* coupling_count, or NULL; `force` is without their loads */
+  double *joint_force;                 /* (N, node_count x 3) of bonds at the nodes that follow, of
+                                          rigid couplings at theirs, 0 elsewhere; NULL without */
   double energy;                       /* (J) strain energy */
   double residual;                     /* (-) |K u - f| at unknowns over |f| */
   bool in_contact;                     /* forces of contact are among the loads */
