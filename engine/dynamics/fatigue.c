@@ -139,7 +139,7 @@ static bw_status damage_places(void *data, int64_t begin, int64_t end, int worke
   return BW_OK;
 }
 
-static bw_status check_curve(bw_context *context, const bw_life_curve *c) {
+bw_status bwi_check_curve(bw_context *context, const bw_life_curve *c) {
   if (!(c->amplitude > 0 && c->amplitude < INFINITY))
     return bw_fail(context, BW_INVALID,
                    "the amplitude of the life curve is %g Pa; it must be above 0", c->amplitude);
@@ -167,7 +167,7 @@ bw_status bw_fatigue_damage(bw_context *context, const bw_life_curve *curve, int
                    .steps = steps,
                    .factor = factor,
                    .damage = damage};
-  BW_TRY(check_curve(context, curve));
+  BW_TRY(bwi_check_curve(context, curve));
   for (int c = 0; c < case_count; c++)
     for (int64_t i = 0; i < 6 * place_count; i++)
       if (!(fabs(stress[c][i]) < INFINITY))

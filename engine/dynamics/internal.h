@@ -16,6 +16,30 @@ bw_status bwi_modes_up_to(bw_context *context, const bw_model *model, bw_system 
 /* A density or spectrum between two points (x[0], y[0]) and (x[1], y[1]) at f: straight on
  * logarithmic axes, or on linear ones where a number is 0. */
 double bwi_between(const double *x, const double *y, double f);
+/* Points of a power spectral density. */
+typedef struct bwi_density {
+  int count;
+  const double *frequency, *density;
+} bwi_density;
+/* Integrals over the density, of the coordinates times the roots of their eigenvalues. */
+typedef enum bwi_covariance {
+  BWI_POSITION, /* of the coordinates */
+  BWI_MOMENT_1, /* the same with powers of the frequency */
+  BWI_MOMENT_2,
+  BWI_MOMENT_4,
+  BWI_CROSS, /* of the coordinates' rates (rows) with the coordinates: antisymmetric */
+  BWI_COVARIANCES
+} bwi_covariance;
+typedef struct bwi_covariances {
+  double *part[BWI_COVARIANCES]; /* (count x count) of zeros, which get the lower triangle; only
+                                    the first one where the others are NULL */
+  double *wrong; /* mean square of the error, on the scale of the first one's trace */
+} bwi_covariances;
+/* Those of bw_harmonic_random. */
+bw_status bwi_integrate_covariances(bw_context *context, const bw_harmonic *harmonic,
+                                    const bwi_density *density, const bwi_covariances *covariances);
+/* BW_INVALID for numbers of a life curve outside their ranges. */
+bw_status bwi_check_curve(bw_context *context, const bw_life_curve *curve);
 /* For qsort of doubles. */
 int bwi_compare_numbers(const void *a, const void *b);
 /* Vector k (node_count x 3) of a response. */

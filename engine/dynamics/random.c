@@ -22,10 +22,7 @@ static const double gauss_weight[POINTS] = {0.36268378337836198297, 0.3137066458
 /* Parts of the mean square below this are left out. */
 static const double negligible = 1e-17;
 
-typedef struct spectrum {
-  int count;
-  const double *frequency, *density;
-} spectrum;
+typedef bwi_density spectrum;
 
 double bwi_between(const double *x, const double *y, double f) {
   if (x[0] > 0 && y[0] > 0 && y[1] > 0)
@@ -100,33 +97,41 @@ done:
   return status;
 }
 
-/* Adds the part of the covariance of one frequency, scaled by the roots of the eigenvalues. */
+/* Adds the part of one frequency to the covariances, scaled by the roots of the eigenvalues. */
 static bw_status add_frequency(bw_context *context, const bw_harmonic *h, double frequency,
-                               double weight, double *q, double *covariance, double *wrong) {
-  double error, whole = 0;
+                               double weight, double *q, const bwi_covariances *z) {
+  double error, whole = 0, square = frequency * frequency;
   bw_status status = bw_harmonic_coordinates(context, h, frequency, q, &error);
   if (status != BW_OK)
     return status;
   for (int i = 0; i < h->count; i++) {
-    q[2 * i] *= sqrt(h->eigenvalue[i]);
-    q[2 * i + 1] *= sqrt(h->eigenvalue[i]);
-    whole += q[2 * i] * q[2 * i] + q[2 * i + 1] * q[2 * i + 1];
-    for (int j = 0; j <= i; j++)
-      covariance[(size_t)j * (size_t)h->count + (size_t)i] +=
-          weight * (q[2 * i] * q[2 * j] + q[2 * i + 1] * q[2 * j + 1]);
+    double root = sqrt(h->eigenvalue[i]), a = q[2 * i] *= root, b = q[2 * i + 1] *= root;
+    whole += a * a + b * b;
+    for (int j = 0; j <= i; j++) {
+      size_t at = (size_t)j * (size_t)h->count + (size_t)i;
+      double product = weight * (a * q[2 * j] + b * q[2 * j + 1]);
+      z->part[BWI_POSITION][at] += product;
+      if (!z->part[BWI_CROSS])
+        continue;
+      z->part[BWI_CROSS][at] -= 2 * pi * frequency * weight * (b * q[2 * j] - a * q[2 * j + 1]);
+      z->part[BWI_MOMENT_1][at] += frequency * product;
+      z->part[BWI_MOMENT_2][at] += square * product;
+      z->part[BWI_MOMENT_4][at] += square * square * product;
+    }
   }
   if (whole > 0)
-    *wrong += weight * error * error * whole;
+    *z->wrong += weight * error * error * whole;
   return BW_OK;
 }
 
-static bw_status integrate(bw_context *context, const bw_harmonic *h, const spectrum *s,
-                           double *covariance, double *wrong) {
+bw_status bwi_integrate_covariances(bw_context *context, const bw_harmonic *h, const spectrum *s,
+                                    const bwi_covariances *z) {
   bw_status status = BW_OK;
   double *end = NULL, *q = BW_NEW(context, double, 2 * (int64_t)h->count + 1);
   int count, piece = 0;
-  *wrong = 0;
+  *z->wrong = 0;
   BW_TRY_MEMORY(q);
+  BW_TRY(check_spectrum(context, h, s));
   BW_TRY(choose_ends(context, h, s, &end, &count));
   for (int k = 0; k + 1 < count; k++) {
     double middle = (end[k] + end[k + 1]) / 2, half = (end[k + 1] - end[k]) / 2;
@@ -138,7 +143,7 @@ static bw_status integrate(bw_context *context, const bw_harmonic *h, const spec
       double weight =
           half * gauss_weight[p / 2] * bwi_between(s->frequency + piece, s->density + piece, f);
       if (weight > 0)
-        BW_TRY(add_frequency(context, h, f, weight, q, covariance, wrong));
+        BW_TRY(add_frequency(context, h, f, weight, q, z));
     }
   }
 done:
@@ -215,7 +220,6 @@ bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *h, int coun
   int64_t nodes = h->model->mesh->node_count;
   double *covariance = NULL, *mises = NULL, whole, wrong;
   bwi_blas_enter();
-  BW_TRY(check_spectrum(context, h, &s));
   covariance = BW_NEW0(context, double, (int64_t)h->count * h->count + 1);
   BW_TRY_MEMORY(covariance);
   BW_TRY(bw_stress_points_create(context, h->model->mesh, h->model->material, &points));
@@ -227,7 +231,8 @@ bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *h, int coun
     memset(displacement, 0, 3 * (size_t)nodes * sizeof *displacement);
   if (motion)
     memset(motion, 0, 6 * (size_t)h->coupling_count * sizeof *motion);
-  BW_TRY(integrate(context, h, &s, covariance, &wrong));
+  bwi_covariances z = {{covariance}, &wrong};
+  BW_TRY(bwi_integrate_covariances(context, h, &s, &z));
   BW_TRY(sum_fields(context, h, &points, covariance, displacement, mises, motion, &whole));
   for (int64_t i = 0; displacement && i < 3 * nodes; i++)
     displacement[i] = sqrt(displacement[i]);

@@ -188,51 +188,6 @@ end
 arguments.methods("harmonic_envelope", envelope, envelope, {write = "path: string, options?: options",
   picture = "path: string, options?: options", figure = ""})
 
--- ---- random vibration ----------------------------------------------------------------------------
-
-local random = {}
-random.__index = members("random response", random, {})
-random.__name = "barwright.random_response"
-
-local root_mean_squares = harmonic.random
-
---- Root mean squares where what acts is multiplied by a random process: {psd = {{Hz, 1/Hz}, ...}}.
-function harmonic:random(given)
-  local opts = options.read("random", given, {psd = {type = "any", needed = true}})
-  local displacement, von_mises, motions_or_details, wrong = root_mean_squares(self, opts.psd)
-  if not displacement then return nil, von_mises, motions_or_details end
-  local couplings = {}
-  for p, motion in ipairs(motions_or_details:totable()) do
-    couplings[p] = {displacement = table.move(motion, 1, 3, 1, {}), rotation = table.move(motion, 4, 6, 1, {})}
-  end
-  return setmetatable({displacement = displacement, von_mises = von_mises, error = wrong,
-    counted = self.modes.counted, mesh = self.mesh, couplings = couplings}, random)
-end
-
---- Root mean squares of displacement and von Mises stress, as .vtu (or what the ending says).
-function random:write(path, given)
-  return nodal_files.write(self.mesh, {rms_displacement = self.displacement, rms_von_mises = self.von_mises}, path,
-    given)
-end
-
---- The body coloured by the root mean square of von Mises stress; options of bw.picture.
-function random:picture(path, given)
-  return nodal_files.picture(self.mesh, self.von_mises, "root mean square of von Mises stress", path, given)
-end
-
-function random:__tostring()
-  local equations = self.error < math.huge and ("%s %.1e of the displacement, in energy"):format(
-    self.counted and "at most" or "about", self.error) or "unknown"
-  return ("random response: largest root mean squares %s and %s of von Mises stress, 3 times that %s; modes %s; "
-    .. "error of the equations %s; errors of the quadrature and of the mesh unknown"):format(
-    core.quantity(self.displacement:max(), "m"), core.quantity(self.von_mises:max(), "Pa"),
-    core.quantity(3 * self.von_mises:max(), "Pa"), self.counted and "counted: none is missing" or "not counted",
-    equations)
-end
-
-arguments.methods("random_response", random, random, {write = "path: string, options?: options",
-  picture = "path: string, options?: options"})
-
 -- ---- one frequency -------------------------------------------------------------------------------
 
 --- Both parts of the displacement and the stress, and the amplitude of von Mises stress, as .vtu.
@@ -309,7 +264,7 @@ function harmonic:animate(frequency, path, given)
   return ok, message, details
 end
 
-arguments.methods("harmonic", harmonic, nil, {curve = "options: options", random = "options: options",
+arguments.methods("harmonic", harmonic, nil, {curve = "options: options",
   envelope = "options?: options",
   write = "path: string, frequency: number, options?: options",
   picture = "frequency: number, path: string, options?: options",

@@ -329,6 +329,8 @@ double *lbw_to_doubles(lua_State *L, int index, const char *what, int64_t column
 /* Rows of two numbers, at most a million: the first column, and `count` numbers behind it the
  * second, in a userdata that is pushed. */
 const double *lbw_to_points(lua_State *L, int index, const char *what, int64_t *count);
+/* The life curve of a table. */
+void lbw_check_life_curve(lua_State *L, int index, bw_life_curve *curve);
 int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t columns, int64_t *rows);
 /* The same as they are, one for each of `rows` elements. */
 int32_t *lbw_to_tags(lua_State *L, int index, const char *what, int64_t rows);

@@ -24,19 +24,23 @@ static int core_rainflow(lua_State *L) {
   return lbw_leave_object(L, box, array, status);
 }
 
-/* fatigue_damage({static solution of each case}, {{factor of each case} at each step}, curve) */
-static int core_fatigue_damage(lua_State *L) {
+void lbw_check_life_curve(lua_State *L, int index, bw_life_curve *curve) {
   static const lbw_option list[] = {{"amplitude", LBW_REAL, offsetof(bw_life_curve, amplitude)},
                                     {"cycles", LBW_REAL, offsetof(bw_life_curve, cycles)},
                                     {"exponent", LBW_REAL, offsetof(bw_life_curve, exponent)},
                                     {"limit", LBW_REAL, offsetof(bw_life_curve, limit)},
                                     {"strength", LBW_REAL, offsetof(bw_life_curve, strength)},
                                     {NULL, LBW_OTHER, 0}};
+  bw_life_curve_default(curve);
+  lbw_options(L, index, "fatigue: curve", list, curve);
+}
+
+/* fatigue_damage({static solution of each case}, {{factor of each case} at each step}, curve) */
+static int core_fatigue_damage(lua_State *L) {
   bw_life_curve curve;
   int64_t steps;
   lua_settop(L, 3);
-  bw_life_curve_default(&curve);
-  lbw_options(L, 3, "fatigue: curve", list, &curve);
+  lbw_check_life_curve(L, 3, &curve);
   int cases = (int)lua_rawlen(L, 1);
   const bw_static **result =
       (const bw_static **)lua_newuserdatauv(L, (size_t)cases * sizeof *result + 1, 0);
@@ -54,8 +58,25 @@ static int core_fatigue_damage(lua_State *L) {
                    1);
 }
 
+/* spectral_damage(curve, index of the method, m0, m1, m2, m4): damage per time. The curve was
+ * checked before. */
+static int core_spectral_damage(lua_State *L) {
+  bw_life_curve curve;
+  double moment[4], rate = 0;
+  lua_settop(L, 6);
+  lbw_check_life_curve(L, 1, &curve);
+  bw_spectral_method method = (bw_spectral_method)lbw_check_index(L, 2, "method", 4);
+  for (int k = 0; k < 4; k++)
+    moment[k] = lbw_check_real(L, 3 + k, "moment");
+  bw_status status = bw_spectral_damage(lbw_enter(L), &curve, method, moment, &rate);
+  lua_pushnumber(L, rate);
+  return lbw_leave(L, status, 1);
+}
+
 void lbw_open_fatigue(lua_State *L) {
-  static const luaL_Reg functions[] = {
-      {"rainflow", core_rainflow}, {"fatigue_damage", core_fatigue_damage}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"rainflow", core_rainflow},
+                                       {"fatigue_damage", core_fatigue_damage},
+                                       {"spectral_damage", core_spectral_damage},
+                                       {NULL, NULL}};
   luaL_setfuncs(L, functions, 0);
 }

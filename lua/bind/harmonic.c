@@ -224,6 +224,37 @@ static int harmonic_random(lua_State *L) {
   return lbw_leave(L, status, 4);
 }
 
+/* harmonic:random_margins(psd, strength, sigma): probability, rate of upcrossings, used part of the
+ * strength and probability beyond sigma, per node. strength 0: that of the material */
+static int harmonic_random_margins(lua_State *L) {
+  const bw_harmonic *h = self(L);
+  int64_t nodes = h->model->mesh->node_count, count;
+  double strength = lbw_check_real(L, 3, "margins: option 'strength'");
+  double sigma = lbw_check_real(L, 4, "margins: option 'sigma'"), *out[4];
+  lua_settop(L, 4);
+  const double *frequency = lbw_to_points(L, 2, "random: option 'psd'", &count);
+  for (int k = 0; k < 4; k++)
+    out[k] = (double *)lbw_push_array(L, BW_F64, nodes, 1)->data;
+  bw_status status = bw_harmonic_margins(lbw_enter(L), h, (int)count, frequency, frequency + count,
+                                         strength, sigma, out[0], out[1], out[2], out[3]);
+  return lbw_leave(L, status, 4);
+}
+
+/* harmonic:random_damage(psd, curve): damage per time and spectral moments, per node */
+static int harmonic_random_damage(lua_State *L) {
+  const bw_harmonic *h = self(L);
+  int64_t nodes = h->model->mesh->node_count, count;
+  bw_life_curve curve;
+  lua_settop(L, 3);
+  lbw_check_life_curve(L, 3, &curve);
+  const double *frequency = lbw_to_points(L, 2, "random: option 'psd'", &count);
+  double *rate = (double *)lbw_push_array(L, BW_F64, nodes, 1)->data;
+  double *moment = (double *)lbw_push_array(L, BW_F64, nodes, 4)->data;
+  bw_status status = bw_harmonic_random_damage(lbw_enter(L), h, (int)count, frequency,
+                                               frequency + count, &curve, rate, moment);
+  return lbw_leave(L, status, 2);
+}
+
 static int harmonic_frequencies(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, self(L)->frequency_count, 1, self(L)->frequency, self(L));
 }
@@ -282,6 +313,8 @@ static const luaL_Reg methods[] = {{"displacement", harmonic_displacement},
                                    {"at_coupling", harmonic_at_coupling},
                                    {"envelope", harmonic_envelope},
                                    {"random", harmonic_random},
+                                   {"random_margins", harmonic_random_margins},
+                                   {"random_damage", harmonic_random_damage},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {{"frequencies", harmonic_frequencies},
                                       {"errors", harmonic_errors},

@@ -296,7 +296,59 @@ function HarmonicEnvelope:figure() end
 ---@field counted boolean whether no mode is missing for certain
 ---@field mesh bw.Mesh of the model
 ---@field couplings bw.PointMotion[] root mean squares of the motion of each coupling's remote point
+---@field response bw.Harmonic the response that the process multiplies
+---@field psd bw.Array (any, n × 2) rows of frequency (Hz) and density (1/Hz) of the process
 local RandomResponse = {}
+
+---Compares the vibration with the strength, for a Gaussian process: the margin of `sigma` root mean squares, and the probability
+---that von Mises stress exceeds the strength, at an instant and within a duration, at each node by itself. Static stresses are not
+---in it. A material whose strengths differ, or are not known, needs `strength`, else it raises.
+---
+---Errors: those of `Harmonic:random`.
+---
+---Source: docs/theory/dynamics.md; Segalman, Reese, Field, Fulcher (2000).
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local shaken = assert(part:harmonic {range = {20, 500}, base = {0, 0, 9.81}, damping = {ratio = 0.02}})
+---local random = assert(shaken:random {psd = {{20, 0.01}, {500, 0.01}}})
+---print(assert(random:margins {duration = 3600, strength = 250e6}))
+---```
+---@param options bw.RandomMarginOptions duration and strength
+---@return bw.RandomMargins? margins probabilities and the margin
+---@return string? message
+---@return bw.Details? details
+function RandomResponse:margins(options) end
+
+---What a random vibration is compared with.
+---@class bw.RandomMarginOptions
+---@field duration number (s) how long the vibration lasts. Range: 0 or more
+---@field strength? number (Pa) that von Mises stress is compared with. Range: above 0. Default: that of each material
+---@field sigma? number (-) root mean squares of the margin. Range: above 0. Default: 3
+
+---The damage of the vibration, for a Gaussian process, by spectral moments of von Mises stress's mean square. Where materials meet,
+---the largest damage of one of them counts. A curve with a `strength` raises: the mean stress is 0.
+---
+---Errors: those of `Harmonic:random`.
+---
+---Source: docs/theory/dynamics.md; Dirlik (1985); Preumont and Piéfort (1994).
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local shaken = assert(part:harmonic {range = {20, 500}, base = {0, 0, 9.81}, damping = {ratio = 0.02}})
+---local random = assert(shaken:random {psd = {{20, 0.01}, {500, 0.01}}})
+---print(assert(random:fatigue {duration = 3600, curve = {amplitude = 160e6, cycles = 2e6, exponent = 5}}))
+---```
+---@param options bw.RandomFatigueOptions duration and life curve
+---@return bw.RandomFatigue? fatigue the damage
+---@return string? message
+---@return bw.Details? details
+function RandomResponse:fatigue(options) end
+
+---A random vibration's duration and the material's life.
+---@class bw.RandomFatigueOptions
+---@field duration number (s) how long the vibration lasts. Range: 0 or more
+---@field curve bw.LifeCurve the life curve of the material, without `strength`
 
 ---Writes the root mean squares to a .vtu file. Other endings of `mesh:write` work, too.
 ---
@@ -317,3 +369,90 @@ function RandomResponse:write(path, options) end
 ---@return string? message
 ---@return bw.Details? details
 function RandomResponse:picture(path, options) end
+
+---How far a random vibration stays from the strength.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local shaken = assert(part:harmonic {range = {20, 500}, base = {0, 0, 9.81}, damping = {ratio = 0.02}})
+---local random = assert(shaken:random {psd = {{20, 0.01}, {500, 0.01}}})
+---local margins = assert(random:margins {duration = 3600, strength = 250e6})
+---print(margins.margin > 0, margins.first_passage[margins.node] < 1e-3)
+---```
+---@class bw.RandomMargins
+---@field exceedance bw.Array (-, node_count × 1, per node) probability that von Mises stress exceeds the strength at an instant: the share of the time
+---@field rate bw.Array (1/s, node_count × 1, per node) how often it rises through the strength, at most
+---@field first_passage bw.Array (-, node_count × 1, per node) probability that it exceeds the strength within the duration, at most
+---@field used bw.Array (-, node_count × 1, per node) `sigma` root mean squares of von Mises stress over the strength
+---@field margin number (-) the strength over `sigma` root mean squares, less 1, where it is least
+---@field margin_node integer (index from 1) the node of the margin
+---@field margin_at number[] (m, 3) the place of that node
+---@field beyond number (-) probability that von Mises stress exceeds `sigma` root mean squares at that node, at an instant; 0.0027 for 3 where one component acts
+---@field node integer (index from 1) where a first passage is most probable
+---@field at number[] (m, 3) the place of that node
+---@field poisson number (-) probability of a first passage at that node if crossings were independent
+---@field sigma number (-) root mean squares of the margin
+---@field duration number (s) of the vibration
+---@field mesh bw.Mesh of the model
+local RandomMargins = {}
+
+---Writes probabilities, rates and used parts of the strength to a .vtu file. Other endings of `mesh:write` work, too.
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@param options? bw.MeshWriteOptions further fields, unit and version
+---@return true? written true
+---@return string? message
+---@return bw.Details? details
+function RandomMargins:write(path, options) end
+
+---Draws the body as a PNG file, coloured by the used part of the strength.
+---
+---Errors: those of `bw.picture`.
+---@param path string the file
+---@param options? bw.PictureOptions how it is drawn
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
+function RandomMargins:picture(path, options) end
+
+---Damage by a random vibration.
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+---local shaken = assert(part:harmonic {range = {20, 500}, base = {0, 0, 9.81}, damping = {ratio = 0.02}})
+---local random = assert(shaken:random {psd = {{20, 0.01}, {500, 0.01}}})
+---local fatigue = assert(random:fatigue {duration = 3600, curve = {amplitude = 160e6, cycles = 2e6, exponent = 5}})
+---print(fatigue.life, fatigue.at[1], fatigue.by.narrow_band)
+---```
+---@class bw.RandomFatigue
+---@field damage bw.Array (-, node_count × 1, per node) within the duration, by Dirlik's method
+---@field rate bw.Array (1/s, node_count × 1, per node) damage per time
+---@field moments bw.Array (any, node_count × 4, per node) spectral moments m0 (Pa2), m1 (Pa2 Hz), m2 (Pa2 Hz2) and m4 (Pa2 Hz4)
+---@field life number (s) until the damage is 1 somewhere; infinite without damage
+---@field by table<string, number> (-) damage at `node` by `dirlik`, `tovo_benasciutti`, `wirsching_light` and `narrow_band`
+---@field node integer (index from 1) where the damage is largest
+---@field at number[] (m, 3) the place of that node
+---@field duration number (s) of the vibration
+---@field mesh bw.Mesh of the model
+local RandomFatigue = {}
+
+---Writes the damage to a .vtu file. Other endings of `mesh:write` work, too.
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@param options? bw.MeshWriteOptions further fields, unit and version
+---@return true? written true
+---@return string? message
+---@return bw.Details? details
+function RandomFatigue:write(path, options) end
+
+---Draws the body as a PNG file, coloured by the damage.
+---
+---Errors: those of `bw.picture`.
+---@param path string the file
+---@param options? bw.PictureOptions how it is drawn
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
+function RandomFatigue:picture(path, options) end

@@ -86,6 +86,58 @@ describe("harmonic", function()
     assert(random:picture(folder .. "random.png"))
   end)
 
+  it("compares a random vibration with strength and life", function()
+    local shaken = assert(beam():harmonic {
+      range = {0, 2 * bending}, base = {0, 0, 9.81}, damping = {ratio = 0.01}})
+    local random = assert(shaken:random {psd = {{0, 0.01}, {2 * bending, 0.01}}})
+    local rms, node = random.von_mises:max(), random.von_mises:argmax()
+    local margins = assert(random:margins {duration = 3600, strength = 5 * rms})
+    check.near(2 / 3, margins.margin, 1e-9)
+    assert.equal(node, margins.margin_node)
+    -- one mode: one component of stress, a normal variable, with Rice's rate at the frequency of the mode
+    check.near(0.0027, margins.beyond, 0.01)
+    check.near(5.733e-7, margins.exceedance[node], 0.02)
+    local rate = 2 * shaken.modes.frequencies[1] * math.exp(-12.5)
+    check.near(rate, margins.rate[node], 0.02)
+    local long = assert(random:margins {duration = 1 / rate, strength = 5 * rms, sigma = 5})
+    check.near(1, long.first_passage[node], 0.02)
+    check.near(1 - math.exp(-1), long.poisson, 0.02)
+    assert.is_true(math.abs(long.margin) < 1e-9)
+    assert.truthy(tostring(margins):find("root mean square of von Mises stress is 60 % of the strength", 1, true))
+    assert.truthy(tostring(margins):find("does so in 3600 s is at most", 1, true))
+    assert(margins:write(folder .. "margins.vtu") and margins:picture(folder .. "margins.png"))
+
+    local curve = {amplitude = 2 * rms, cycles = 1e6, exponent = 4}
+    local fatigue = assert(random:fatigue {duration = 10, curve = curve})
+    -- Rayleigh's peaks: the mean of amplitude^4 is 8 rms^4
+    local narrow = shaken.modes.frequencies[1] * 8 / 2 ^ 4 / 1e6
+    check.near(10 * narrow, fatigue.by.narrow_band, 0.02)
+    check.near(narrow, fatigue.rate[node], 0.1)
+    check.near(10 * fatigue.rate[node], fatigue.damage[node], 1e-12)
+    check.near(1 / fatigue.rate[node], fatigue.life, 1e-12)
+    check.near(rms ^ 2, fatigue.moments(node, 1), 1e-9)
+    assert.equal(fatigue.by.dirlik, fatigue.damage[node])
+    assert.truthy(tostring(fatigue):find("life curves scatter", 1, true))
+    assert(fatigue:write(folder .. "damage.vtu") and fatigue:picture(folder .. "damage.png"))
+    local none = assert(random:fatigue {duration = 10, curve = {amplitude = rms, limit = 1e3 * rms}})
+    assert.is_true(none.life == math.huge and none.damage:max() == 0)
+    assert.truthy(tostring(none):find("No amplitude does damage", 1, true))
+
+    for text, call in pairs {
+      ["option 'duration' is missing"] = function() random:margins {} end,
+      ["option 'strength': a number above 0"] = function() random:margins {duration = 1, strength = 0} end,
+      ["option 'sigma': a number above 0"] = function() random:margins {duration = 1, strength = 1, sigma = 0} end,
+      ["no strength that is one number: give"] = function() random:margins {duration = 1} end,
+      ["the mean 0"] = function() random:fatigue {duration = 1, curve = {amplitude = 1, strength = 1}} end,
+      ["amplitude of the life curve is 0"] = function() random:fatigue {duration = 1, curve = {}} end,
+    } do
+      local ok, message = pcall(call)
+      assert.is_false(ok, text)
+      assert.truthy(message:find(text, 1, true), message)
+      assert.truthy(message:find("harmonic_spec.lua:", 1, true), message)
+    end
+  end)
+
   it("writes curves, fields, pictures and animations", function()
     local response = assert(beam({0, 0, 10}):harmonic {range = {0, 500}, damping = {ratio = 0.02}})
     local curve = assert(response:curve {at = {L, 0, 0}, frequencies = {0, 100}})
@@ -277,6 +329,61 @@ describe("barwright respond", function()
       most = math.max(most, core.von_mises(means[1] * math.cos(phase) - means[2] * math.sin(phase)):max())
     end
     check.near(most, object.mean_pa, 1e-4)
+  end)
+
+  it("shakes at random, against strength and life", function()
+    local psd = folder .. "psd.csv"
+    local function write(text)
+      local file = assert(io.open(psd, "w"))
+      file:write(text)
+      file:close()
+    end
+    local function run(words)
+      return check.run(("respond --young 200GPa --poisson 0.3 --density 7800 --fix min:x --strength 500MPa "
+        .. "--damping 0.01 --psd %s %s %s"):format(psd, words, path))
+    end
+    write(("frequency,density\n0,0.01\n%.17g,0.01\n"):format(2 * bending))
+    local status, out = run(("--json --base 0,0,1g --duration 2min --life 160MPa,2e6,5 --vtu %sr.vtu "
+      .. "--picture %sr.png"):format(folder, folder))
+    assert.equal(0, status, out)
+    local object = bw.json.decode(out)
+    local shaken = assert(beam():harmonic {
+      range = {0, 2 * bending}, base = {0, 0, 9.80665}, damping = {ratio = 0.01}})
+    local random = assert(shaken:random {psd = {{0, 0.01}, {2 * bending, 0.01}}})
+    check.near(3 * random.von_mises:max(), object.value, 1e-9)
+    local margins = assert(random:margins {duration = 120, strength = 500e6})
+    check.near(margins.margin, object.margin, 1e-9)
+    check.near(margins.beyond, object.beyond_three_deviations, 1e-9)
+    assert.equal(120, object.duration_s)
+    local fatigue = assert(random:fatigue {duration = 120, curve = {amplitude = 160e6, cycles = 2e6}})
+    check.near(fatigue.life, object.life_s, 1e-9)
+    check.near(fatigue.by.narrow_band, object.damage_by.narrow_band, 1e-9)
+    for _, name in ipairs {"r.vtu", "r.png"} do assert(io.open(folder .. name)):close() end
+    status, out = run "--base 0,0,1g --duration 2min"
+    assert.equal(0, status)
+    for _, text in ipairs {"three times its root mean square", "the margin is", "of the time", "(Poisson)",
+      "Fatigue is not judged", "errors of the quadrature and of the mesh unknown"} do
+      assert.truthy(out:find(text, 1, true), out)
+    end
+    for words, expected in pairs {
+      ["--base 0,0,1g"] = "option --duration TIME is missing",
+      ["--base 0,0,1g --duration 1min --to 5"] = "option --to goes not with --psd",
+      ["--base 0,0,1g --duration 1min --life 1,2"] = "option --life: three values",
+      ["--base 0,0,1g --duration 1min --life 1MPa,2,0"] = "option --life: a stress and cycles above 0"} do
+      local code, _, err = run(words)
+      assert.equal(2, code)
+      assert.truthy(err:find(expected, 1, true), err)
+    end
+    for text, expected in pairs {["1 1\n"] = "2 points or more", ["1 1\n2 -1\n"] = "both must be 0 or more",
+      ["1 0\n2 0\n"] = "0 everywhere"} do
+      write(text)
+      local code, _, err = run "--base 0,0,1g --duration 1min"
+      assert.equal(3, code)
+      assert.truthy(err:find(expected, 1, true), err)
+    end
+    local code, _, err = check.run("respond --damping 0.1 --fix min:x --base 0,0,1 --to 9 --duration 1 " .. path)
+    assert.equal(2, code)
+    assert.truthy(err:find("option --duration is for --psd", 1, true), err)
   end)
 
   it("shakes the supports as gravity would", function()

@@ -140,6 +140,21 @@ BW_API bw_status bw_harmonic_random(bw_context *context, const bw_harmonic *harm
                                     double *displacement, double *von_mises, double *motion,
                                     double *error);
 
+/* How far random vibration stays from a strength (Pa), or for 0 from that of each material
+ * (docs/theory/dynamics.md): the process of bw_harmonic_random, frequency (Hz, count) and density
+ * (any, count), taken as Gaussian. probability (-, node_count) that von Mises stress exceeds the
+ * strength at an instant, by the distribution of its quadratic form; rate (1/s, node_count) of
+ * upcrossings through it, an upper bound, which is Rice's where one component of stress acts; used
+ * (-, node_count), sigma (-) times the root mean square over the strength; beyond (-, node_count),
+ * the probability that von Mises stress exceeds sigma times its root mean square. Where materials
+ * meet, the largest counts. Static stresses are not in it. BW_INVALID for a strength below 0, a
+ * sigma that is not above 0, and for strength 0 where a material has no strength that is one
+ * number; those of bw_harmonic_random. */
+BW_API bw_status bw_harmonic_margins(bw_context *context, const bw_harmonic *harmonic, int count,
+                                     const double *frequency, const double *density,
+                                     double strength, double sigma, double *probability,
+                                     double *rate, double *used, double *beyond);
+
 /* ---- response spectrum ----------------------------------------------------------------------- */
 
 /* How the largest responses of modes, which differ in time, are combined. */
@@ -237,6 +252,31 @@ BW_API bw_status bw_fatigue_damage(bw_context *context, const bw_life_curve *cur
 BW_API bw_status bw_static_damage(bw_context *context, const bw_life_curve *curve, int case_count,
                                   const bw_static *const *result, int64_t steps,
                                   const double *factor, double *damage);
+
+/* How the damage of a random stress follows from its spectral moments. */
+typedef enum bw_spectral_method {
+  BW_TOVO_BENASCIUTTI, /* Benasciutti and Tovo, International Journal of Fatigue 27, 2005 */
+  BW_DIRLIK,           /* Dirlik, thesis, Warwick 1985 */
+  BW_WIRSCHING_LIGHT,  /* Wirsching and Light, Journal of the Structural Division 106, 1980: for
+                          exponents from 3 to 6 */
+  BW_NARROW_BAND       /* each upcrossing of 0 is a cycle, as high as its peak */
+} bw_spectral_method;
+/* The damage per time, *rate (1/s), of a stationary Gaussian stress of mean 0. moment (any): the
+ * spectral moments m0 (Pa2), m1 (Pa2 Hz), m2 (Pa2 Hz2), m4 (Pa2 Hz4), integrals of f^n S(f). 0
+ * where one of them is 0. BW_INVALID for numbers of the curve outside their ranges, for one with a
+ * strength, and for moments that are negative or not finite. */
+BW_API bw_status bw_spectral_damage(bw_context *context, const bw_life_curve *curve,
+                                    bw_spectral_method method, const double moment[4],
+                                    double *rate);
+/* The same at nodes under the random vibration of bw_harmonic_random, frequency (Hz, count) and
+ * density (any, count), of a stress whose density is that of von Mises stress's mean square
+ * (Preumont and Piefort, Journal of Vibration and Acoustics 116, 1994), by BW_DIRLIK: rate (1/s,
+ * node_count) and moment (any, node_count x 4). Where materials meet, the largest counts. Those of
+ * bw_spectral_damage and bw_harmonic_random. */
+BW_API bw_status bw_harmonic_random_damage(bw_context *context, const bw_harmonic *harmonic,
+                                           int count, const double *frequency,
+                                           const double *density, const bw_life_curve *curve,
+                                           double *rate, double *moment);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright respond MODEL: how far a part moves, and how it is stressed, by a vibration of a range of frequencies
--- or by a response spectrum (respond_spectrum.lua).
+-- barwright respond MODEL: how far a part moves, and how it is stressed, by a vibration of a range of frequencies,
+-- by a random vibration (respond_random.lua) or by a response spectrum (respond_spectrum.lua).
 local averaging_radius = require "barwright.averaging_radius"
 local bw = require "barwright"
 local core = require "barwright.core"
@@ -9,6 +9,7 @@ local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
+local respond_random = require "barwright.command.respond_random"
 local respond_spectrum = require "barwright.command.respond_spectrum"
 local shown = require "barwright.shown"
 
@@ -25,7 +26,7 @@ local function respond(part, opts, given)
 end
 
 -- At the frequency of the largest stress, the largest von Mises amplitude of the mean stress over surface patches;
--- nil of a spectrum, which has no phases, and of several materials.
+-- nil of a random vibration and of a spectrum, which have no phases, and of several materials.
 local function patch_mean(part, found, radius)
   local frequency, means = found.stress.frequency, {}
   if not frequency or part.material.parts then return nil end
@@ -52,14 +53,15 @@ local function on_coarser(measure, read, opts, given, radius)
   end)
 end
 
-local function analyse(opts, given, out)
+-- `measure`: of a part, as above.
+local function analyse(measure, opts, given, out)
   if opts.threads then bw.threads(opts.threads) end
   local mesh, read, why = model.body(setmetatable({order = 2}, {__index = opts}), out)
   if not mesh then return nil, read, why end
   local part, message, details = loads_of.set_up(model.part(read, mesh, opts), opts, given, out)
   if not part then return nil, message, details end
   if given.base then out:say("The supports are accelerated: amplitude %s.", shown.vector(given.base, "m/s2")) end
-  local measure, found = opts.spectrum and respond_spectrum.measure or respond
+  local found
   found, message, details = measure(part, opts, given)
   out:warnings()
   if not found then return nil, message, details end
@@ -135,13 +137,6 @@ local function errors_of(found, equations)
     way = coarse and "by a coarser mesh" or "assumed, as there is one mesh only"}
 end
 
-local function report_spectrum(found, opts, out)
-  local errors = errors_of(found, 0)
-  out:say("")
-  respond_spectrum.report(found, errors, opts, out)
-  return report_verdict(found, found.response.mesh, errors, opts, out)
-end
-
 local function report(found, opts, given, out)
   local response, displacement, stress = found.response, found.displacement, found.stress
   local equations = response.errors:max()
@@ -170,13 +165,22 @@ local function report(found, opts, given, out)
   return verdict
 end
 
-local function run_spectrum(opts, given, out)
+-- By a file of points: `way` is respond_random or respond_spectrum.
+local function run_points(way, path, opts, given, out)
   local found, message, details
-  given.points, message, details = respond_spectrum.points(opts.spectrum)
+  given.points, message, details = way.points(path)
   if not given.points then return out:fail(message, details) end
-  found, message, details = analyse(opts, given, out)
+  found, message, details = analyse(way.measure, opts, given, out)
   if not found then return out:fail(message, details) end
-  local verdict = report_spectrum(found, opts, out)
+  if way.judge then
+    local ok
+    ok, message, details = way.judge(found, opts, given)
+    if not ok then return out:fail(message, details) end
+  end
+  local errors = errors_of(found, 0)
+  out:say("")
+  way.report(found, errors, opts, out)
+  local verdict = report_verdict(found, found.response.mesh, errors, opts, out)
   local failed = out:write_files {{opts.vtu, function() return found.response:write(opts.vtu) end},
     {opts.picture, function() return found.response:picture(opts.picture) end}}
   if failed then return failed end
@@ -193,7 +197,7 @@ local options = {
   {name = "from", value = "FREQUENCY", type = "number", unit = "Hz", default = 0, min = 0,
     what = "the lowest frequency"},
   {name = "to", value = "FREQUENCY", type = "number", unit = "Hz", above = 0,
-    what = "the highest frequency; needed without --spectrum"},
+    what = "the highest frequency; needed without --psd and --spectrum"},
   {name = "damping", value = "RATIO", type = "number", above = 0, below = 1, needed = true,
     what = "of the critical damping, in every mode: 0.01, say, of a metal part, 0.03 of a bolted one"},
   model.unit_option,
@@ -202,42 +206,48 @@ local options = {
     what = "write amplitude and phase over the frequency, where the displacement is largest"},
   {name = "plot", value = "FILE.svg", type = "file", endings = {"svg"}, what = "a plot of these amplitudes"},
   {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
-    what = "write the fields at the frequency of the largest stress, of a spectrum the largest values, for "
+    what = "write the fields at the frequency of the largest stress, otherwise the largest values, for "
       .. "ParaView"},
   {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
-    what = "a picture of the deflection and the stress at that frequency, of a spectrum the largest stress"},
+    what = "a picture of the deflection and the stress at that frequency, otherwise the largest stress"},
   model.threads_option,
 }
-for i, option in ipairs(respond_spectrum.options) do table.insert(options, 8 + i, option) end -- behind --damping
+local of_points = table.move(respond_spectrum.options, 1, #respond_spectrum.options, #respond_random.options + 1,
+  {table.unpack(respond_random.options)})
+for i, option in ipairs(of_points) do table.insert(options, 8 + i, option) end -- behind --damping
 table.move(made_of.value_options, 1, #made_of.value_options, #options + 1, options)
 
 return {
   summary = "how a part answers vibration over a range of frequencies",
   about = "Constrains a part at places, and applies loads that vary harmonically, all in phase, or accelerates "
     .. "the supports. It finds the largest displacement and stress over the frequencies. A surface is repaired "
-    .. "where it must be and filled with quadratic tetrahedra. With --spectrum it finds the largest responses to "
-    .. "a motion of the supports that is known by its response spectrum.\n\n" .. places.help .. "\n\n"
-    .. output.codes("the stress stays below the strength",
+    .. "where it must be and filled with quadratic tetrahedra. With --psd the vibration is random: it finds root "
+    .. "mean squares, the probability that the stress exceeds the strength, and damage. With --spectrum it finds "
+    .. "the largest responses to a motion of the supports that is known by its response spectrum.\n\n" .. places.help
+    .. "\n\n" .. output.codes("the stress stays below the strength",
       "it exceeds the strength, or the estimated error leaves it open"),
   arguments = {model.body_argument},
   options = options,
   examples = {"barwright respond bracket.stl --fix min:z --base 0,0,1g --to 500 --damping 0.02 --material steel",
     {"barwright respond arm.stl --fix min:x --force max:x=0,0,5N --from 10 --to 200 --damping 0.01 --plot arm.svg",
       "a force at its end"},
+    {"barwright respond box.stl --fix min:z --base 0,0,1g --psd launch.csv --duration 2min --damping 0.02",
+      "random vibration in g2/Hz"},
     {"barwright respond rack.stl --fix min:z --spectrum floor.csv --direction 1,0,0 --direction 0,1,0 "
       .. "--damping 0.02",
       "an earthquake, along two axes"}},
   run = function(opts, out)
     local given, message = loads_of.read(opts, "base")
     if not given then return out:misuse(message) end
-    message = respond_spectrum.misuse(opts, given)
+    message = respond_random.misuse(opts, given) or respond_spectrum.misuse(opts, given)
     if message then return out:misuse(message) end
-    if opts.spectrum then return run_spectrum(opts, given, out) end
+    if opts.psd then return run_points(respond_random, opts.psd, opts, given, out) end
+    if opts.spectrum then return run_points(respond_spectrum, opts.spectrum, opts, given, out) end
     if opts.from >= opts.to then
       return out:misuse(("option --from: a frequency below the %g Hz of --to expected, got %g"):format(opts.to,
         opts.from))
     end
-    local found, why, details = analyse(opts, given, out)
+    local found, why, details = analyse(respond, opts, given, out)
     if not found then return out:fail(why, details) end
     local verdict = report(found, opts, given, out)
     local response, frequency = found.response, found.stress.frequency

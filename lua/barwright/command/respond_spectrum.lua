@@ -45,7 +45,7 @@ function respond_spectrum.misuse(opts, given)
     for _, name in ipairs {"direction", "rule"} do
       if opts.given["--" .. name] then return ("option --%s is for --spectrum FILE.csv"):format(name) end
     end
-    return not opts.to and "option --to FREQUENCY is missing" or nil
+    return not opts.to and not opts.psd and "option --to FREQUENCY is missing" or nil
   end
   for _, name in ipairs {"force", "pressure", "base", "from", "to", "csv", "plot"} do
     if opts.given["--" .. name] then

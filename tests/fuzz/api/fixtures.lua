@@ -158,6 +158,10 @@ makers.Fatigue = {function(p)
   return assert(bw.fatigue {loads = {{static = p.Static, history = {0, 1, 0}}}, curve = {amplitude = 1e8}})
 end}
 makers.RandomResponse = {function(p) return assert(p.Harmonic:random {psd = {{1, 1}, {50, 1}}}) end}
+makers.RandomMargins = {function(p) return assert(p.RandomResponse:margins {duration = 1, strength = 1e6}) end}
+makers.RandomFatigue = {function(p)
+  return assert(p.RandomResponse:fatigue {duration = 1, curve = {amplitude = 1e6}})
+end}
 makers.System = {
   function(p) return assert(p.Model:system()) end,
   function(p) return assert(p:variant("bw.Model", 3):system()) end,
