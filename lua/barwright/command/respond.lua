@@ -223,8 +223,8 @@ return {
     .. "the supports. It finds the largest displacement and stress over the frequencies. A surface is repaired "
     .. "where it must be and filled with quadratic tetrahedra. With --psd the vibration is random: it finds root "
     .. "mean squares, the probability that the stress exceeds the strength, and damage. With --spectrum it finds "
-    .. "the largest responses to a motion of the supports that is known by its response spectrum.\n\n" .. places.help
-    .. "\n\n" .. output.codes("the stress stays below the strength",
+    .. "the largest responses to a motion of the supports that is known by its response spectrum.\n\n"
+    .. places.help .. "\n\n" .. output.codes("the stress stays below the strength",
       "it exceeds the strength, or the estimated error leaves it open"),
   arguments = {model.body_argument},
   options = options,
