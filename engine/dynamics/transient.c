@@ -191,12 +191,8 @@ static bw_status check_joints(bw_context *context, const bw_model *model,
                               "the displacement out";
   if (model->cyclic || !o->modes)
     return bw_model_refuse_joints(context, model);
-  for (int b = 0; b < model->bond_count; b++)
-    if (model->bond[b].preload != BW_NO_PRELOAD)
-      return bw_fail(context, BW_UNSUPPORTED,
-                     "bond %d has a preload, which motion in time does not know: bond the section "
-                     "without one",
-                     b + 1);
+  BW_TRY(bwi_model_refuse_preloads(context, model,
+                                   "motion in time does not know: bond the section without one"));
   BW_TRY(bwi_points_refuse_motion(context, model, still));
   BW_TRY(bwi_dof_map_apart(context, model, &apart));
   if (apart->prescribed)

@@ -130,14 +130,6 @@ done:
 
 /* ---- bonds ----------------------------------------------------------------------------------- */
 
-static bw_status fail_node(bw_context *context, const bw_mesh *mesh, int32_t node,
-                           const char *what) {
-  const double *x = mesh->node + 3 * (int64_t)node;
-  bw_fail(context, BW_INVALID, "node %d at (%g, %g, %g) m %s", node + 1, x[0], x[1], x[2], what);
-  bw_detail_number(context, "node", node + 1.0);
-  return BW_INVALID;
-}
-
 /* Each node follows in one bond, and none that follows itself. */
 static bw_status check_bond(bw_context *context, const bw_heat *heat, const bw_bond *bond) {
   bw_status status = BW_OK;
@@ -148,9 +140,10 @@ static bw_status check_bond(bw_context *context, const bw_heat *heat, const bw_b
     const bw_bond *b = c < heat->condition_count ? heat->condition[c].bond : bond;
     for (int32_t i = 0; b && i < b->node_count; i++) {
       if (follows[b->node[i]])
-        BW_TRY(fail_node(context, heat->mesh, b->node[i],
-                         "follows others in two bonds: let its side be b in one of them, or leave "
-                         "the facets around it out"));
+        BW_TRY(
+            bwi_fail_node(context, heat->mesh, b->node[i], BW_INVALID,
+                          "follows others in two bonds: let its side be b in one of them, or leave "
+                          "the facets around it out"));
       follows[b->node[i]] = 1;
     }
     for (int64_t e = 0; b && e < b->follows->start[b->node_count]; e++)
@@ -158,9 +151,10 @@ static bw_status check_bond(bw_context *context, const bw_heat *heat, const bw_b
   }
   for (int32_t i = 0; i < heat->mesh->node_count; i++)
     if (follows[i] && followed[i])
-      BW_TRY(fail_node(context, heat->mesh, i,
-                       "is followed in one bond and follows others in another: give the sides of "
-                       "one of these bonds the other way round"));
+      BW_TRY(
+          bwi_fail_node(context, heat->mesh, i, BW_INVALID,
+                        "is followed in one bond and follows others in another: give the sides of "
+                        "one of these bonds the other way round"));
 done:
   bw_free(follows);
   bw_free(followed);

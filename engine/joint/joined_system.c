@@ -381,12 +381,12 @@ static bw_status check_model(bw_context *context, const bw_model *model, const b
                    "many loads on a joined model are solved by a factor, not by \"%s\": leave the "
                    "solver out, or give cholesky",
                    bw_solver_word(solver->options.kind));
-  for (int b = 0; b < model->bond_count; b++)
-    if (model->bond[b].preload != BW_NO_PRELOAD)
-      return bw_fail(context, BW_UNSUPPORTED,
-                     "bond %d has a preload, which strains the bodies without any other load: the "
-                     "stress is not linear in the loads, leave the preload out",
-                     b + 1);
+  bw_status status = bwi_model_refuse_preloads(
+      context, model,
+      "strains the bodies without any other load: the stress is not linear in the loads, leave the "
+      "preload out");
+  if (status != BW_OK)
+    return status;
   return bwi_points_refuse_motion(context, model, "many loads are solved with fixed points only");
 }
 

@@ -19,14 +19,6 @@ static bool is_prescribed(const bw_dof_map *dof_map, int32_t node, int k) {
   return dof_map->state[3 * (int64_t)node + k] == BW_DOF_PRESCRIBED;
 }
 
-static bw_status fail_node(bw_context *context, const bw_mesh *mesh, int32_t node,
-                           const char *what) {
-  const double *x = mesh->node + 3 * (int64_t)node;
-  bw_fail(context, BW_INVALID, "node %d at (%g, %g, %g) m %s", node + 1, x[0], x[1], x[2], what);
-  bw_detail_number(context, "node", node + 1.0);
-  return BW_INVALID;
-}
-
 /* Which nodes move with a remote point, and which follow others: each in one bond, and none that
  * follows itself. */
 static bw_status find_followers(bw_context *context, const bw_model *model, bwi_reduction *r) {
@@ -41,9 +33,10 @@ static bw_status find_followers(bw_context *context, const bw_model *model, bwi_
     for (int32_t i = 0; i < model->bond[b].node_count; i++) {
       int32_t node = model->bond[b].node[i];
       if (r->bond_of[node])
-        BW_TRY(fail_node(context, model->mesh, node,
-                         "follows others in two bonds: let its side be b in one of them, or leave "
-                         "the facets around it out"));
+        BW_TRY(
+            bwi_fail_node(context, model->mesh, node, BW_INVALID,
+                          "follows others in two bonds: let its side be b in one of them, or leave "
+                          "the facets around it out"));
       r->bond_of[node] = &model->bond[b];
       r->row_of[node] = i;
     }
@@ -51,9 +44,10 @@ static bw_status find_followers(bw_context *context, const bw_model *model, bwi_
     const bw_sparse_matrix *f = model->bond[b].follows;
     for (int64_t e = 0; e < f->start[f->rows]; e++)
       if (r->bond_of[f->column[e]])
-        BW_TRY(fail_node(context, model->mesh, f->column[e],
-                         "is followed in one bond and follows others in another: give the sides of "
-                         "one of these bonds the other way round"));
+        BW_TRY(bwi_fail_node(
+            context, model->mesh, f->column[e], BW_INVALID,
+            "is followed in one bond and follows others in another: give the sides of "
+            "one of these bonds the other way round"));
   }
 done:
   return status;

@@ -13,6 +13,21 @@
 static const double free_square = 1e-10;
 enum { SWEEPS = 60 };
 
+bw_status bwi_fail_node(bw_context *context, const bw_mesh *mesh, int32_t node, bw_status status,
+                        const char *what) {
+  const double *x = mesh->node + 3 * (int64_t)node;
+  bw_fail(context, status, "node %d at (%g, %g, %g) m %s", node + 1, x[0], x[1], x[2], what);
+  bw_detail_number(context, "node", node + 1.0);
+  return status;
+}
+
+bw_status bwi_model_refuse_preloads(bw_context *context, const bw_model *model, const char *why) {
+  for (int b = 0; b < model->bond_count; b++)
+    if (model->bond[b].preload != BW_NO_PRELOAD)
+      return bw_fail(context, BW_UNSUPPORTED, "bond %d has a preload, which %s", b + 1, why);
+  return BW_OK;
+}
+
 bw_status bw_model_refuse_joints(bw_context *context, const bw_model *model) {
   const struct {
     int count;

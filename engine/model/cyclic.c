@@ -232,14 +232,6 @@ static bw_status fail_match(bw_context *context, const bw_cyclic *cyclic, double
   return BW_GEOMETRY;
 }
 
-static bw_status fail_node(bw_context *context, const bw_mesh *mesh, int32_t node, bw_status status,
-                           const char *what) {
-  const double *x = mesh->node + 3 * (int64_t)node;
-  bw_fail(context, status, "node %d at (%g, %g, %g) m %s", node + 1, x[0], x[1], x[2], what);
-  bw_detail_number(context, "node", node + 1.0);
-  return status;
-}
-
 /* Nodes on the axis turn into themselves; no other is on both faces. */
 static bw_status check_partners(bw_context *context, bw_cyclic *cyclic, double allowed) {
   const bw_mesh *mesh = cyclic->low->mesh;
@@ -250,13 +242,15 @@ static bw_status check_partners(bw_context *context, bw_cyclic *cyclic, double a
       continue;
     }
     if (cyclic->partner[own] >= 0)
-      return fail_node(context, mesh, own, BW_GEOMETRY,
-                       "is on both faces of the sector, but not on the axis: select the two faces "
-                       "apart");
+      return bwi_fail_node(
+          context, mesh, own, BW_GEOMETRY,
+          "is on both faces of the sector, but not on the axis: select the two faces "
+          "apart");
     if (radius(cyclic, mesh->node + 3 * (int64_t)node) <= allowed)
-      return fail_node(context, mesh, node, BW_GEOMETRY,
-                       "is on the axis, but not on both faces of the sector: select each face up "
-                       "to the axis");
+      return bwi_fail_node(
+          context, mesh, node, BW_GEOMETRY,
+          "is on the axis, but not on both faces of the sector: select each face up "
+          "to the axis");
   }
   return BW_OK;
 }
@@ -295,9 +289,10 @@ static bw_status check_axis(bw_context *context, const bw_cyclic *cyclic, double
       passed |= passes(p[k], p[(k + 1) % 3], allowed);
     }
     if (passed || (!on_axis && (left == 3 || right == 3)))
-      return fail_node(context, mesh, node[0], BW_GEOMETRY,
-                       "is a corner of a facet that the axis passes: in a sector that reaches its "
-                       "axis the two faces meet there, and edges of elements lie on it");
+      return bwi_fail_node(
+          context, mesh, node[0], BW_GEOMETRY,
+          "is a corner of a facet that the axis passes: in a sector that reaches its "
+          "axis the two faces meet there, and edges of elements lie on it");
   }
   return BW_OK;
 }
@@ -436,14 +431,14 @@ bw_status bwi_cyclic_check_supports(bw_context *context, const bw_model *model) 
   bwi_cyclic_rotation(cyclic, 1, rotation);
   for (int32_t i = 0; i < nodes; i++)
     if (cyclic->partner[i] >= 0 && !agree(rotation, of[cyclic->partner[i]], of[i]))
-      BW_TRY(
-          fail_node(context, model->mesh, i, BW_INVALID,
-                    cyclic->partner[i] == i
-                        ? "is on the axis, and its supports are not the same after a turn by one "
-                          "sector: hold it along the axis, across it, or altogether"
-                        : "of the high face has other supports than its partner on the low face, "
-                          "turned: supports of a sector are those of all sectors, so give both "
-                          "faces the same ones"));
+      BW_TRY(bwi_fail_node(
+          context, model->mesh, i, BW_INVALID,
+          cyclic->partner[i] == i
+              ? "is on the axis, and its supports are not the same after a turn by one "
+                "sector: hold it along the axis, across it, or altogether"
+              : "of the high face has other supports than its partner on the low face, "
+                "turned: supports of a sector are those of all sectors, so give both "
+                "faces the same ones"));
 done:
   bw_free(of);
   bw_free(list);
@@ -479,9 +474,9 @@ bw_status bwi_cyclic_check_loads(bw_context *context, const bw_model *model) {
       double here = bw_array_get(load->nodal, i, 0);
       double there = own >= 0 ? bw_array_get(load->nodal, own, 0) : here;
       if (fabs(here - there) > same_support * fmax(fabs(here), fabs(there)))
-        BW_TRY(fail_node(context, mesh, i, BW_INVALID,
-                         "of the high face has another temperature than its partner on the low "
-                         "face: temperatures of a sector are those of all sectors"));
+        BW_TRY(bwi_fail_node(context, mesh, i, BW_INVALID,
+                             "of the high face has another temperature than its partner on the low "
+                             "face: temperatures of a sector are those of all sectors"));
     }
   }
 done:

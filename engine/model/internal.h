@@ -44,6 +44,11 @@ bw_status bwi_node_constraints(bw_context *context, const bw_model *model, int32
 
 /* ---- bond.c, bonded.c ----------------------------------------------------------------------- */
 
+/* Fails with `status`: the node, where it is, and what is wrong with it. */
+bw_status bwi_fail_node(bw_context *context, const bw_mesh *mesh, int32_t node, bw_status status,
+                        const char *what);
+/* BW_UNSUPPORTED for the first bond with a preload, which `why` goes on from. */
+bw_status bwi_model_refuse_preloads(bw_context *context, const bw_model *model, const char *why);
 /* What bw_model_bond adds; retains the selections. Clear with bwi_bond_clear. */
 bw_status bwi_bond_make(bw_context *context, const bw_selection *a, const bw_selection *b,
                         double gap, bw_bond *bond);
