@@ -591,6 +591,7 @@ bw_status bw_drop_misses(bw_context *context, const bw_model *model, int count,
   for (int i = 0; i < count; i++) {
     run.options = options[i];
     BW_TRY(bw_check_cancel(context));
+    bw_progress(context, "which drops miss", (double)i / count);
     BW_TRY(check_options(context, &run.options));
     status = bwi_drop_place(context, &run);
     misses[i] = status == BW_GEOMETRY;
@@ -601,6 +602,7 @@ bw_status bw_drop_misses(bw_context *context, const bw_model *model, int count,
     }
     BW_TRY(status);
   }
+  bw_progress(context, "which drops miss", 1);
 done:
   return status;
 }

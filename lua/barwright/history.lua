@@ -53,6 +53,10 @@ function history.rows(path, name)
   name = name or "time"
   local text, why = read_file(path)
   if not text then return nil, why, {status = "io", file = path} end
+  if text:find "[%z\1-\8\14-\31]" then
+    return nil, ("%s: no text file: rows of a %s and a value expected"):format(path, name),
+      {status = "format", file = path}
+  end
   local rows, number, headings = {}, 0, false
   for line in text:gsub("^\xEF\xBB\xBF", ""):gmatch "([^\n]*)\n?" do
     number = number + 1

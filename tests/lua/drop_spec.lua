@@ -190,6 +190,19 @@ describe("drop", function()
     assert.equal(0, reports)
   end)
 
+  it("at random reports progress of the search for misses, which can be stopped", function()
+    local fractions = {}
+    local before = bw.progress(function(stage, fraction)
+      if stage == "which drops miss" then fractions[#fractions + 1] = fraction end
+      return #fractions < 3
+    end)
+    finally(function() bw.progress(before) end)
+    local drops, _, details = bw.random_drops(box(), {drops = 8, samples = 2})
+    assert.is_nil(drops)
+    assert.equal("cancelled", details.status)
+    assert.same({0, 1 / 8, 2 / 8}, fractions)
+  end)
+
   it("at random refuses a part whose strength is not known", function()
     local soft = bw.material.isotropic {young = 1e9, poisson = 0.3, density = 1000}
     local part = bw.model {mesh = bw.mesh.box {max = {0.02, 0.02, 0.02}, cells = {1, 1, 1}}, material = soft}

@@ -502,10 +502,12 @@ describe("barwright respond", function()
       assert.equal(2, status)
       assert.truthy(err:find(expected, 1, true), err)
     end
+    write(folder .. "binary.csv", ("solid\0\0\4\0\200\63"):rep(10))
     for name, expected in pairs {
       ["one.csv"] = "one.csv: a response spectrum has 2 points or more",
       ["back.csv"] = "back.csv: line 2: the frequency 5 does not follow the frequency 10",
       ["none.csv"] = "none.csv: 0 m/s2 at 20 Hz: both must be above 0",
+      ["binary.csv"] = "binary.csv: no text file: rows of a frequency and a value expected",
       ["missing.csv"] = "missing.csv"} do
       local status, _, err = check.run(("respond %s%s%s --direction 1,0,0 %s"):format(begin, folder, name, path))
       assert.equal(3, status)

@@ -333,7 +333,8 @@ local options = {
   {name = "along", value = "X,Y,Z", what = "the direction of the edge, in the axes of the file"},
   {name = "at", value = "X,Y,Z", what = "where the peg or edge is; below the centre of mass if left out"},
   {name = "drops", value = "N", type = "integer", min = 1, max = 100000,
-    what = "so many drops in random attitudes, and how often they overload the part"},
+    what = "so many drops in random attitudes, and how often they overload the part; one after another, in the "
+      .. "memory of one drop, with its equations and modes"},
   {name = "seed", value = "N", type = "integer", default = 1, what = "of the random attitudes"},
   {name = "damping", value = "RATIO", type = "number", above = 0, below = 1,
     what = "of the critical damping, in every mode; none if left out"},

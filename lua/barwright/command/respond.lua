@@ -12,6 +12,7 @@ local places = require "barwright.command.places"
 local respond_random = require "barwright.command.respond_random"
 local respond_spectrum = require "barwright.command.respond_spectrum"
 local shown = require "barwright.shown"
+local static_picture = require "barwright.command.static_picture"
 
 -- {response =, von_mises = of nodes, displacement =, stress =}, the largest of both with their places.
 local function respond(part, opts, given)
@@ -182,7 +183,10 @@ local function run_points(way, path, opts, given, out)
   way.report(found, errors, opts, out)
   local verdict = report_verdict(found, found.response.mesh, errors, opts, out)
   local failed = out:write_files {{opts.vtu, function() return found.response:write(opts.vtu) end},
-    {opts.picture, function() return found.response:picture(opts.picture) end}}
+    {opts.picture, function()
+      return found.response:picture(opts.picture, {title = static_picture.title(model.name(opts.model),
+        {stress = found.stress.value, error = errors_of(found, 0).stress, judged = found.singular and {}})})
+    end}}
   if failed then return failed end
   return verdict == "holds" and 0 or 1
 end
