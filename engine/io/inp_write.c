@@ -1,30 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Input decks for CalculiX (and, but for the solution step, Abaqus): nodes and elements numbered
- * from 1 in mesh order, sets NALL and EALL, one ELSET per region, called as it is or REGION_TAG.
- *
- * CalculiX reads 20 characters of a number and silently drops the rest, exponent and all: numbers
- * are written with as many digits as fit. */
+ * from 1 in mesh order, sets NALL and EALL, one ELSET per region, called as it is or REGION_TAG. */
+#include "io/inp_joints.h"
 #include "io/internal.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-
-#include "io/locale.h"
-
-static void write_number(bw_writer *writer, double value) {
-  enum { FIELD = 20 };
-  char text[BW_NUMBER_BYTES];
-  int length = bw_format_number(value, text);
-  if (length > FIELD) {
-    locale_t before = uselocale(bwi_c_locale());
-    for (int digits = 16; length > FIELD && digits > 9; digits--)
-      length = snprintf(text, sizeof text, "%.*g", digits, value);
-    uselocale(before);
-  }
-  bw_writer_bytes(writer, text, (size_t)length);
-}
 
 /* The elements e of which of[e] is `value`. */
 static void write_set(bw_writer *writer, const bw_mesh *mesh, const char *name, const int32_t *of,
@@ -87,7 +70,7 @@ static void write_mesh(bw_writer *writer, const bw_mesh *mesh) {
     bw_writer_integer(writer, (int64_t)i + 1);
     for (size_t k = 0; k < 3; k++) {
       bw_writer_bytes(writer, ", ", 2);
-      write_number(writer, mesh->node[3 * (size_t)i + k]);
+      bwi_inp_write_number(writer, mesh->node[3 * (size_t)i + k]);
     }
     bw_writer_bytes(writer, "\n", 1);
   }
@@ -115,7 +98,7 @@ bw_status bwi_inp_write_mesh(bw_writer *writer, const bw_mesh *mesh) {
 
 static void write_line(bw_writer *writer, const char *card, double value) {
   bw_writer_print(writer, "%s\n", card);
-  write_number(writer, value);
+  bwi_inp_write_number(writer, value);
   bw_writer_bytes(writer, "\n", 1);
 }
 
@@ -142,14 +125,14 @@ static void write_material(bw_writer *writer, const bw_inp_deck *deck, int32_t i
   bw_writer_print(writer, "*MATERIAL, NAME=MATERIAL%s\n", number);
   if (m->isotropic) {
     bw_writer_print(writer, "*ELASTIC\n");
-    write_number(writer, m->young);
+    bwi_inp_write_number(writer, m->young);
     bw_writer_bytes(writer, ", ", 2);
-    write_number(writer, m->poisson);
+    bwi_inp_write_number(writer, m->poisson);
     bw_writer_bytes(writer, "\n", 1);
   } else {
     bw_writer_print(writer, "*ELASTIC, TYPE=ANISO\n");
     for (int k = 0; k < 21; k++) { /* eight to a line, as the card asks */
-      write_number(writer, m->stiffness[k]);
+      bwi_inp_write_number(writer, m->stiffness[k]);
       bw_writer_print(writer, k % 8 == 7 || k == 20 ? "\n" : ", ");
     }
   }
@@ -197,7 +180,7 @@ static void write_equation(bw_writer *writer, int32_t node, const double normal[
     if (normal[k] == 0)
       continue;
     bw_writer_print(writer, "%s%lld, %d, ", i ? ", " : "", (long long)node + 1, k + 1);
-    write_number(writer, normal[k]);
+    bwi_inp_write_number(writer, normal[k]);
   }
   bw_writer_bytes(writer, "\n", 1);
 }
@@ -232,7 +215,7 @@ static void write_moved(bw_writer *writer, const bw_inp_deck *deck) {
     int direction = deck->fixed_direction[i] + 1;
     bw_writer_print(writer, "%lld, %d, %d, ", (long long)deck->fixed_node[i] + 1, direction,
                     direction);
-    write_number(writer, deck->fixed_value[i]);
+    bwi_inp_write_number(writer, deck->fixed_value[i]);
     bw_writer_bytes(writer, "\n", 1);
   }
 }
@@ -246,16 +229,16 @@ static void write_loads(bw_writer *writer, const bw_inp_deck *deck) {
       bw_writer_print(writer, "*CLOAD\n");
     any = true;
     bw_writer_print(writer, "%lld, %d, ", (long long)(i / 3) + 1, (int)(i % 3) + 1);
-    write_number(writer, deck->force[i]);
+    bwi_inp_write_number(writer, deck->force[i]);
     bw_writer_bytes(writer, "\n", 1);
   }
   double size = bw_norm(deck->gravity);
   if (size > 0) {
     bw_writer_print(writer, "*DLOAD\nEALL, GRAV, ");
-    write_number(writer, size);
+    bwi_inp_write_number(writer, size);
     for (int k = 0; k < 3; k++) {
       bw_writer_bytes(writer, ", ", 2);
-      write_number(writer, deck->gravity[k] / size);
+      bwi_inp_write_number(writer, deck->gravity[k] / size);
     }
     bw_writer_bytes(writer, "\n", 1);
   }
@@ -268,12 +251,12 @@ static void write_temperatures(bw_writer *writer, const bw_inp_deck *deck) {
   for (int64_t i = 0; i < deck->mesh->node_count; i++) {
     bw_writer_integer(writer, i + 1);
     bw_writer_bytes(writer, ", ", 2);
-    write_number(writer, deck->temperature[i]);
+    bwi_inp_write_number(writer, deck->temperature[i]);
     bw_writer_bytes(writer, "\n", 1);
   }
 }
 
-static void write_step(bw_writer *writer, const bw_inp_deck *deck) {
+static void write_step(bw_writer *writer, const bw_inp_deck *deck, const bwi_inp_joints *joints) {
   bw_writer_print(writer, "*STEP\n");
   if (deck->modes > 0) {
     bw_writer_print(writer, "*FREQUENCY\n%d\n", deck->modes);
@@ -281,9 +264,14 @@ static void write_step(bw_writer *writer, const bw_inp_deck *deck) {
     bw_writer_print(writer, "*STATIC\n");
     write_moved(writer, deck);
     write_loads(writer, deck);
+    if (joints)
+      bwi_inp_write_joint_loads(writer, joints);
     write_temperatures(writer, deck);
   }
-  bw_writer_print(writer, "*NODE PRINT, NSET=NALL\nU\n*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n");
+  bw_writer_print(writer, "*NODE PRINT, NSET=NALL\nU\n");
+  if (joints && joints->node_count > 0)
+    bw_writer_print(writer, "*NODE PRINT, NSET=NJOINTS\nU\n");
+  bw_writer_print(writer, "*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n");
 }
 
 static bw_status check_deck(bw_context *context, const bw_inp_deck *deck) {
@@ -307,6 +295,11 @@ static bw_status check_deck(bw_context *context, const bw_inp_deck *deck) {
 }
 
 bw_status bw_inp_write(bw_context *context, const bw_inp_deck *deck, const char *path) {
+  return bwi_inp_write(context, deck, NULL, path);
+}
+
+bw_status bwi_inp_write(bw_context *context, const bw_inp_deck *deck, const bwi_inp_joints *joints,
+                        const char *path) {
   bw_writer *writer;
   bw_status status = check_deck(context, deck);
   if (status == BW_OK)
@@ -320,7 +313,9 @@ bw_status bw_inp_write(bw_context *context, const bw_inp_deck *deck, const char 
   bw_writer_bytes(writer, "\n", 1);
   write_mesh(writer, deck->mesh);
   write_materials(writer, deck);
+  if (joints)
+    bwi_inp_write_joints(writer, deck, joints);
   write_supports(writer, deck);
-  write_step(writer, deck);
+  write_step(writer, deck, joints);
   return bw_writer_commit(writer);
 }

@@ -73,11 +73,6 @@ bw_status bwi_preload_add(bw_context *context, const bw_model *model, const bwi_
 void bwi_preload_results(const bw_model *model, const bwi_reduction *r, const double *displacement,
                          bw_joint_force *result);
 
-/* ---- joined.c -------------------------------------------------------------------------------- */
-
-/* The sum of the gravity loads of a model (m/s2). */
-void bwi_sum_gravity(const bw_model *model, double gravity[3]);
-
 /* ---- points.c, eliminate.c ------------------------------------------------------------------- */
 
 /* BW_INVALID for a node of a rigid coupling that a support or a bond moves otherwise. */

@@ -136,13 +136,6 @@ static void add_to_sums(void *data, int32_t node, const double force[3]) {
   }
 }
 
-void bwi_sum_gravity(const bw_model *model, double gravity[3]) {
-  memset(gravity, 0, 3 * sizeof *gravity);
-  for (int i = 0; i < model->load_count; i++)
-    for (int c = 0; c < 3 && model->load[i].kind == BW_LOAD_GRAVITY; c++)
-      gravity[c] += model->load[i].vector[c];
-}
-
 /* What attachments exert on the body. The energy of springs is no strain energy. */
 static bw_status sum_attachments(bw_context *context, const double gravity[3], bw_static *result) {
   const bw_model *model = result->model;

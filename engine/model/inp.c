@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/inp_joints.h"
 #include "model/internal.h"
 
 /* CalculiX lists the upper triangle of D_ijkl column by column over the pairs 11 22 33 12 13 23;
@@ -84,11 +85,15 @@ static bw_status oblique_node(bw_context *context, const bw_dof_map *dof_map, in
   return BW_OK;
 }
 
-/* The conditions of supports, and at nodes with a frame the isostatic constraints too. */
-static bw_status supports(bw_context *context, const bw_dof_map *dof_map, conditions *c) {
+/* The conditions of supports, but where joints have them, and at nodes with a frame the isostatic
+ * constraints too. */
+static bw_status supports(bw_context *context, const bw_dof_map *dof_map, const uint8_t *joined,
+                          conditions *c) {
   bw_status status = BW_OK;
   for (int32_t i = 0; i < dof_map->mesh->node_count; i++) {
     const uint8_t *state = dof_map->state + 3 * (size_t)i;
+    if (joined && joined[i])
+      continue;
     if (state[0] == BW_DOF_UNKNOWN && state[1] == BW_DOF_UNKNOWN && state[2] == BW_DOF_UNKNOWN)
       continue;
     if (dof_map->frame_of[i] >= 0) {
@@ -159,11 +164,35 @@ static bw_inp_material deck_material(const bw_material *m) {
   return made;
 }
 
+/* The joints, and the weight of masses. What is isostatic of bodies that joints hold is not so. */
+static bw_status joints(bw_context *context, const bw_model *model, const char *path, int modes,
+                        bw_dof_map *dof_map, bwi_inp_joints *j, uint8_t *joined, double *force) {
+  bw_status status = BW_OK;
+  int count = 0;
+  int32_t body = -1;
+  for (int64_t i = 0; i < 3 * (int64_t)model->mesh->node_count; i++)
+    if (dof_map->state[i] == BW_DOF_ISOSTATIC)
+      dof_map->state[i] = BW_DOF_UNKNOWN;
+  BW_TRY(bwi_bonded_rigid_modes(context, model, dof_map, modes > 0, &count, &body));
+  if (count > 0 && modes == 0)
+    return bw_fail(context, BW_UNCONSTRAINED,
+                   "%s: supports, bonds, couplings and springs leave %d rigid-body mode%s "
+                   "unconstrained, and a static step has no solution: add supports or springs",
+                   path, count, count == 1 ? "" : "s");
+  BW_TRY(bwi_inp_joints_make(context, model, dof_map, path, modes > 0, j, joined));
+  if (modes == 0)
+    bwi_inp_add_weights(model, force);
+done:
+  return status;
+}
+
 bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
                              int modes) {
   const bw_mesh *mesh = model->mesh;
   bw_dof_map *dof_map = NULL;
   conditions c = {0};
+  bwi_inp_joints j = {0};
+  uint8_t *joined = NULL;
   double *force = NULL, *temperature = NULL;
   int32_t parts = bw_material_part_count(model->material);
   bw_inp_material *material = NULL;
@@ -180,7 +209,9 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   BW_TRY_MEMORY(material);
   for (int32_t i = 0; i < parts; i++)
     material[i] = deck_material(bw_material_part(model->material, i));
-  BW_TRY(bw_dof_map_create(context, model, &dof_map));
+  if (model->cyclic)
+    BW_TRY(bw_model_refuse_joints(context, model));
+  BW_TRY(bwi_dof_map_apart(context, model, &dof_map));
   int64_t max = 0;
   for (size_t i = 0; i < 3 * (size_t)mesh->node_count; i++)
     if (dof_map->state[i] != BW_DOF_UNKNOWN)
@@ -198,9 +229,15 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   for (size_t i = 0; modes > 0 && i < 3 * (size_t)mesh->node_count; i++)
     if (dof_map->state[i] == BW_DOF_ISOSTATIC)
       dof_map->state[i] = BW_DOF_UNKNOWN;
-  BW_TRY(supports(context, dof_map, &c));
+  BW_TRY(bwi_force_vector(context, model, false, force));
+  if (bw_model_joined(model)) {
+    joined = BW_NEW0(context, uint8_t, mesh->node_count);
+    BW_TRY_MEMORY(joined);
+    BW_TRY(joints(context, model, path, modes, dof_map, &j, joined, force));
+  }
+  BW_TRY(supports(context, dof_map, joined, &c));
   deck.isostatic_count = isostatic(dof_map, &c);
-  if (modes == 0 && dof_map->rigid_mode_count > 0)
+  if (modes == 0 && !joined && dof_map->rigid_mode_count > 0)
     bw_warn(
         context,
         "%s: the body is free, and the deck holds it by %d isostatic constraints, which carry no "
@@ -209,12 +246,9 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
         deck.isostatic_count < dof_map->rigid_mode_count
             ? "; those at nodes with an oblique support have no comment in the deck"
             : "");
-  BW_TRY(bwi_force_vector(context, model, false, force));
   if (modes == 0)
     BW_TRY(temperatures(context, model, path, material, &temperature));
-  for (int i = 0; i < model->load_count; i++)
-    for (int k = 0; k < 3 && model->load[i].kind == BW_LOAD_GRAVITY; k++)
-      deck.gravity[k] += model->load[i].vector[k];
+  bwi_sum_gravity(model, deck.gravity);
   deck.material_count = parts;
   deck.material = material;
   deck.material_of = model->material->parts ? model->material->parts->of_element : NULL;
@@ -227,8 +261,10 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   deck.equation_normal = c.equation_normal;
   deck.force = force;
   deck.temperature = temperature;
-  BW_TRY(bw_inp_write(context, &deck, path));
+  BW_TRY(bwi_inp_write(context, &deck, joined ? &j : NULL, path));
 done:
+  bwi_inp_joints_clear(&j);
+  bw_free(joined);
   bw_free(c.fixed_node);
   bw_free(c.fixed_direction);
   bw_free(c.fixed_value);

@@ -276,6 +276,8 @@ void bwi_facet_incidence_clear(bwi_facet_incidence *incidence);
 bw_status bwi_load_measure(bw_context *context, const bw_model *model, bw_load *load);
 /* As bw_model_force_vector; gravity and temperature are left out when `volume` is false. */
 bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool volume, double *force);
+/* The sum of the gravity loads of a model (m/s2). */
+void bwi_sum_gravity(const bw_model *model, double gravity[3]);
 
 /* Consistent nodal forces of one load, node_count x 3 (overwritten). */
 bw_status bwi_load_force(bw_context *context, const bw_model *model, const bw_load *load,

@@ -230,6 +230,13 @@ bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool volu
   return BW_OK;
 }
 
+void bwi_sum_gravity(const bw_model *model, double gravity[3]) {
+  memset(gravity, 0, 3 * sizeof *gravity);
+  for (int i = 0; i < model->load_count; i++)
+    for (int c = 0; c < 3 && model->load[i].kind == BW_LOAD_GRAVITY; c++)
+      gravity[c] += model->load[i].vector[c];
+}
+
 bw_status bwi_load_force(bw_context *context, const bw_model *model, const bw_load *load,
                          double *force) {
   memset(force, 0, 3 * sizeof *force * (size_t)model->mesh->node_count);

@@ -728,8 +728,14 @@ function Model:transferred(mesh, node_from) end
 ---In a static step a free body is held by isostatic constraints, which carry no load where the loads balance. A warning and a
 ---comment in the file say so: remove them before you add contact, springs or supports to the deck.
 ---
----Errors: io (the file cannot be written), unsupported (a node that slides obliquely and is moved, or a material whose axes differ
----from element to element).
+---Bonds, attachments and couplings are written as equations, springs and masses that give the same answer. A warning names a spring
+---of which CalculiX leaves a part out.
+---
+---Errors: io (the file cannot be written), unsupported (a node that slides obliquely and is moved, a material whose axes differ
+---from element to element, prescribed values of a distributed coupling, a sector of cyclic symmetry, in a frequency step an
+---inertia that no body has), unconstrained (in a static step, what joints and supports leave free).
+---
+---Source: docs/theory/joints.md.
 ---@param path string the file
 ---@param options? bw.ModelWriteInpOptions the step
 ---@return true? written true

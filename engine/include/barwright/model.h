@@ -446,10 +446,10 @@ BW_API bw_status bw_model_force_vector(bw_context *context, const bw_model *mode
 /* Several lines of *text on mesh, material, each support and each load with area and resultant.
  * Release it with bw_free. */
 BW_API bw_status bw_model_describe(bw_context *context, const bw_model *model, char **text);
-/* As an .inp for CalculiX; `modes` > 0 writes a frequency step instead of a static one. In a static
- * step isostatic constraints hold a free body: a warning and a comment in the deck say so.
- * BW_UNSUPPORTED for an oblique slide at a node with a prescribed displacement, and for
- * temperatures of which some have an expansion of their own and some that of the material. */
+/* As an .inp for CalculiX; `modes` > 0: a frequency step, else a static one, in which isostatic
+ * constraints hold a free body: a warning says so. BW_UNSUPPORTED for an oblique slide at a node
+ * that is moved, for temperatures with an expansion of their own beside those of the material, and
+ * for joints that a deck cannot have; BW_UNCONSTRAINED for joined bodies in a static step. */
 BW_API bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
                                     int modes);
 
