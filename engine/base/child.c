@@ -68,6 +68,8 @@ bw_status bwi_child_run(bw_context *context, const char *what, const bwi_child_l
   } while (which < 0);
   bw_job_usage usage;
   bw_job_read_usage(job, &usage);
+  if (limits && limits->spent)
+    *limits->spent += usage.processor_seconds;
   if (usage.state == BW_JOB_CRASHED)
     BW_TRY(fail_broken(context, what, usage.signal));
   BW_TRY(bw_job_result(context, job, &result, &length));

@@ -15,6 +15,7 @@ extern "C" {
 typedef struct bwi_child_limits {
   double seconds; /* of computing; 0: no limit */
   double bytes;   /* of address space beyond what the process has at the fork; 0: no limit */
+  double *spent;  /* the seconds of computing are added to it; may be NULL */
 } bwi_child_limits;
 
 typedef struct bwi_child_stream bwi_child_stream;

@@ -23,6 +23,12 @@ bwi_time_limit bwi_time_limit_begin(const char *what, double seconds);
  * thousandth step of a loop. On the thread that began. */
 bw_status bwi_time_limit_check(bw_context *context, const bwi_time_limit *limit);
 
+/* Seconds of computing that are left. On the thread that began. */
+double bwi_time_limit_left(const bwi_time_limit *limit);
+
+/* Whether the status is that of a failure because time ran out, by the detail of the context. */
+bool bwi_time_ran_out(const bw_context *context, bw_status status);
+
 #ifdef __cplusplus
 }
 #endif

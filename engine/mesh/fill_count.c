@@ -56,7 +56,7 @@ static bw_status attempt(bwi_filler *f, double max_volume, int64_t *count) {
                         .dihedral = o->dihedral,
                         .keep_surface = o->keep_surface || o->remesh,
                         .field = fields ? &f->field : NULL,
-                        .limits = {o->time_limit, o->memory_limit}};
+                        .limits = {.seconds = o->time_limit, .bytes = o->memory_limit}};
   if (o->elements > 0) /* far beyond what is wanted there is nothing to learn */
     job.max_points = 4 * (o->elements + f->surface->point_count) + 10000;
   bwi_tetgen_result result;

@@ -142,7 +142,7 @@ static bw_status come_near(filling *f, const bw_surface *a, const bw_surface *b,
 
 /* Refines two parts by each other; *changed when one has more facets than before. */
 static bw_status refine_pair(filling *f, int32_t p, int32_t q, bool *changed) {
-  bwi_child_limits limits = {f->options->time_limit, f->options->memory_limit};
+  bwi_child_limits limits = {.seconds = f->options->time_limit, .bytes = f->options->memory_limit};
   bw_surface *made[2] = {NULL, NULL};
   bw_status status = BW_OK;
   for (int k = 0; k < 2; k++) {
@@ -315,7 +315,7 @@ static bw_status run_tetgen(filling *f, bwi_tetgen_result *result) {
                         .field = o->edge_length > 0                   ? &sizes
                                  : o->size_point_count > 0 || o->size ? &field
                                                                       : NULL,
-                        .limits = {o->time_limit, o->memory_limit}};
+                        .limits = {.seconds = o->time_limit, .bytes = o->memory_limit}};
   bw_status status = bwi_tetgen_run(f->context, &job, result);
   bw_free(triangle);
   return status;

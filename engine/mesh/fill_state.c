@@ -3,7 +3,8 @@
 #include "mesh/fill_internal.h"
 
 #include <stdio.h>
-#include <string.h>
+
+#include "base/limit.h"
 
 void bwi_fill_describe_defects(const bw_surface_report *report, char *text, size_t size) {
   size_t used = 0;
@@ -25,11 +26,8 @@ void bwi_fill_append_log(bw_shape_log *to, const bw_shape_log *from) {
 /* Errors that another way of making the surface may cure. Time that ran out is none: which way is
  * taken must not depend on the machine. */
 bool bwi_fill_may_cure(const bwi_filler *f, bw_status status) {
-  const char *key, *text;
-  double number;
-  for (int i = 0; status == BW_LIMIT && bw_detail(f->context, i, &key, &number, &text); i++)
-    if (strcmp(key, "limit") == 0 && text && strcmp(text, "time") == 0)
-      return false;
+  if (bwi_time_ran_out(f->context, status))
+    return false;
   return status == BW_GEOMETRY || status == BW_LIMIT || status == BW_INTERNAL ||
          status == BW_UNSUPPORTED || status == BW_CONVERGENCE;
 }

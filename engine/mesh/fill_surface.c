@@ -89,7 +89,7 @@ static bw_status remesh(bwi_filler *f, bwi_fill_way how, const bw_surface *from,
   /* Several times what is usual. Steps and not seconds: which way is taken must not depend on the
    * machine. */
   job.max_steps = (int64_t)(2e7 + 1e3 * fmin(facets, 1e12));
-  bwi_child_limits limits = {f->options->time_limit, f->options->memory_limit};
+  bwi_child_limits limits = {.seconds = f->options->time_limit, .bytes = f->options->memory_limit};
   unsigned char *bytes = NULL;
   size_t count = 0;
   remesh_head head;

@@ -125,7 +125,8 @@ static void measure_loop(const double *point, const int32_t *of, int64_t count, 
 }
 
 bw_status bwi_fill_holes(bw_context *context, const bw_surface *surface, double size,
-                         double seconds, bw_surface **out, int64_t *changed, int64_t *left) {
+                         const bwi_child_limits *limits, bw_surface **out, int64_t *changed,
+                         int64_t *left) {
   bw_status status = BW_OK;
   bw_surface *welded = NULL;
   bwi_topology *topology = NULL;
@@ -164,8 +165,7 @@ bw_status bwi_fill_holes(bw_context *context, const bw_surface *surface, double 
   }
   if (kept > 0) {
     bwi_hole_job job = {topology->point, kept, rim.start, rim.of};
-    bwi_child_limits limits = {seconds, 4e9};
-    BW_TRY(bwi_child_run(context, "filling holes", &limits, bwi_cgal_fill, &job, &bytes, &count));
+    BW_TRY(bwi_child_run(context, "filling holes", limits, bwi_cgal_fill, &job, &bytes, &count));
   }
   triangles = count / (3 * sizeof(int32_t));
   int32_t *more =

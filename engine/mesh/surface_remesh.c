@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "barwright/mesh.h"
+#include "base/limit.h"
 #include "mesh/faces_internal.h"
 #include "mesh/remesh.h"
 #include "mesh/surface_cgal.h"
@@ -112,15 +113,15 @@ static bw_status resolve(const bwi_remesher *r, bw_surface **made, bw_surface_re
                          double *moved) {
   bw_surface *next = NULL;
   bw_surface_report after = {0};
-  bwi_child_limits limits = {r->time.seconds, r->memory};
+  bwi_child_limits limits = {.seconds = r->time.seconds, .bytes = r->memory};
   bw_status status = bwi_cgal_surface(r->context, "taking out self-intersections", &limits,
                                       bwi_cgal_resolve, *made, &next);
-  if (status != BW_OK && status != BW_MEMORY && status != BW_CANCELLED) {
+  if (status == BW_MEMORY || status == BW_CANCELLED || bwi_time_ran_out(r->context, status))
+    goto done;
+  if (status != BW_OK) {
     bw_clear_failure(r->context); /* the surface stays as it is */
     return BW_OK;
   }
-  if (status != BW_OK)
-    goto done;
   BW_TRY(bw_surface_check(r->context, next, 0, &after));
   if (!after.sound)
     goto done;

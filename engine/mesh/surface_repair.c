@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/limit.h"
 #include "mesh/surface_cgal.h"
 #include "mesh/surface_internal.h"
 #include "mesh/surface_topology.h"
@@ -32,28 +33,40 @@ typedef struct repairer {
   bw_shape_log *log;
   bw_surface *now; /* replaced by each step */
   bw_surface_report report;
-  double start, diagonal, weld;
+  double diagonal, weld;
+  bwi_time_limit time;
+  double in_children; /* seconds of computing, beside those that `time` counts */
 } repairer;
 
 static double seconds_left(const repairer *r) {
-  return r->options.time_limit - (bw_seconds() - r->start);
+  return bwi_time_limit_left(&r->time) - r->in_children;
+}
+
+static bw_status fail_time(repairer *r) {
+  bw_status status = bw_fail(
+      r->context, BW_LIMIT,
+      "repair took more than the %.3g seconds of computing it may use: repair the surface before "
+      "it is used, with a larger time_limit, or in the program it comes from",
+      r->options.time_limit);
+  bw_detail_text(r->context, "limit", "time");
+  return status;
 }
 
 static bw_status check_time(repairer *r) {
   bw_status status = bw_check_cancel(r->context);
-  if (status == BW_OK && seconds_left(r) <= 0) {
-    status = bw_fail(r->context, BW_LIMIT,
-                     "repair took more than the %.3g seconds it may use: repair the surface before "
-                     "it is used, with a larger time_limit, or in the program it comes from",
-                     r->options.time_limit);
-    bw_detail_text(r->context, "limit", "time");
-  }
-  return status;
+  return status == BW_OK && seconds_left(r) <= 0 ? fail_time(r) : status;
 }
 
-/* Failures that end the repair; others only say that a step did not work. */
-static bool is_final(bw_status status) {
-  return status == BW_MEMORY || status == BW_CANCELLED || status == BW_INTERNAL;
+/* What a step in a child process may use. */
+static bwi_child_limits limits_of(repairer *r) {
+  return (bwi_child_limits){seconds_left(r), r->options.memory_limit, &r->in_children};
+}
+
+/* Failures that end the repair; others only say that a step did not work. Time that ran out ends
+ * it: which steps are taken must not depend on the machine. */
+static bool is_final(const repairer *r, bw_status status) {
+  return status == BW_MEMORY || status == BW_CANCELLED || status == BW_INTERNAL ||
+         bwi_time_ran_out(r->context, status);
 }
 
 static bw_status inspect(repairer *r) {
@@ -167,10 +180,10 @@ static bw_status fill(repairer *r) {
   bw_surface *next = NULL;
   int64_t filled = 0, left = 0;
   BW_TRY(check_time(r));
-  status = bwi_fill_holes(r->context, r->now, 0.3 * r->diagonal, seconds_left(r) / 3, &next,
-                          &filled, &left);
+  const bwi_child_limits limits = limits_of(r);
+  status = bwi_fill_holes(r->context, r->now, 0.3 * r->diagonal, &limits, &next, &filled, &left);
   if (status != BW_OK) {
-    if (!is_final(status))
+    if (!is_final(r, status))
       status = BW_OK;
     goto done;
   }
@@ -221,10 +234,10 @@ static bw_status try_child(repairer *r, const char *what, bwi_child_work *work, 
   int64_t dropped;
   *kept = false;
   BW_TRY(check_time(r));
-  bwi_child_limits limits = {seconds_left(r) / 3, r->options.memory_limit};
+  const bwi_child_limits limits = limits_of(r);
   status = bwi_cgal_surface(r->context, what, &limits, work, job, &made);
   if (status != BW_OK) {
-    if (!is_final(status))
+    if (!is_final(r, status))
       status = BW_OK;
     goto done;
   }
@@ -360,7 +373,7 @@ static bw_status wrap(repairer *r, const bw_surface *original) {
                       r->options.wrap_offset * r->diagonal};
   describe(&r->report, text, sizeof text);
   BW_TRY(check_time(r));
-  bwi_child_limits limits = {seconds_left(r), r->options.memory_limit};
+  const bwi_child_limits limits = limits_of(r);
   BW_TRY(bwi_cgal_surface(r->context, "the alpha wrap", &limits, bwi_cgal_wrap, &job, &wrapped));
   /* The wrap starts from the surface as given: the steps before it do not count. */
   bw_release(r->now);
@@ -386,7 +399,7 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
                             bw_shape_log *log) {
   bw_status status = BW_OK;
   bw_shape_log own_log = {0};
-  repairer r = {.context = context, .log = &own_log, .start = bw_seconds()};
+  repairer r = {.context = context, .log = &own_log};
   if (options)
     r.options = *options;
   else
@@ -397,6 +410,7 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
         context, BW_INVALID,
         "wrap_alpha %g, wrap_offset %g, time_limit %g and memory_limit %g must be positive",
         r.options.wrap_alpha, r.options.wrap_offset, r.options.time_limit, r.options.memory_limit);
+  r.time = bwi_time_limit_begin("the repair", r.options.time_limit);
   r.diagonal = bwi_surface_diagonal(surface);
   r.weld = r.options.weld >= 0 ? r.options.weld : 1e-6 * r.diagonal;
   r.now = (bw_surface *)bw_retain(surface);
@@ -431,6 +445,8 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
   if (log)
     *log = own_log;
 done:
+  if (bwi_time_ran_out(context, status)) /* in a step: the limit is that of the whole */
+    fail_time(&r);
   bw_release(r.now);
   bw_surface_report_clear(&r.report);
   return status;

@@ -6,6 +6,7 @@
 #define BARWRIGHT_MESH_SURFACE_REPAIR_H
 
 #include "barwright/mesh.h"
+#include "base/child.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -44,7 +45,8 @@ bw_status bwi_stitch(bw_context *context, const bw_surface *surface, double tole
                      bw_surface **out, int64_t *changed);
 /* Fill loops of open edges that are small (within `size`) or flat. *left counts the others. */
 bw_status bwi_fill_holes(bw_context *context, const bw_surface *surface, double size,
-                         double seconds, bw_surface **out, int64_t *changed, int64_t *left);
+                         const bwi_child_limits *limits, bw_surface **out, int64_t *changed,
+                         int64_t *left);
 /* Pull fans of facets that touch in a point or along an edge apart by `gap`, into the body. */
 bw_status bwi_separate(bw_context *context, const bw_surface *surface, double gap, bw_surface **out,
                        int64_t *changed);

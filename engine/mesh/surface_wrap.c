@@ -54,7 +54,7 @@ bw_status bw_surface_wrap(bw_context *context, const bw_surface *surface,
     bw_wrap_options_default(&options);
   BW_TRY(check_wrap(context, surface, &options));
   bwi_wrap_job job = {surface, options.alpha, options.offset};
-  bwi_child_limits limits = {options.time_limit, options.memory_limit};
+  bwi_child_limits limits = {.seconds = options.time_limit, .bytes = options.memory_limit};
   BW_TRY(bwi_cgal_surface(context, "the alpha wrap", &limits, bwi_cgal_wrap, &job, &made));
   BW_TRY(bwi_take_groups(context, surface, made));
   BW_TRY(bw_surface_distance(context, surface, made, &moved));

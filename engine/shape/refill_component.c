@@ -6,6 +6,7 @@
  * from there by going from element to element through faces that are no facets. That holds for
  * surfaces that touch themselves in edges and points, too. A result that lacks a facet, has moved a
  * point, or has not the volume inside the surface is not taken. */
+#include "base/limit.h"
 #include "mesh/tetgen_run.h"
 #include "shape/mesh_repair_internal.h"
 
@@ -315,7 +316,7 @@ bw_status bwi_fill_exactly(bw_context *context, const bw_surface *surface, int64
                           .field = way == 0 ? &field : NULL,
                           .max_points =
                               1000 + 20 * (int64_t)surface->point_count + 10 * sample_count,
-                          .limits = {60, 4e9}};
+                          .limits = {.seconds = 60, .bytes = 4e9}};
     status = bwi_tetgen_run(context, &job, &result);
     if (status == BW_OK) {
       status = take_result(context, surface, &result, filled, &taken);
@@ -326,8 +327,8 @@ bw_status bwi_fill_exactly(bw_context *context, const bw_surface *surface, int64
         goto done;
       if (!taken && way == 2)
         status = bw_fail(context, BW_GEOMETRY, "TetGen's elements do not keep the boundary");
-    } else if (status != BW_GEOMETRY && status != BW_LIMIT) {
-      goto done;
+    } else if ((status != BW_GEOMETRY && status != BW_LIMIT) || bwi_time_ran_out(context, status)) {
+      goto done; /* which way is taken must not depend on the machine */
     }
   }
   if (taken)

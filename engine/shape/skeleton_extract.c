@@ -129,7 +129,7 @@ static bw_status contract(bw_context *context, bw_surface *surface, double minut
   unsigned char *bytes = NULL;
   size_t count = 0;
   int64_t head[2] = {-1, -1};
-  bwi_child_limits limits = {60 * minutes, 4e9};
+  bwi_child_limits limits = {.seconds = 60 * minutes, .bytes = 4e9};
   BW_TRY(bwi_child_run(context, "contracting the surface to a skeleton", &limits, bwi_cgal_skeleton,
                        surface, &bytes, &count));
   if (count >= sizeof head)

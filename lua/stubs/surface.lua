@@ -212,7 +212,7 @@ function Surface:repair(options) end
 ---@field wrap? boolean wrap the surface where nothing else helps. Default: true
 ---@field wrap_alpha? number (-) `alpha` of the wrap over the box's diagonal. Default: 0.01
 ---@field wrap_offset? number (-) `offset` of the wrap over the box's diagonal. Default: 0.001
----@field time_limit? number (s) for the whole repair. Default: 120
+---@field time_limit? number (s) of computing, for the whole repair. Default: 120
 ---@field memory_limit? number (bytes) of one step. Default: 6e9
 
 ---What was done to a surface, step by step. `print` shows it.

@@ -127,7 +127,7 @@ typedef struct bw_repair_options {
   bool wrap;           /* alpha wrap as the last resort; default true */
   double wrap_alpha;   /* (-) of the box diagonal; default 1/100, > 0 */
   double wrap_offset;  /* (-) of the box diagonal; default 1/1000, > 0 */
-  double time_limit;   /* (s) for the whole repair; default 120, > 0 */
+  double time_limit;   /* (s) of computing, for the whole repair; default 120, > 0 */
   double memory_limit; /* (bytes) of one step; default 6e9, > 0 */
 } bw_repair_options;
 BW_API void bw_repair_options_default(bw_repair_options *options);

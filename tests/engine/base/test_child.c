@@ -118,7 +118,8 @@ static void test_failures_are_reported(void **state) {
   bw_context *context = check_context(state);
   unsigned char *bytes = NULL;
   size_t count = 0;
-  const bwi_child_limits none = {600, 1e12}, seconds = {0.2, 1e12};
+  const bwi_child_limits none = {.seconds = 600, .bytes = 1e12},
+                         seconds = {.seconds = 0.2, .bytes = 1e12};
   enum way way = FAIL;
   check_fails(context, BW_FORMAT, "byte 17 is odd",
               bwi_child_run(context, "work", &none, misbehave, &way, &bytes, &count));
@@ -136,7 +137,7 @@ static void test_failures_are_reported(void **state) {
   way = SEGFAULT;
   check_fails(context, BW_GEOMETRY, "signal 11",
               bwi_child_run(context, "work", NULL, misbehave, &way, &bytes, &count));
-  const bwi_child_limits memory = {600, 3e8};
+  const bwi_child_limits memory = {.seconds = 600, .bytes = 3e8};
   way = EAT;
   check_fails(context, BW_LIMIT, "300 MB of memory",
               bwi_child_run(context, "work", &memory, misbehave, &way, &bytes, &count));

@@ -152,6 +152,46 @@ static bw_surface *two_boxes(bw_context *context, const double low[3], const dou
   return both;
 }
 
+/* Whatever the limit on time, the repair gives the same surface or BW_LIMIT: a step that time ends
+ * must not lead to another one. Two balls that overlap. */
+static void test_time_decides_nothing(void **state) {
+  bw_context *context = check_context(state);
+  const double beside[3] = {0.3, 0.2, 0.1};
+  bw_surface *ball[2], *both, *whole, *repaired = NULL;
+  check_ok(context, bw_surface_sphere_shape(context, zero, 1, 3, &ball[0]));
+  check_ok(context, bw_surface_sphere_shape(context, beside, 1, 3, &ball[1]));
+  const int32_t points = ball[0]->point_count, facets = ball[0]->triangle_count;
+  double *point = malloc(6 * (size_t)points * sizeof *point);
+  int32_t *triangle = malloc(6 * (size_t)facets * sizeof *triangle);
+  assert_true(point && triangle);
+  for (int b = 0; b < 2; b++) {
+    memcpy(point + 3 * (size_t)points * (size_t)b, ball[b]->point,
+           3 * (size_t)points * sizeof *point);
+    for (int32_t i = 0; i < 3 * facets; i++)
+      triangle[3 * facets * b + i] = ball[b]->triangle[i] + points * b;
+    bw_release(ball[b]);
+  }
+  both = make(context, 2 * points, point, 2 * facets, triangle);
+  bw_repair_options options;
+  bw_repair_options_default(&options);
+  options.wrap = false;
+  check_ok(context, bw_surface_repair(context, both, &options, &whole, NULL));
+  for (options.time_limit = 0.005; options.time_limit < 0.3; options.time_limit *= 1.3) {
+    bw_status status = bw_surface_repair(context, both, &options, &repaired, NULL);
+    assert_true(status == BW_OK || status == BW_LIMIT);
+    if (status == BW_LIMIT)
+      continue;
+    assert_int_equal(repaired->point_count, whole->point_count);
+    assert_memory_equal(repaired->point, whole->point,
+                        3 * (size_t)whole->point_count * sizeof *whole->point);
+    bw_release(repaired);
+  }
+  free(point);
+  free(triangle);
+  bw_release(both);
+  bw_release(whole);
+}
+
 /* The union of two boxes has the volume that inclusion and exclusion give. */
 static void test_overlapping_shells(void **state) {
   bw_context *context = check_context(state);
@@ -463,8 +503,9 @@ static void test_allocation_failures(void **state) {
 
 check_main(check_test(test_sound_stays_as_it_is), check_test(test_holes_and_cracks),
            check_test(test_double_sided), check_test(test_wall_between_bodies),
-           check_test(test_overlapping_shells), check_test(test_boxes_touching_along_an_edge),
-           check_test(test_wrap), check_test(test_refusals),
-           check_test(test_remesh_keeps_edges_and_volume), check_test(test_remesh_steps),
-           check_test(test_remesh_needles), check_test(test_remesh_thin_shell),
-           check_test(test_remesh_refuses_open), check_test(test_allocation_failures))
+           check_test(test_overlapping_shells), check_test(test_time_decides_nothing),
+           check_test(test_boxes_touching_along_an_edge), check_test(test_wrap),
+           check_test(test_refusals), check_test(test_remesh_keeps_edges_and_volume),
+           check_test(test_remesh_steps), check_test(test_remesh_needles),
+           check_test(test_remesh_thin_shell), check_test(test_remesh_refuses_open),
+           check_test(test_allocation_failures))
