@@ -6,8 +6,8 @@
 
 #include "base/dense.h"
 
-bw_status bwi_equations_open(bw_context *context, const bw_model *model, bw_system *system,
-                             bwi_equations *e) {
+bw_status bwi_equations_begin(bw_context *context, const bw_model *model, bw_system *system,
+                              bwi_equations *e) {
   bw_status status = BW_OK;
   *e = (bwi_equations){.size = 3 * (int64_t)model->mesh->node_count};
   if (!system) {
@@ -16,17 +16,29 @@ bw_status bwi_equations_open(bw_context *context, const bw_model *model, bw_syst
     e->pattern = e->joined.equations.pattern;
     e->stiffness = e->joined.equations.stiffness;
     e->unknown_count = e->joined.equations.reduction.unknown_count;
+    e->rigid_count = e->joined.equations.rigid_count;
     goto done;
   }
   e->system = bw_retain(system);
-  BW_TRY(system->factor ? BW_OK : bw_system_factor(context, system));
   BW_TRY(bwi_system_mass(context, system));
   BW_TRY(bw_system_stiffness(context, system));
   e->dof_map = system->dof_map;
   e->pattern = system->pattern;
   e->stiffness = system->stiffness;
   e->unknown_count = system->dof_map->unknown_count;
+  e->rigid_count = system->dof_map->rigid_mode_count;
 done:
+  return status;
+}
+
+bw_status bwi_equations_open(bw_context *context, const bw_model *model, bw_system *system,
+                             bwi_equations *e) {
+  bw_status status = system && !system->factor ? bw_system_factor(context, system) : BW_OK;
+  *e = (bwi_equations){0};
+  if (status == BW_OK)
+    status = bwi_equations_begin(context, model, system, e);
+  if (status == BW_OK && !system)
+    status = bwi_joined_factor(context, &e->joined);
   return status;
 }
 
@@ -96,6 +108,24 @@ bw_status bwi_equations_largest(bw_context *context, const bwi_equations *e, con
     *largest = fmax(*largest, fabs(free[i]));
 done:
   bw_free(free);
+  return status;
+}
+
+bw_status bwi_equations_left_out(bw_context *context, const bwi_equations *e, const double *given,
+                                 const double *taken, double *part) {
+  bw_status status = BW_OK;
+  double *off = BW_NEW(context, double, e->size), *product = BW_NEW(context, double, e->size);
+  BW_TRY_MEMORY(off && product);
+  BW_TRY(bwi_equations_mass(context, e, given, product));
+  double whole = bwi_dot(e->size, given, product);
+  for (int64_t i = 0; i < e->size; i++)
+    off[i] = given[i] - taken[i];
+  bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, off);
+  BW_TRY(bwi_equations_mass(context, e, off, product));
+  *part = whole > 0 ? sqrt(fmax(bwi_dot(e->size, off, product), 0) / whole) : 0;
+done:
+  bw_free(off);
+  bw_free(product);
   return status;
 }
 

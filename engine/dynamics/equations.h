@@ -14,9 +14,14 @@ typedef struct bwi_equations {
   const double *stiffness; /* (pattern->block_count x 9) of elements and springs at nodes */
   int64_t size;            /* 3 node_count */
   int64_t unknown_count;
+  int rigid_count; /* rigid-body modes that supports and joints leave */
 } bwi_equations;
-/* `system`: that of a model without joints, which is retained and gets a factor. BW_UNCONSTRAINED
- * for a joined model that can move freely. Clear with bwi_equations_clear in any case. */
+/* `system`: that of a model without joints, which is retained. Clear with bwi_equations_clear in
+ * any case. */
+bw_status bwi_equations_begin(bw_context *context, const bw_model *model, bw_system *system,
+                              bwi_equations *equations);
+/* The same with the factor that solutions need. BW_UNCONSTRAINED for a joined model that can move
+ * freely. */
 bw_status bwi_equations_open(bw_context *context, const bw_model *model, bw_system *system,
                              bwi_equations *equations);
 void bwi_equations_clear(bwi_equations *equations);
@@ -43,6 +48,10 @@ bw_status bwi_equations_system(bw_context *context, const bw_model *model,
 /* BW_INVALID for modes that are not elastic modes of the model. */
 bw_status bwi_equations_check_modes(bw_context *context, const bw_model *model,
                                     const bwi_equations *equations, const bw_modes *modes);
+/* *part (-): the norm of `given` less `taken` in the mass, where no support holds it, over that of
+ * `given`; 0 where that vanishes. */
+bw_status bwi_equations_left_out(bw_context *context, const bwi_equations *equations,
+                                 const double *given, const double *taken, double *part);
 /* The largest part of f that moves an unknown. */
 bw_status bwi_equations_largest(bw_context *context, const bwi_equations *equations,
                                 const double *f, double *largest);

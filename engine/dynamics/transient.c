@@ -15,7 +15,6 @@
 #include "dynamics/transient_adapt.h"
 #include "dynamics/transient_modes.h"
 #include "linear/blas.h"
-#include "linear/pcg_space.h"
 #include "statics/internal.h"
 
 /* The components of the equations: isostatic constraints are for statics alone. */
@@ -40,13 +39,23 @@ enum {
 
 enum { KEPT = 6 }; /* factors, each of one length of step */
 
+/* Of the start: what joints may not allow of it without a warning. */
+static const double left_out_limit = 1e-2;
+
 /* Of the relative error of the period: a step that leaves more is too large. */
 static const double resolution_limit = 0.03;
+
+/* The factor of the supports, its two derivatives in time, and what they exert times their
+ * displacements of factor 1 (J). */
+typedef struct support_motion {
+  double factor, velocity, acceleration, exerted;
+} support_motion;
 
 /* The state at the end of a step: that of the transient takes it over when all has succeeded. */
 typedef struct state {
   double *u, *v, *a, *reaction;
   double kinetic, strain;
+  support_motion support;
 } state;
 
 typedef struct kept_factor {
@@ -56,21 +65,21 @@ typedef struct kept_factor {
 } kept_factor;
 
 typedef struct bwi_linear_transient {
-  bw_system *system;       /* of a model without joints, else NULL */
-  bwi_equations equations; /* of modal superposition */
-  const bw_dof_map *dof_map;
+  bwi_equations equations;
+  bwi_shifted shifted;            /* of direct integration */
   kept_factor kept[KEPT];         /* of direct integration */
   bwi_factor *factor;             /* the one of the step at hand: borrowed */
-  bwi_symbolic *symbolic;         /* of all factors */
   bwi_adaptive *adaptive;         /* or NULL: all steps have one length */
   struct bwi_modal_motion *modal; /* of modal superposition, or NULL */
   int64_t size;
   int loads, points, supports;
   uint64_t revision;  /* of a joined model */
   double *load;       /* (N) a block for each load, then for each remote point */
-  double *prescribed; /* (m) the prescribed displacements, or NULL: all 0 */
+  double *prescribed; /* (m) the prescribed displacements, with what follows them in a joined
+                         model, or NULL: all 0 */
   double *block[BLOCKS];
   state next;
+  support_motion support; /* now */
   double alpha_m, alpha_f, beta, gamma, mass_damping, stiffness_damping;
   double scale, shift;  /* of the step at hand: A = (K + shift M) / scale */
   int64_t uses;         /* of factors */
@@ -86,11 +95,10 @@ static void transient_destroy(void *object) {
   bw_linear_transient *t = object;
   inner *s = t->inner;
   if (s) {
-    bw_release(s->system);
-    bwi_equations_clear(&s->equations);
     for (int k = 0; k < KEPT; k++)
       bw_release(s->kept[k].factor);
-    bw_release(s->symbolic);
+    bwi_shifted_clear(&s->shifted);
+    bwi_equations_clear(&s->equations);
     if (s->adaptive)
       bwi_adaptive_clear(s->adaptive);
     bw_free(s->adaptive);
@@ -116,15 +124,17 @@ static void transient_destroy(void *object) {
 static size_t transient_bytes(const void *object) {
   const bw_linear_transient *t = object;
   const inner *s = t->inner;
-  size_t bytes = sizeof *t + sizeof *s + bw_bytes(s->system) +
+  size_t bytes = sizeof *t + sizeof *s + bw_bytes(s->equations.system) +
+                 bwi_shifted_bytes(&s->shifted) +
                  (size_t)(s->size * (BLOCKS + 9 + s->loads + s->points)) * sizeof(double);
   for (int k = 0; k < KEPT; k++)
     bytes += s->kept[k].factor ? bwi_factor_bytes(s->kept[k].factor) : 0;
   if (s->adaptive && s->adaptive->rigid)
     bytes += 6 * (size_t)s->size * sizeof(double);
+  if (s->equations.joined.mass)
+    bytes += 10 * (size_t)s->equations.pattern->block_count * sizeof(double);
   if (s->equations.joined.factor)
-    bytes += bwi_factor_bytes(s->equations.joined.factor) +
-             10 * (size_t)s->equations.pattern->block_count * sizeof(double);
+    bytes += bwi_factor_bytes(s->equations.joined.factor);
   return bytes + (s->modal ? bwi_modal_motion_bytes(s->modal) : 0);
 }
 
@@ -182,17 +192,19 @@ static bw_status check_options(bw_context *context, const bw_model *model,
   return BW_OK;
 }
 
-/* What joins the model must not deform it without a load. */
+/* What joins the model must not deform it without a load, and by modes supports must be still. */
 static bw_status check_joints(bw_context *context, const bw_model *model,
                               const bw_linear_transient_options *o) {
   bw_status status = BW_OK;
   bw_dof_map *apart = NULL;
   static const char still[] = "motion by modes of a part with joints holds supports still: leave "
                               "the displacement out";
-  if (model->cyclic || !o->modes)
+  if (model->cyclic)
     return bw_model_refuse_joints(context, model);
   BW_TRY(bwi_model_refuse_preloads(context, model,
                                    "motion in time does not know: bond the section without one"));
+  if (!o->modes)
+    goto done;
   BW_TRY(bwi_points_refuse_motion(context, model, still));
   BW_TRY(bwi_dof_map_apart(context, model, &apart));
   if (apart->prescribed)
@@ -207,8 +219,8 @@ static bw_status check_factors(bw_context *context, const bw_linear_transient *t
                                const bw_transient_factors *f) {
   const inner *s = t->inner;
   if (t->model->load_count != s->loads || t->model->support_count != s->supports ||
-      (bw_model_joined(t->model) != !s->system) ||
-      (!s->system && t->model->object.revision != s->revision))
+      (bw_model_joined(t->model) != !s->equations.system) ||
+      (!s->equations.system && t->model->object.revision != s->revision))
     return bw_fail(
         context, BW_INVALID,
         "the model has other loads, supports or joints than at the start: begin a new transient");
@@ -219,8 +231,8 @@ static bw_status check_factors(bw_context *context, const bw_linear_transient *t
     if ((f->load && !isfinite(f->load[k])) || (f->load_missed && !isfinite(f->load_missed[k])))
       return bw_fail(context, BW_INVALID, "the factor of load %d is not finite at %g s", k + 1,
                      t->time);
-  for (int k = 0; f->point && k < s->points; k++)
-    if (!isfinite(f->point[k]))
+  for (int k = 0; k < s->points; k++)
+    if ((f->point && !isfinite(f->point[k])) || (f->point_missed && !isfinite(f->point_missed[k])))
       return bw_fail(context, BW_INVALID,
                      "the factor of the remote point of coupling %d is not finite at %g s", k + 1,
                      t->time);
@@ -229,53 +241,42 @@ static bw_status check_factors(bw_context *context, const bw_linear_transient *t
 
 /* ---- what is made once ----------------------------------------------------------------------- */
 
+static bool has_numbers(int64_t count, const double *x) {
+  for (int64_t i = 0; i < count; i++)
+    if (x[i] != 0)
+      return true;
+  return false;
+}
+
 static bw_status make_system(bw_context *context, const bw_model *model, bw_system *given,
                              bool by_modes, inner *s) {
   bw_status status = BW_OK;
   bw_dof_map *dof_map = NULL;
-  if (bw_model_joined(model)) {
+  bw_system *system = NULL;
+  const double *g = NULL;
+  if (bw_model_joined(model))
     s->revision = model->object.revision;
-    BW_TRY(bwi_equations_open(context, model, NULL, &s->equations));
-    s->dof_map = s->equations.dof_map;
-    goto done;
+  else {
+    BW_TRY(bw_dof_map_create(context, model, &dof_map));
+    BW_TRY(bwi_equations_system(context, model, dof_map, given, &system));
   }
-  BW_TRY(bw_dof_map_create(context, model, &dof_map));
-  BW_TRY(bwi_equations_system(context, model, dof_map, given, &s->system));
-  if (dof_map->prescribed) {
+  BW_TRY(by_modes ? bwi_equations_open(context, model, system, &s->equations)
+                  : bwi_equations_begin(context, model, system, &s->equations));
+  if (!by_modes)
+    BW_TRY(bwi_shifted_open(context, &s->equations, &s->shifted));
+  if (!system)
+    g = s->equations.joined.equations.reduction.g;
+  if (system ? dof_map->prescribed : has_numbers(s->size, g)) {
     s->prescribed = BW_NEW(context, double, s->size);
     BW_TRY_MEMORY(s->prescribed);
-    bwi_prescribed_field(dof_map, s->prescribed);
+    if (system)
+      bwi_prescribed_field(dof_map, s->prescribed);
+    else
+      memcpy(s->prescribed, g, (size_t)s->size * sizeof *g);
   }
-  s->dof_map = s->system->dof_map;
-  BW_TRY(bw_system_stiffness(context, s->system));
-  BW_TRY(bwi_system_mass(context, s->system));
-  if (by_modes)
-    BW_TRY(bwi_equations_open(context, model, s->system, &s->equations));
 done:
   bw_release(dof_map);
-  return status;
-}
-
-/* The elimination order of all factors: with the isostatic constraints of statics left out. */
-static bw_status make_symbolic(bw_context *context, inner *s) {
-  bw_status status = BW_OK;
-  const bw_system *system = s->system;
-  const bw_dof_map *dof_map = system->dof_map;
-  bwi_symbolic *constrained = NULL;
-  int32_t *unknown = NULL;
-  BW_TRY(bwi_symbolic_for(context, system->pattern, dof_map, BW_ORDERING_AUTO, 0, NULL, NULL,
-                          system->factor ? system->factor->symbolic : NULL, &constrained));
-  if (dof_map->rigid_mode_count > 0) {
-    unknown = BW_NEW(context, int32_t, s->size);
-    BW_TRY_MEMORY(unknown);
-    for (int64_t i = 0; i < s->size; i++)
-      unknown[i] = dof_map->state[i] == BW_DOF_PRESCRIBED ? -1 : 0;
-    BW_TRY(bwi_symbolic_create(context, constrained->order, 3, unknown, &s->symbolic));
-  } else
-    s->symbolic = bw_retain(constrained);
-done:
-  bw_free(unknown);
-  bw_release(constrained);
+  bw_release(system);
   return status;
 }
 
@@ -291,24 +292,11 @@ static bw_solver_report report_factor(const bwi_factor *factor) {
 static bw_status make_factor(bw_context *context, bw_linear_transient *t, kept_factor *kept) {
   bw_status status = BW_OK;
   inner *s = t->inner;
-  const bw_system *system = s->system;
-  int32_t bad_node = 0;
   double start = bw_seconds();
-  const bwi_matrix matrix = {.pattern = system->pattern,
-                             .stiffness = system->stiffness,
-                             .mass = system->mass,
-                             .shift = s->shift,
-                             .dof_map = system->dof_map};
-  bw_progress(context, "factorisation", 0);
   s->factor = NULL;
   bw_release(kept->factor);
   *kept = (kept_factor){.step = 0};
-  if (!s->symbolic)
-    BW_TRY(make_symbolic(context, s));
-  status = bwi_factor_create(context, s->symbolic, &matrix, &kept->factor, &bad_node);
-  if (status == BW_SINGULAR)
-    status = bwi_fail_singular(context, t->model->mesh, bad_node);
-  BW_TRY(status);
+  BW_TRY(bwi_shifted_factor(context, &s->shifted, s->shift, &kept->factor));
   kept->step = t->step;
   t->factors++;
   double before = t->report.seconds;
@@ -370,81 +358,42 @@ done:
 /* ---- products -------------------------------------------------------------------------------- */
 
 static bw_status by_mass(bw_context *context, const inner *s, const double *x, double *y) {
-  return s->system ? bw_block_multiply(context, s->system->pattern, s->system->mass, 1, 3, 1, x, y)
-                   : bwi_equations_mass(context, &s->equations, x, y);
+  return bwi_equations_mass(context, &s->equations, x, y);
 }
 
 static bw_status by_stiffness(bw_context *context, const inner *s, const double *x, double *y) {
-  return s->system
-             ? bw_block_multiply(context, s->system->pattern, s->system->stiffness, 9, 3, 1, x, y)
-             : bwi_equations_elastic(context, &s->equations, x, y);
+  return bwi_equations_elastic(context, &s->equations, x, y);
+}
+
+/* `count` loads from number `first` on, with factors of their own (NULL: 1). */
+static void add_blocks(const inner *s, int first, int count, const double *factor, double *force) {
+  for (int k = 0; k < count; k++) {
+    double own = factor ? factor[k] : 1;
+    for (int64_t i = 0; i < s->size && own != 0; i++)
+      force[i] += own * s->load[(first + k) * s->size + i];
+  }
 }
 
 static void add_forces(const inner *s, const bw_transient_factors *f, double *force) {
   memset(force, 0, (size_t)s->size * sizeof *force);
-  for (int k = 0; k < s->loads + s->points; k++) {
-    double factor = bwi_load_factor(f, s->loads, k);
-    for (int64_t i = 0; i < s->size && factor != 0; i++)
-      force[i] += factor * s->load[k * s->size + i];
-  }
+  add_blocks(s, 0, s->loads, f->load, force);
+  add_blocks(s, s->loads, s->points, f->point, force);
 }
 
-/* Held components become those of the supports, times a factor. */
-static void hold(const inner *s, double factor, double *x) {
-  bwi_keep_states(s->dof_map, FREE, x);
+static support_motion support_of(const bw_transient_factors *f) {
+  return (support_motion){f->support, f->support_velocity, f->support_acceleration, 0};
+}
+
+/* The part of x that supports prescribe becomes `factor` times their displacement instead of
+ * `before` times. */
+static void hold(const inner *s, double factor, double before, double *x) {
+  double change = factor;
+  if (s->equations.system)
+    bwi_keep_states(s->equations.dof_map, FREE, x);
+  else
+    change -= before;
   for (int64_t i = 0; s->prescribed && i < s->size; i++)
-    x[i] += factor * s->prescribed[i];
-}
-
-/* ---- the first acceleration ------------------------------------------------------------------ */
-
-static bw_status keep_free(bw_context *context, void *data, int64_t count, double *x) {
-  const inner *s = data;
-  (void)context;
-  for (int64_t k = 0; k < count; k++)
-    bwi_keep_states(s->system->dof_map, FREE, x + k * s->size);
-  return BW_OK;
-}
-
-static bw_status multiply_mass(bw_context *context, void *data, int64_t count, const double *x,
-                               double *y) {
-  const inner *s = data;
-  bw_status status =
-      bw_block_multiply(context, s->system->pattern, s->system->mass, 1, 3, count, x, y);
-  return status == BW_OK ? keep_free(context, data, count, y) : status;
-}
-
-static bw_status by_diagonal(bw_context *context, void *data, int64_t count, const double *r,
-                             double *z) {
-  const inner *s = data;
-  const bw_block_pattern *pattern = s->system->pattern;
-  (void)context;
-  for (int64_t k = 0; k < count; k++)
-    for (int64_t i = 0; i < s->size; i++) /* the diagonal is the last block of a row */
-      z[k * s->size + i] = r[k * s->size + i] / s->system->mass[pattern->start[i / 3 + 1] - 1];
-  return BW_OK;
-}
-
-/* M x = r at the unknowns, by conjugate gradients with the diagonal: a mass matrix is well
- * conditioned whatever the mesh. */
-static bw_status solve_mass(bw_context *context, inner *s, const double *r, double *x) {
-  const bwi_pcg_fields fields = {.size = s->size,
-                                 .multiply = multiply_mass,
-                                 .multiply_data = s,
-                                 .precondition = by_diagonal,
-                                 .precondition_data = s,
-                                 .project = keep_free,
-                                 .project_data = s,
-                                 .symmetric = true};
-  bwi_pcg_task task = {
-      .columns = 1, .energy_tolerance = INFINITY, .residual_tolerance = 1e-13, .limit = 1000};
-  bw_status status = bwi_pcg_fields_run(context, &fields, &task, r, x);
-  if (status == BW_OK && !task.converged && !(task.residual < 1e-9))
-    status = bw_fail(context, BW_CONVERGENCE,
-                     "the acceleration at the start was not found: the residual is %g after %d "
-                     "iterations, which elements almost without volume cause. Mesh again",
-                     task.residual, task.iterations);
-  return status;
+    x[i] += change * s->prescribed[i];
 }
 
 /* ---- energy and reactions -------------------------------------------------------------------- */
@@ -468,8 +417,9 @@ static bw_status take_stock(bw_context *context, inner *s, const double *force, 
                    s->mass_damping * momentum[i];
     now->reaction[i] = inertia[i] + damping[i] + elastic[i] - force[i];
   }
-  if (s->system)
-    bwi_keep_states(s->dof_map, HELD, now->reaction);
+  now->support.exerted = s->prescribed ? bwi_dot(s->size, s->prescribed, now->reaction) : 0;
+  if (s->equations.system)
+    bwi_keep_states(s->equations.dof_map, HELD, now->reaction);
   else
     BW_TRY(bwi_joined_reactions(context, &s->equations.joined, now->reaction));
   now->strain = 0.5 * bwi_dot(s->size, now->u, elastic);
@@ -482,11 +432,11 @@ done:
  * of u^T K u is below that of the diagonal times the precision. */
 static void add_to_swing(bw_linear_transient *t) {
   inner *s = t->inner;
-  const bw_system *system = s->system;
+  const bw_block_pattern *pattern = s->equations.pattern;
   const double *u = t->displacement, *elastic = s->block[ELASTIC_BEFORE];
   double diagonal = 0;
   for (int64_t i = 0; i < s->size; i++) {
-    const double *block = system->stiffness + 9 * (system->pattern->start[i / 3 + 1] - 1);
+    const double *block = s->equations.stiffness + 9 * (pattern->start[i / 3 + 1] - 1);
     diagonal += u[i] * u[i] * block[4 * (i % 3)];
     s->block[SUM_U][i] += u[i];
     s->block[SUM_ELASTIC][i] += elastic[i];
@@ -512,6 +462,7 @@ static void advance(bw_linear_transient *t) {
     *pair[k][0] = *pair[k][1];
     *pair[k][1] = held;
   }
+  s->support = next->support;
   t->kinetic = next->kinetic;
   t->strain = next->strain;
   if (!s->modal)
@@ -520,20 +471,40 @@ static void advance(bw_linear_transient *t) {
 
 /* ---- steps ----------------------------------------------------------------------------------- */
 
+/* The field of the start that joints and supports allow, nearest to the given one in the mass, with
+ * a warning where it is another one; without joints, the given one where no support holds it. */
+static bw_status take_start(bw_context *context, inner *s, const double *given, double factor,
+                            const char *what, double *x) {
+  bw_status status = BW_OK;
+  double part = 0, *off = s->block[RIGHT];
+  if (given && s->equations.system)
+    memcpy(x, given, (size_t)s->size * sizeof *x);
+  else if (given) {
+    for (int64_t i = 0; i < s->size; i++)
+      off[i] = given[i] - (s->prescribed ? factor * s->prescribed[i] : 0);
+    bwi_keep_states(s->equations.dof_map, FREE, off);
+    BW_TRY(by_mass(context, s, off, s->block[INERTIA]));
+    BW_TRY(bwi_shifted_solve_mass(context, &s->shifted, s->block[INERTIA], x));
+  }
+  hold(s, factor, 0, x);
+  if (given && !s->equations.system)
+    BW_TRY(bwi_equations_left_out(context, &s->equations, given, x, &part));
+  if (part > left_out_limit)
+    bw_warn(context,
+            "supports and joints do not allow %.3g %% of the %s at the start, in the norm of the "
+            "mass: it is left out",
+            100 * part, what);
+done:
+  return status;
+}
+
 static bw_status begin(bw_context *context, bw_linear_transient *t,
                        const bw_linear_transient_options *options, const bw_transient_factors *f) {
   bw_status status = BW_OK;
   inner *s = t->inner;
   state *next = &s->next;
-  size_t bytes = (size_t)s->size * sizeof(double);
   double *r = s->block[RIGHT], *x = s->block[W_K];
-  if (options->displacement)
-    memcpy(next->u, options->displacement, bytes);
-  if (options->velocity)
-    memcpy(next->v, options->velocity, bytes);
-  hold(s, f->support, next->u);
-  hold(s, f->support_velocity, next->v);
-  hold(s, f->support_acceleration, next->a);
+  next->support = support_of(f);
   add_forces(s, f, s->block[NEXT_FORCE]);
   if (s->modal) {
     const bwi_motion_fields fields = {next->u, next->v, next->a, s->block[W_K]};
@@ -544,12 +515,14 @@ static bw_status begin(bw_context *context, bw_linear_transient *t,
     t->initial = t->kinetic + t->strain;
     goto done;
   }
+  BW_TRY(take_start(context, s, options->displacement, f->support, "displacement", next->u));
+  BW_TRY(take_start(context, s, options->velocity, f->support_velocity, "velocity", next->v));
+  hold(s, f->support_acceleration, 0, next->a);
   BW_TRY(take_stock(context, s, s->block[NEXT_FORCE], next));
   for (int64_t i = 0; i < s->size; i++)
     r[i] = s->block[NEXT_FORCE][i] - s->block[ELASTIC][i] - s->block[INERTIA][i] -
            s->block[NEXT_DAMPING_V][i];
-  bwi_keep_states(s->system->dof_map, FREE, r);
-  BW_TRY(solve_mass(context, s, r, x));
+  BW_TRY(bwi_shifted_solve_mass(context, &s->shifted, r, x));
   for (int64_t i = 0; i < s->size; i++)
     next->a[i] += x[i];
   BW_TRY(take_stock(context, s, s->block[NEXT_FORCE], next));
@@ -604,8 +577,8 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
   if (options->modes) {
     BW_TRY(bwi_modal_motion_create(context, model, &s->equations, options, s->load, s->prescribed,
                                    &s->modal));
-    if (s->system)
-      bwi_report_way(s->system, BWI_BY_FACTOR, NULL, &t->report);
+    if (s->equations.system)
+      bwi_report_way(s->equations.system, BWI_BY_FACTOR, NULL, &t->report);
     else
       t->report = report_factor(s->equations.joined.factor);
     snprintf(t->report.reason, sizeof t->report.reason, "%d modes are superposed",
@@ -616,8 +589,8 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
     s->adaptive = BW_NEW0(context, bwi_adaptive, 1);
     BW_TRY_MEMORY(s->adaptive);
     bwi_adaptive_begin(s->adaptive, options->error, options->step);
-    if (s->prescribed || s->system->dof_map->rigid_mode_count > 0)
-      BW_TRY(bwi_adaptive_leave_out_rigid(context, s->system, s->adaptive));
+    if (s->prescribed || s->equations.rigid_count > 0)
+      BW_TRY(bwi_adaptive_leave_out_rigid(context, model->mesh, &s->equations, s->adaptive));
   }
   BW_TRY(begin(context, t, options, now));
   *transient = t;
@@ -640,14 +613,18 @@ static bw_status integrate(bw_context *context, const bw_linear_transient *t,
   double h = t->step, *force = s->block[FORCE], *next_force = s->block[NEXT_FORCE];
   double *w_m = s->block[W_M], *w_k = s->block[W_K], *r = s->block[RIGHT];
   double *u = s->next.u, *v = s->next.v, *a = s->next.a;
+  const support_motion *before = &s->support;
+  double speed = before->velocity + (1 - s->gamma) * h * before->acceleration;
+  double moved =
+      before->factor + h * (before->velocity + (0.5 - s->beta) * h * before->acceleration);
   for (int64_t i = 0; i < s->size; i++) {
     u[i] = t->displacement[i] + h * (t->velocity[i] + (0.5 - s->beta) * h * t->acceleration[i]);
     v[i] = t->velocity[i] + (1 - s->gamma) * h * t->acceleration[i];
     a[i] = 0;
   }
-  hold(s, factors->support, u);
-  hold(s, factors->support_velocity, v);
-  hold(s, factors->support_acceleration, a);
+  hold(s, factors->support, moved, u);
+  hold(s, factors->support_velocity, speed, v);
+  hold(s, factors->support_acceleration, 0, a);
   for (int64_t i = 0; i < s->size; i++) {
     double middle = mix(s->alpha_f, t->velocity[i], v[i]);
     w_m[i] = mix(s->alpha_m, t->acceleration[i], a[i]) + s->mass_damping * middle;
@@ -658,8 +635,7 @@ static bw_status integrate(bw_context *context, const bw_linear_transient *t,
   for (int64_t i = 0; i < s->size; i++)
     r[i] = s->scale *
            (mix(s->alpha_f, force[i], next_force[i]) - s->block[INERTIA][i] - s->block[ELASTIC][i]);
-  bwi_keep_states(s->system->dof_map, FREE, r);
-  BW_TRY(bwi_solve_fields(context, s->factor, s->system->dof_map, 1, r, r));
+  BW_TRY(bwi_shifted_solve(context, &s->shifted, s->factor, r, r));
   for (int64_t i = 0; i < s->size; i++) {
     u[i] += s->beta * h * h * r[i];
     v[i] += s->gamma * h * r[i];
@@ -676,15 +652,16 @@ static bw_status estimate(bw_context *context, const bw_linear_transient *t,
   inner *s = t->inner;
   double *change = s->block[RIGHT], *missed = s->block[W_M], most = 0;
   double spread = sqrt(4 * s->beta) - 1; /* x of docs/theory/transient.md */
-  const bw_transient_factors unseen = {.load = f->load_missed};
   memset(missed, 0, (size_t)s->size * sizeof *missed);
   if (f->load_missed)
-    add_forces(s, &unseen, missed);
+    add_blocks(s, 0, s->loads, f->load_missed, missed);
+  if (f->point_missed)
+    add_blocks(s, s->loads, s->points, f->point_missed, missed);
   for (int64_t i = 0; i < s->size; i++)
     change[i] = s->next.a[i] - t->acceleration[i];
   for (int64_t i = 0; s->prescribed && i < s->size; i++)
     most = fmax(most, fabs(s->prescribed[i]));
-  bwi_computed_step step = {.system = s->system,
+  bwi_computed_step step = {.shifted = &s->shifted,
                             .factor = s->factor,
                             .shift = s->shift,
                             .constant = 1.0 / 12 + 0.375 * spread * spread,
@@ -711,6 +688,7 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
   bwi_blas_enter();
   BW_TRY(check_factors(context, t, factors));
   add_forces(s, factors, next_force);
+  next->support = support_of(factors);
   if (s->modal) {
     const bwi_motion_fields fields = {next->u, next->v, next->a, s->block[W_K]};
     bwi_modal_motion_step(s->modal, factors, &fields);
@@ -721,10 +699,12 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
   BW_TRY(take_stock(context, s, next_force, next));
   for (int64_t i = 0; i < s->size; i++) {
     double change = next->u[i] - t->displacement[i];
-    work += 0.5 * (force[i] + t->reaction[i] + next_force[i] + next->reaction[i]) * change;
+    work += 0.5 * (force[i] + next_force[i]) * change;
     damped += 0.5 * (s->block[DAMPING_V][i] + s->block[NEXT_DAMPING_V][i]) * change;
     moved += change * (s->block[ELASTIC][i] - s->block[ELASTIC_BEFORE][i]);
   }
+  work += 0.5 * (s->support.exerted + next->support.exerted) *
+          (next->support.factor - s->support.factor);
   if (!isfinite(next->kinetic + next->strain + work + damped))
     BW_TRY(bw_fail(
         context, BW_INVALID,
@@ -798,12 +778,12 @@ bw_status bw_linear_transient_static(bw_context *context, const bw_linear_transi
   size_t bytes = (size_t)s->size * sizeof(double);
   bw_static *made = NULL;
   BW_TRY(bwi_static_new(context, t->model, &made));
-  made->system = s->system ? bw_retain(s->system) : NULL;
+  made->system = s->equations.system ? bw_retain(s->equations.system) : NULL;
   made->reaction = BW_NEW(context, double, s->size);
   BW_TRY_MEMORY(made->reaction);
   memcpy(made->displacement, t->displacement, bytes);
   memcpy(made->reaction, t->reaction, bytes);
-  if (s->system) {
+  if (s->equations.system) {
     BW_TRY(by_stiffness(context, s, t->displacement, made->force));
     for (int64_t i = 0; i < s->size; i++)
       made->force[i] -= t->reaction[i];

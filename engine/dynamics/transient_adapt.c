@@ -28,15 +28,10 @@ void bwi_adaptive_clear(bwi_adaptive *a) {
   bw_free(a->rigid);
 }
 
-static bw_status by_mass(bw_context *context, const bw_system *system, const double *x, double *y) {
-  return bw_block_multiply(context, system->pattern, system->mass, 1, 3, 1, x, y);
-}
-
-bw_status bwi_adaptive_leave_out_rigid(bw_context *context, const bw_system *system,
-                                       bwi_adaptive *a) {
+bw_status bwi_adaptive_leave_out_rigid(bw_context *context, const bw_mesh *mesh,
+                                       const bwi_equations *e, bwi_adaptive *a) {
   bw_status status = BW_OK;
-  const bw_mesh *mesh = system->mesh;
-  int64_t size = 3 * (int64_t)mesh->node_count;
+  int64_t size = e->size;
   double middle[3] = {0}, *work = BW_NEW(context, double, size);
   a->rigid = BW_NEW0(context, double, 6 * size);
   BW_TRY_MEMORY(work && a->rigid);
@@ -55,7 +50,7 @@ bw_status bwi_adaptive_leave_out_rigid(bw_context *context, const bw_system *sys
       }
     }
     for (int j = 0; j <= k; j++) {
-      BW_TRY(by_mass(context, system, r, work));
+      BW_TRY(bwi_equations_mass(context, e, r, work));
       if (j < k) {
         const double *q = a->rigid + j * size, part = bwi_dot(size, q, work);
         for (int64_t i = 0; i < size; i++)
@@ -74,13 +69,12 @@ done:
 }
 
 /* The norm of a field in M, without its motion as a rigid body where that does not count. */
-static bw_status size_of(bw_context *context, const bwi_adaptive *a, const bw_system *system,
+static bw_status size_of(bw_context *context, const bwi_adaptive *a, const bwi_equations *e,
                          const double *x, double *work, double *norm) {
-  int64_t size = 3 * (int64_t)system->mesh->node_count;
-  bw_status status = by_mass(context, system, x, work);
-  double square = status == BW_OK ? bwi_dot(size, x, work) : 0, whole = square;
+  bw_status status = bwi_equations_mass(context, e, x, work);
+  double square = status == BW_OK ? bwi_dot(e->size, x, work) : 0, whole = square;
   for (int k = 0; k < 6 && a->relative; k++) {
-    double part = bwi_dot(size, a->rigid + k * size, work);
+    double part = bwi_dot(e->size, a->rigid + k * e->size, work);
     square -= part * part;
   }
   *norm = sqrt(fmax(square, 1e-14 * whole)); /* less is rounding */
@@ -90,21 +84,19 @@ static bw_status size_of(bw_context *context, const bwi_adaptive *a, const bw_sy
 bw_status bwi_adaptive_estimate(bw_context *context, const bwi_adaptive *a, bwi_computed_step *step,
                                 double *error, double norm[3]) {
   bw_status status = BW_OK;
-  const bw_system *system = step->system;
-  const bw_dof_map *dof_map = system->dof_map;
-  int64_t size = 3 * (int64_t)system->mesh->node_count;
+  const bwi_equations *equations = step->shifted->equations;
+  int64_t size = equations->size;
   double moved, speed, change, square = step->h * step->h, *e = step->change;
-  BW_TRY(by_mass(context, system, e, step->work));
+  BW_TRY(bwi_equations_mass(context, equations, e, step->work));
   for (int64_t i = 0; i < size; i++)
     e[i] = step->shift * square * (step->constant * step->work[i] + step->missed[i]);
-  bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, e);
-  BW_TRY(bwi_solve_fields(context, step->factor, dof_map, 1, e, e));
-  BW_TRY(by_mass(context, system, e, step->work));
+  BW_TRY(bwi_shifted_solve(context, step->shifted, step->factor, e, e));
+  BW_TRY(bwi_equations_mass(context, equations, e, step->work));
   norm[0] =
       sqrt(fmax(bwi_dot(size, e, step->work), 0)) + fabs(step->support_missed) * sqrt(a->mass);
-  BW_TRY(size_of(context, a, system, step->u, step->work, &moved));
-  BW_TRY(size_of(context, a, system, step->v, step->work, &speed));
-  BW_TRY(size_of(context, a, system, step->a, step->work, &change));
+  BW_TRY(size_of(context, a, equations, step->u, step->work, &moved));
+  BW_TRY(size_of(context, a, equations, step->v, step->work, &speed));
+  BW_TRY(size_of(context, a, equations, step->a, step->work, &change));
   norm[1] = moved;
   norm[2] = speed;
   /* at the start of a motion: as far as it goes in a base step */

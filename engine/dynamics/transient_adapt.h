@@ -4,7 +4,7 @@
 #define BWI_DYNAMICS_TRANSIENT_ADAPT_H
 
 #include "barwright/transient.h"
-#include "linear/internal.h"
+#include "dynamics/shifted.h"
 
 /* Lengths are base times a power of 2. A step begins at a multiple of its own length, so that
  * times are whole numbers of the shortest one. */
@@ -25,7 +25,7 @@ typedef struct bwi_adaptive {
 
 /* A step that was computed, with the factor of K + shift M that it used. */
 typedef struct bwi_computed_step {
-  const bw_system *system;
+  const bwi_shifted *shifted;
   bwi_factor *factor;
   double shift;
   double constant;         /* of the error h^2 constant (a_n+1 - a_n) */
@@ -39,8 +39,8 @@ typedef struct bwi_computed_step {
 
 void bwi_adaptive_begin(bwi_adaptive *a, double tolerance, double base);
 /* Leaves the motion as a rigid body out of the displacements that errors are compared with. */
-bw_status bwi_adaptive_leave_out_rigid(bw_context *context, const bw_system *system,
-                                       bwi_adaptive *a);
+bw_status bwi_adaptive_leave_out_rigid(bw_context *context, const bw_mesh *mesh,
+                                       const bwi_equations *equations, bwi_adaptive *a);
 void bwi_adaptive_clear(bwi_adaptive *a);
 /* *error (-), relative to the largest displacement until now, and the norms in the mass of error,
  * displacement and velocity. */

@@ -155,7 +155,7 @@ bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model,
   const bw_damping *d = &options->damping;
   double *work = NULL;
   motion *m = NULL;
-  int rigid = e->system ? e->dof_map->rigid_mode_count : 0; /* joined models are held */
+  int rigid = e->rigid_count;
   if (prescribed && (rigid > 0 || d->stiffness > 0))
     return bw_fail(
         context, BW_UNSUPPORTED,
@@ -236,30 +236,15 @@ static void expand(const motion *m, const bw_transient_factors *f, const bwi_mot
 }
 
 /* A warning where the start is not what was given. */
-static bw_status compare_start(bw_context *context, const motion *m, const bwi_equations *e,
-                               const double *given, const double *taken, const char *what) {
-  bw_status status = BW_OK;
-  double *off = NULL, *product = NULL;
-  if (!given)
-    return BW_OK;
-  off = BW_NEW(context, double, m->size);
-  product = BW_NEW(context, double, m->size);
-  BW_TRY_MEMORY(off && product);
-  BW_TRY(bwi_equations_mass(context, e, given, product));
-  double whole = sqrt(bwi_dot(m->size, given, product));
-  for (int64_t i = 0; i < m->size; i++)
-    off[i] = given[i] - taken[i];
-  bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, off);
-  BW_TRY(bwi_equations_mass(context, e, off, product));
-  double left = sqrt(fmax(bwi_dot(m->size, off, product), 0));
-  if (whole > 0 && left > left_out_limit * whole)
+static bw_status compare_start(bw_context *context, const bwi_equations *e, const double *given,
+                               const double *taken, const char *what) {
+  double part = 0;
+  bw_status status = given ? bwi_equations_left_out(context, e, given, taken, &part) : BW_OK;
+  if (status == BW_OK && part > left_out_limit)
     bw_warn(context,
             "the modes and the static part of the loads leave out %.3g %% of the %s at the start, "
             "in the norm of the mass: take more modes, or integrate directly",
-            100 * left / whole, what);
-done:
-  bw_free(off);
-  bw_free(product);
+            100 * part, what);
   return status;
 }
 
@@ -281,8 +266,8 @@ bw_status bwi_modal_motion_start(bw_context *context, motion *m, const bwi_equat
   }
   modal_forces(m, f);
   expand(m, f, out);
-  BW_TRY(compare_start(context, m, e, options->displacement, out->u, "displacement"));
-  BW_TRY(compare_start(context, m, e, options->velocity, out->v, "velocity"));
+  BW_TRY(compare_start(context, e, options->displacement, out->u, "displacement"));
+  BW_TRY(compare_start(context, e, options->velocity, out->v, "velocity"));
 done:
   return status;
 }

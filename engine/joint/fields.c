@@ -11,7 +11,6 @@
 void bwi_joined_fields_clear(bwi_joined_fields *e) {
   bwi_joined_clear(&e->equations);
   bw_free(e->mass);
-  bwi_matrix_pair_clear(&e->pair);
   bw_release(e->factor);
   bw_free(e->x);
   *e = (bwi_joined_fields){0};
@@ -22,17 +21,26 @@ bw_status bwi_joined_fields_open(bw_context *context, const bw_model *model, bwi
   bwi_joined_equations *q = &e->equations;
   *e = (bwi_joined_fields){.model = model};
   BW_TRY(bwi_joined_open(context, model, true, q));
-  if (q->rigid_count > 0)
-    BW_TRY(bwi_joined_fail_free(context, q));
   e->mass = BW_NEW(context, double, q->pattern->block_count);
   e->x = BW_NEW(context, double, q->reduction.unknown_count);
   BW_TRY_MEMORY(e->mass && e->x);
   BW_TRY(bw_mass(context, q->pattern, model->mesh, model->material, e->mass));
   bwi_add_attachments(model, q->pattern, 1, e->mass);
-  BW_TRY(bwi_matrix_pair_open(context, q->k->matrix, NULL, &e->pair));
-  BW_TRY(bwi_matrix_pair_factor(context, &e->pair, 0, NULL, q->k->name.text,
+done:
+  return status;
+}
+
+bw_status bwi_joined_factor(bw_context *context, bwi_joined_fields *e) {
+  bw_status status = BW_OK;
+  const bwi_joined_equations *q = &e->equations;
+  bwi_matrix_pair pair = {0};
+  if (q->rigid_count > 0)
+    BW_TRY(bwi_joined_fail_free(context, q));
+  BW_TRY(bwi_matrix_pair_open(context, q->k->matrix, NULL, &pair));
+  BW_TRY(bwi_matrix_pair_factor(context, &pair, 0, NULL, q->k->name.text,
                                 "a coarser mesh needs less", &e->factor));
 done:
+  bwi_matrix_pair_clear(&pair);
   return status;
 }
 

@@ -15,16 +15,16 @@
 typedef struct bwi_joined_fields {
   const bw_model *model; /* borrowed */
   bwi_joined_equations equations;
-  double *mass; /* with attached masses */
-  bwi_matrix_pair pair;
-  bwi_factor *factor; /* of T^T K T */
+  double *mass;       /* with attached masses */
+  bwi_factor *factor; /* of T^T K T, or NULL */
   double *x;          /* work space: unknowns */
 } bwi_joined_fields;
-/* Preloads keep their shortening. BW_UNCONSTRAINED where rigid-body modes are left. Clear with
- * bwi_joined_fields_clear in any case. */
+/* Preloads keep their shortening. Clear with bwi_joined_fields_clear in any case. */
 bw_status bwi_joined_fields_open(bw_context *context, const bw_model *model,
                                  bwi_joined_fields *fields);
 void bwi_joined_fields_clear(bwi_joined_fields *fields);
+/* Makes the factor, which solutions need. BW_UNCONSTRAINED where rigid-body modes are left. */
+bw_status bwi_joined_factor(bw_context *context, bwi_joined_fields *fields);
 
 bw_status bwi_joined_mass(bw_context *context, const bwi_joined_fields *fields, const double *u,
                           double *f);

@@ -89,20 +89,35 @@ bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pai
                                  const bw_solver *solver, const char *name, const char *advice,
                                  bwi_factor **factor) {
   bw_status status = BW_OK;
-  const bwi_kernels *kernels = bwi_kernels_of(solver);
   bwi_order *order = NULL;
   bwi_symbolic *symbolic = NULL;
-  int32_t *unknown = BW_NEW0(context, int32_t, pair->pattern->node_count), bad = 0;
-  bwi_matrix matrix = {.pattern = pair->pattern,
-                       .stiffness = pair->k,
-                       .mass = sigma != 0 ? pair->m : NULL,
-                       .shift = -sigma};
+  int32_t *unknown = BW_NEW0(context, int32_t, pair->pattern->node_count);
   if (!unknown)
     return BW_MEMORY;
   bw_progress(context, "ordering", 0);
   BW_TRY(bwi_order_create_by(context, pair->pattern, NULL,
                              solver ? solver->options.ordering : BW_ORDERING_AUTO, &order));
   BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &symbolic));
+  BW_TRY(
+      bwi_matrix_pair_factor_again(context, pair, sigma, solver, name, advice, symbolic, factor));
+done:
+  bw_free(unknown);
+  bw_release(order);
+  bw_release(symbolic);
+  return status;
+}
+
+bw_status bwi_matrix_pair_factor_again(bw_context *context, const bwi_matrix_pair *pair,
+                                       double sigma, const bw_solver *solver, const char *name,
+                                       const char *advice, bwi_symbolic *symbolic,
+                                       bwi_factor **factor) {
+  bw_status status = BW_OK;
+  const bwi_kernels *kernels = bwi_kernels_of(solver);
+  int32_t bad = 0;
+  bwi_matrix matrix = {.pattern = pair->pattern,
+                       .stiffness = pair->k,
+                       .mass = sigma != 0 ? pair->m : NULL,
+                       .shift = -sigma};
   BW_TRY(check_memory(context, symbolic, kernels, name, advice));
   bw_progress(context, "factorisation", 0);
   status = bwi_factor_create_in(context, symbolic, &matrix, NULL, kernels, factor, &bad);
@@ -112,9 +127,6 @@ bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pai
     bw_detail_number(context, "row", bad + 1);
   }
 done:
-  bw_free(unknown);
-  bw_release(order);
-  bw_release(symbolic);
   return status;
 }
 

@@ -21,6 +21,11 @@ void bwi_matrix_pair_clear(bwi_matrix_pair *pair);
 bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pair, double sigma,
                                  const bw_solver *solver, const char *name, const char *advice,
                                  bwi_factor **factor);
+/* The same with the elimination order of a former factor of the pair: factor->symbolic. */
+bw_status bwi_matrix_pair_factor_again(bw_context *context, const bwi_matrix_pair *pair,
+                                       double sigma, const bw_solver *solver, const char *name,
+                                       const char *advice, bwi_symbolic *symbolic,
+                                       bwi_factor **factor);
 /* Solves A x = b in place for `count` right-hand sides of matrix->rows numbers, one after the
  * other, by a factor that is not kept. Those of bwi_matrix_pair_factor. */
 bw_status bwi_matrix_solve(bw_context *context, const bw_sparse_matrix *matrix, const char *name,

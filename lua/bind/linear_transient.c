@@ -20,14 +20,16 @@ static const double *read_list(lua_State *L, int index, int32_t loads) {
  * it; then, or nil, a list and a number of what a step does not see. */
 static bw_transient_factors read_factors(lua_State *L, int first, const bw_model *model) {
   bool sees = lua_isnoneornil(L, first + 4);
-  int32_t loads = model->load_count;
-  const double *factor = read_list(L, first, loads + model->coupling_count);
+  int32_t loads = model->load_count, all = loads + model->coupling_count;
+  const double *factor = read_list(L, first, all),
+               *missed = sees ? NULL : read_list(L, first + 4, all);
   return (bw_transient_factors){.load = factor,
                                 .point = factor ? factor + loads : NULL,
                                 .support = lbw_check_number(L, first + 1),
                                 .support_velocity = lbw_check_number(L, first + 2),
                                 .support_acceleration = lbw_check_number(L, first + 3),
-                                .load_missed = sees ? NULL : read_list(L, first + 4, loads),
+                                .load_missed = missed,
+                                .point_missed = missed ? missed + loads : NULL,
                                 .support_missed = sees ? 0 : lbw_check_number(L, first + 5)};
 }
 

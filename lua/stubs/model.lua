@@ -145,7 +145,7 @@ function Model:prescribe(selection, displacement) end
 
 ---Bonds two surfaces of the mesh, whose nodes need not match. Side a follows side b where they touch. Make a the side that the
 ---other one covers. Constant stress passes through a plane bond exactly. A model with bonds gives static solutions, modes, load factors,
----harmonic responses with random vibration, response spectra, transients by modes and `bw.worst_case`. Other analyses
+---harmonic responses with random vibration, response spectra, transients and `bw.worst_case`. Other analyses
 ---refuse it. A side without a facet, and a node on both sides, raise.
 ---
 ---A bond can have a preload across a plane section, as of a bolt: give the force first, then keep the `shortening` that the

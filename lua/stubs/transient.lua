@@ -13,10 +13,10 @@
 ---@field rho? number (-) spectral radius at infinite frequency: 1 damps no motion, 0 takes the fastest away in one step. Range: 0 to 1. Default: 0.9.
 ---@field modes? bw.Modes elastic modes of the part: the motion is their sum, with rigid-body motions and the static displacement of what they leave out. Default: none, direct integration.
 ---@field damping? bw.Damping by mass and stiffness, with `modes` a ratio too; a loss factor is refused. Default: none.
----@field initial? bw.InitialMotion where it begins. With `modes`, what they leave out is lost: a warning says how much where it is above 1 %. A load that acts at time 0 then deforms the part at once by its static part. Default: at rest, undeformed.
+---@field initial? bw.InitialMotion where it begins. What `modes`, or joints, do not allow is lost: a warning says how much where it is above 1 %. With `modes` a load that acts at time 0 deforms the part at once by its static part. Default: at rest, undeformed.
 ---@field loads? table<integer, bw.History> factors of the loads by their number in the part. Default: 1 each, from time 0 on.
 ---@field couplings? table<integer, bw.History> factors of the forces and moments of remote points, by the number of their coupling in the part. The weight of a point has the factor of the gravity load. Default: 1 each, from time 0 on.
----@field supports? bw.History factor of all prescribed displacements; velocity and acceleration follow by differences over a step. Default: 1.
+---@field supports? bw.History factor of all prescribed displacements, those of remote points too; velocity and acceleration follow by differences over a step. Default: 1.
 
 ---The start of a motion, where no support prescribes it.
 ---@class bw.InitialMotion

@@ -1,8 +1,10 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Transients of joined models by modes: a body cut in two, closed forms of oscillators, and states at rest.
+-- Transients of joined models by modes and by direct integration: a body cut in two, closed forms of oscillators,
+-- moving supports, states at rest, and CalculiX (ccx) on the same elements where it is there.
 local bw = require "barwright"
 local check = require "check"
 local beam = require "cut_beam"
+local tied_beam = require "tied_beam"
 
 --- A rod along x without lateral contraction, fixed at x = 0, with hardly any mass: 2e9 N/m.
 local function rod()
@@ -49,6 +51,38 @@ describe("transients of joined models", function()
     end
   end)
 
+  it("move a body cut in two as the whole by direct integration, on a support that moves", function()
+    for _, how in ipairs {{}, {error = 5e-3}} do
+      local found = {}
+      for i, cut in ipairs {false, true} do
+        local part, tip = beam(cut, {4, 2, 1})
+        part:load {on = tip, force = {0, 30, 100}}:gravity {0, 0, -9.81}
+        part:clear_supports():prescribe(part.mesh.boundary:below("x", 0), {0, 0, 1e-4})
+        local velocity = {}
+        for n, x in ipairs(part.mesh.nodes:totable()) do velocity[n] = {0, 0, 0.3 * x[1] ^ 2} end
+        local now = assert(part:transient {step = 1e-4, error = how.error, rho = 0.8,
+          damping = {mass = 3, stiffness = 1e-6}, initial = {velocity = velocity},
+          supports = function(t) return math.sin(200 * t) ^ 3 end,
+          loads = {{{0, 0}, {0.004, 1}, {0.02, 1}, {0.021, 0}}, function(t) return math.sin(300 * t) end}})
+        found[i] = assert(now:run {time = 0.008, probes = {tip = {1, 0, 0}, middle = {0.25, 0.1, 0.05}},
+          stress_every = 20})
+        found[i].reaction = bw.array.new(now.reaction:column_sums())
+      end
+      local whole, cut = table.unpack(found)
+      assert.equal(#whole.time, #cut.time)
+      for _, probe in ipairs {"tip", "middle"} do
+        for _, field in ipairs {"displacement", "velocity", "acceleration"} do
+          check.same(whole.probes[probe][field], cut.probes[probe][field], 1e-8)
+        end
+      end
+      for _, name in ipairs {"kinetic_energy", "strain_energy", "work", "damping_energy"} do
+        check.same(whole.energy[name], cut.energy[name], 1e-7)
+      end
+      check.same(whole.stress.von_mises, cut.stress.von_mises, 1e-7)
+      check.same(whole.reaction, cut.reaction, 1e-7)
+    end
+  end)
+
   it("swing a mass on a light rod by its closed form", function()
     local mass, spring, stiffness, force, ratio = 20, 1e9, 2e9, 1e4, 0.03
     local w = math.sqrt((stiffness + spring) / mass)
@@ -90,6 +124,126 @@ describe("transients of joined models", function()
       for n = 1, #part.mesh.nodes do held = held + reaction(n, 1) end
       check.near(-stiffness * x, held, 1e-5)
     end
+  end)
+
+  it("swing a mass on a light rod by direct integration, under a force and from a support that moves", function()
+    local mass, spring, stiffness, force, far = 20, 1e9, 2e9, 1e4, 4e-6
+    local w = math.sqrt((stiffness + spring) / mass)
+    local damping, pulse = 0.06 * w, 0.7 * w -- of the mass; the angular frequency of the force and the support
+    local d = damping / 2
+    local v = math.sqrt(w * w - d * d)
+    -- x'' + 2 d x' + w^2 x = a sin(p t) from rest: particular part, and the free swing that starts at its negative
+    local function driven(a, t)
+      local p, square = pulse, (w * w - pulse ^ 2) ^ 2 + (2 * d * pulse) ^ 2
+      local c, s = -2 * d * p * a / square, (w * w - p * p) * a / square
+      return c * math.cos(p * t) + s * math.sin(p * t)
+        - math.exp(-d * t) * (c * math.cos(v * t) + (d * c + p * s) / v * math.sin(v * t))
+    end
+    for _, how in ipairs {"attached", "rigid", "distributed"} do
+      local part, tip = rod()
+      local function history(t) return math.sin(pulse * t) end
+      part:clear_supports():prescribe(part.mesh.boundary:below("x", 0), {far, 0, 0})
+      local options = {step = 2 * math.pi / w / 200, rho = 1, damping = {mass = damping}, supports = history}
+      if how == "attached" then
+        part:attach {on = tip, mass = mass}:attach {on = tip, spring = {spring, 0, 0}}
+          :load {on = tip, force = {force, 0, 0}}
+        options.loads = {history}
+      else
+        part:couple {on = tip, kind = how, mass = mass, spring = {spring, 0, 0}, force = {force, 0, 0}}
+        options.couplings = {history}
+      end
+      local off, most = {}, 0
+      for i = 1, 3 do -- fixed steps, half of them, and steps that adapt
+        local given = {}
+        for k, value in pairs(options) do given[k] = value end
+        if i == 2 then given.step = options.step / 2 elseif i == 3 then given.error = 1e-5 end
+        local run = assert(assert(part:transient(given)):run {time = 30 / w, probes = {tip = {1, 0, 0}}})
+        off[i] = 0
+        for k = 1, #run.time do
+          local expected = driven((force + stiffness * far) / mass, run.time[k])
+          off[i], most = math.max(off[i], math.abs(run.probes.tip.displacement(k, 1) - expected)),
+            math.max(most, math.abs(expected))
+        end
+        -- what supports and loads do, the masses and the damping have
+        assert.is_true(check.largest(run.energy.lost_energy) < 2e-3 * run.energy.work:max())
+        if i == 3 then assert.is_true(off[3] < run.steps.error * most) end
+      end
+      assert.is_true(off[1] < 4e-3 * most, ("%s: %g of %g"):format(how, off[1], most))
+      check.near(4, off[1] / off[2], 0.03) -- of second order
+    end
+  end)
+
+  it("are the same by direct integration and by all modes", function()
+    for _, kind in ipairs {"rigid", "distributed"} do
+      local part, tip = beam(true, {1, 1, 1})
+      part:couple {on = tip, kind = kind, at = {1.1, 0.02, 0.05}, mass = 2, inertia = {0.01, 0.02, 0.01},
+        force = {0, 0, 30}, moment = {5, 0, 0}, spring = {0, 3e5, 0}}
+        :attach {on = part.mesh.boundary:above("z", 0.05), mass = 3}
+        :load {on = part.mesh.boundary:above("y", 0.1), force = {0, 100, 0}}
+      local modes = assert(part:modes {count = 1000, tolerance = 1e-12})
+      assert.is_true(#modes.frequencies < 3 * #part.mesh.nodes) -- all of them
+      local first = 2 * math.pi * modes.frequencies[1]
+      local function history(t) return math.sin(0.3 * first * t) ^ 3 end
+      local function displacement(by, count)
+        local now = assert(part:transient {step = 10 / first / count, rho = 1, modes = by,
+          damping = {mass = 0.1 * first, stiffness = 0.01 / first}, loads = {history}, couplings = {history}})
+        for _ = 1, count do assert(now:step()) end
+        return now.displacement, bw.array.new(now.reaction:column_sums())
+      end
+      local exact, held = displacement(modes, 6400)
+      local off = {}
+      for i = 1, 2 do
+        local found, reaction = displacement(nil, 400 * i)
+        off[i] = check.largest(found - exact)
+        check.same(held, reaction, 3e-3)
+      end
+      assert.is_true(off[1] < 1e-3 * check.largest(exact), ("%s: %g"):format(kind, off[1] / check.largest(exact)))
+      check.near(4, off[1] / off[2], 0.03)
+    end
+  end)
+
+  it("follow a remote point that moves as a support there", function()
+    local function history(t) return math.sin(900 * t) ^ 2 end
+    local found = {}
+    for _, how in ipairs {"support", "rigid", "distributed"} do
+      local part, tip = beam(true, {3, 2, 1})
+      part:attach {on = part.mesh.boundary:above("z", 0.05), mass = 1}
+      if how == "support" then
+        part:prescribe(tip, {0, 1e-4, -2e-4})
+      else
+        part:couple {on = tip, kind = how, displacement = {0, 1e-4, -2e-4}, rotation = {0, 0, 0}}
+      end
+      local now = assert(part:transient {step = 2e-5, supports = history, rho = 1})
+      found[how] = assert(now:run {time = 2e-3, probes = {tip = {1, 0, 0}, middle = {0.5, 0.1, 0.05}}})
+      found[how].root = bw.array.new(now.reaction:column_sums())
+      assert.is_true(check.largest(found[how].energy.lost_energy) < 1e-3 * found[how].energy.work:max())
+    end
+    for _, field in ipairs {"displacement", "velocity", "acceleration"} do
+      check.same(found.support.probes.middle[field], found.rigid.probes.middle[field], 1e-8)
+    end
+    check.same(found.support.energy.work, found.rigid.energy.work, 1e-8)
+    -- the mean motion of the face; the face itself deforms
+    check.same(found.support.probes.middle.displacement, found.distributed.probes.middle.displacement, 0.05)
+  end)
+
+  it("fly free, and take from a start what joints allow", function()
+    local part = beam(true, {2, 1, 1})
+    part:clear_supports():attach {on = part.mesh.boundary:above("x", 1), mass = 10}
+    local turned, opened = {}, {}
+    for n, x in ipairs(part.mesh.nodes:totable()) do
+      turned[n] = {0.1 - 0.5 * x[2], 0.2 + 0.5 * x[1], -0.3}
+      opened[n] = {n > #part.mesh.nodes / 2 and 1 or 0, 0, 0}
+    end
+    local now = assert(part:transient {step = 1e-3, error = 1e-3, rho = 1, initial = {velocity = turned}})
+    local before = now.kinetic_energy
+    check.same(bw.array.new(turned), now.velocity, 1e-10)
+    for _ = 1, 5 do assert(now:step()) end
+    check.near(before, now.kinetic_energy + now.strain_energy, 1e-9)
+    bw.warnings()
+    assert(part:transient {step = 1e-3, initial = {velocity = opened}})
+    local said = bw.warnings()
+    assert.equal(1, #said)
+    assert.truthy(said[1]:find("joints do not allow", 1, true), said[1])
   end)
 
   it("swing two masses on two springs by their closed form", function()
@@ -146,7 +300,7 @@ describe("transients of joined models", function()
     local part, tip = rod()
     part:attach {on = tip, mass = 3}
     local modes = assert(part:modes {count = 2})
-    check.fails("unsupported", "transients by modes", part:transient {step = 1e-3})
+    assert(part:transient {step = 1e-3})
     assert(part:transient {step = 1e-3, modes = modes})
     check.raises("there is no coupling 1: the part has 0", function()
       part:transient {step = 1e-3, modes = modes, couplings = {1}}
@@ -179,6 +333,7 @@ describe("transients of joined models", function()
     check.raises("supports or joints", function() now:step() end)
     halves:bond {a = middle:facing {1, 0, 0}, b = middle:facing {-1, 0, 0}, preload = 100}
     check.fails("unsupported", "bond 1 has a preload", halves:transient {step = 1e-3, modes = of_halves})
+    check.fails("unsupported", "bond 1 has a preload", halves:transient {step = 1e-3})
   end)
 
   it("give states without what joints exert, of which load factors are refused", function()
@@ -190,4 +345,48 @@ describe("transients of joined models", function()
     check.fails("unsupported", "what remote points exert", static:buckling())
     assert.truthy(tostring(static):find("error unknown", 1, true))
   end)
+
+  if os.execute "command -v ccx >/dev/null 2>&1" then
+    it("are those of *DYNAMIC, DIRECT of CalculiX of a tied beam with a mass on a lever", function()
+      local part, tip = beam(true, {6, 2, 1})
+      local at, step, steps = {1.1, 0.05, 0.1}, 5e-4, 120
+      local rows = {{0, 0}, {0.01, 1}, {0.03, -0.5}, {0.06, 0.2}}
+      local amplitude = {}
+      for i, row in ipairs(rows) do amplitude[i] = ("%.12g, %.12g"):format(row[1], row[2]) end
+      local point, turn = tied_beam(part, tip, at, 5, ([[
+*AMPLITUDE, NAME=HISTORY
+%s
+*STEP, INC=10000
+*DYNAMIC, DIRECT, ALPHA=0
+%.12g, %.12g
+*CLOAD, AMPLITUDE=HISTORY
+POINT_NODE, 2, 20.
+POINT_NODE, 3, 100.
+*NODE PRINT, NSET=POINT
+U
+*NODE PRINT, NSET=TURN
+U
+*END STEP
+]]):format(table.concat(amplitude, "\n"), step, steps * step))
+      part:couple {on = tip, kind = "rigid", at = at, mass = 5, force = {0, 20, 100}}
+      local now = assert(part:transient {step = step, rho = 1, couplings = {rows}})
+      local places, nodes = tip.mesh.nodes:totable(), tip.nodes:totable()
+      assert.equal(steps, #point)
+      local off, most = 0, 0
+      for i = 1, steps do
+        assert(now:step())
+        assert.is_true(math.abs(point[i].time - now.time) < 1e-9)
+        local u = now.displacement
+        for _, n in ipairs(nodes) do -- of the face that moves with the point
+          local r = {places[n][1] - at[1], places[n][2] - at[2], places[n][3] - at[3]}
+          for c = 1, 3 do
+            local d, e = c % 3 + 1, (c + 1) % 3 + 1
+            local theirs = point[i][c] + turn[i][d] * r[e] - turn[i][e] * r[d]
+            off, most = math.max(off, math.abs(u(n, c) - theirs)), math.max(most, math.abs(theirs))
+          end
+        end
+      end
+      assert.is_true(off < 1e-5 * most, ("%g of %g"):format(off, most))
+    end)
+  end
 end)

@@ -229,7 +229,7 @@ typedef struct bw_model {
   const bw_cyclic *cyclic;   /* retained; NULL: it is the whole */
 } bw_model;
 /* Whether it has bonds, attachments, couplings or a cyclic symmetry: the functions of joint.h know
- * its equations. Harmonic responses and response spectra (dynamics.h), transients by modes
+ * its equations. Harmonic responses and response spectra (dynamics.h), transients
  * (transient.h) and the worst case take those of a model that is no sector. Other functions that
  * need its equations refuse it. */
 static inline bool bw_model_joined(const bw_model *model) {

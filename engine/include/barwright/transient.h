@@ -38,7 +38,9 @@ typedef struct bw_transient_factors {
   /* of steps that adapt: what a step from factor to factor does not see */
   const double *load_missed; /* (-, load_count) mean of each load's factor in the step less that of
                                 its ends, or its magnitude; NULL: 0. Borrowed */
-  double support_missed;     /* (-) the largest such difference of the supports' factor */
+  const double
+      *point_missed;     /* (-, coupling_count) the same of each point's load; NULL: 0. Borrowed */
+  double support_missed; /* (-) the largest such difference of the supports' factor */
 } bw_transient_factors;
 
 struct bwi_linear_transient;
@@ -70,17 +72,17 @@ typedef struct bw_linear_transient {
  * 371-375, equations 14 to 25, or by modal superposition, exact for loads that are linear within a
  * step. `given` (may be NULL): equations of the model, whose matrices and
  * elimination order serve again. `now` (may be NULL: all loads 1, supports at their values and at
- * rest): factors at the start. A warning says what modes leave out of the displacement and the
- * velocity at the start, where that is above 1 % in the norm of the mass. The static part of a load
- * that acts then is there at once. The model must not change afterwards. initial + work = kinetic +
- * strain + damped, but for what the scheme itself takes away. With modes the model may have bonds,
- * attachments and couplings, with which nothing can move freely: their masses and springs are in
- * all energies. BW_UNSUPPORTED for these without modes, with preloads and with prescribed
- * displacements that are not 0. BW_INVALID for numbers outside their
- * ranges, a material without density and modes of another model, BW_UNSUPPORTED for temperature
- * loads and other damping; BW_MEMORY, before it is allocated, for a factor larger than what is
- * free, BW_CONVERGENCE where the first acceleration is not found; those of bw_dof_map_create and
- * bw_system_factor. */
+ * rest): factors at the start. A warning says what modes, or supports and joints, leave out of the
+ * displacement and the velocity at the start, where that is above 1 % in the norm of the mass. The
+ * static part of a load that acts then is there at once with modes. The model must not change
+ * afterwards. initial + work = kinetic + strain + damped, but for what the scheme itself takes
+ * away. Masses and springs of attachments and couplings are in all energies; prescribed motions of
+ * remote points have the factor of the supports. With modes a joined model must not move freely.
+ * BW_UNSUPPORTED for cyclic symmetry, for preloads, and with modes for prescribed displacements of
+ * a joined model that are not 0. BW_INVALID for numbers outside their ranges, a material without
+ * density and modes of another model, BW_UNSUPPORTED for temperature loads and other damping;
+ * BW_MEMORY, before it is allocated, for a factor larger than what is free, BW_CONVERGENCE where
+ * the first acceleration is not found; those of bw_dof_map_create and bw_system_factor. */
 BW_API bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
                                             bw_system *given,
                                             const bw_linear_transient_options *options,

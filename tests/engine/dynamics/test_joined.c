@@ -104,13 +104,21 @@ static bw_modes *lowest(bw_context *context, const bw_model *model) {
 
 static void same_bits_in_time(void **state) {
   bw_context *context = check_context(state);
-  for (int kind = 0; kind < 2; kind++) {
-    bw_model *model = loaded(context, 2, kind ? BW_DISTRIBUTED : BW_RIGID);
+  for (int way = 0; way < 4; way++) { /* both kinds, by modes and directly in steps that adapt */
+    bw_model *model = loaded(context, 2, way % 2 ? BW_DISTRIBUTED : BW_RIGID);
     bw_modes *modes = lowest(context, model);
     const double half = 0.5;
     const bw_transient_factors start = {.point = &half};
-    const bw_linear_transient_options options = {
-        .step = 1e-3, .modes = modes, .damping = {.ratio = 0.01}};
+    bw_linear_transient_options options;
+    bw_linear_transient_options_default(&options);
+    options.step = 1e-3;
+    if (way < 2) {
+      options.modes = modes;
+      options.damping.ratio = 0.01;
+    } else {
+      options.error = 1e-3;
+      options.damping.stiffness = 1e-5;
+    }
     bw_linear_transient *t[2] = {NULL, NULL};
     size_t bytes = 3 * (size_t)model->mesh->node_count * sizeof(double);
     for (int k = 0; k < 2; k++) {
@@ -160,15 +168,21 @@ static void memory_failures(void **state) {
                     bw_harmonic_random(context, h, 2, along, density, NULL, NULL, q, NULL));
   bw_release(h);
   bw_modes *modes = lowest(context, model);
-  const bw_linear_transient_options superposed = {.step = 1e-3, .modes = modes};
-  bw_linear_transient *t = NULL;
-  bw_static *now = NULL;
-  check_allocations(context, t,
-                    bw_linear_transient_create(context, model, NULL, &superposed, NULL, &t));
-  check_ok(context, bw_linear_transient_create(context, model, NULL, &superposed, NULL, &t));
-  check_allocations(context, none, bw_linear_transient_step(context, t, NULL));
-  check_allocations(context, now, bw_linear_transient_static(context, t, &now));
-  bw_release(t);
+  double *velocity = calloc(3 * (size_t)model->mesh->node_count, sizeof *velocity);
+  assert_non_null(velocity);
+  for (int way = 0; way < 2; way++) { /* by modes, and directly from a start */
+    bw_linear_transient_options chosen = {.step = 1e-3, .modes = way ? NULL : modes, .rho = 0.9};
+    bw_linear_transient *t = NULL;
+    bw_static *now = NULL;
+    chosen.velocity = way ? velocity : NULL;
+    check_allocations(context, t,
+                      bw_linear_transient_create(context, model, NULL, &chosen, NULL, &t));
+    check_ok(context, bw_linear_transient_create(context, model, NULL, &chosen, NULL, &t));
+    check_allocations(context, none, bw_linear_transient_step(context, t, NULL));
+    check_allocations(context, now, bw_linear_transient_static(context, t, &now));
+    bw_release(t);
+  }
+  free(velocity);
   bw_release(modes);
   bw_release(model);
 }
