@@ -51,7 +51,6 @@ static void problem_clear(bwi_contact_problem *c) {
   bw_free(c->active);
   bw_free(c->s);
   bw_free(c->pressed);
-  bwi_compliance_close(&c->compliance);
   bw_free(c->h);
 }
 
@@ -114,7 +113,6 @@ static bw_status prepare(bw_context *context, bwi_contact_problem *c, int pair_c
   c->row = BW_NEW(context, int32_t, rows);
   BW_TRY_MEMORY(c->base && c->load && c->a && c->h && c->q && c->e && c->p && c->w && c->now &&
                 c->pressed && c->member && c->place && c->active && c->row);
-  BW_TRY(bwi_compliance_open(context, c->system, &c->compliance));
   memset(c->place, 0xff, (size_t)count * sizeof *c->place);
   if (rows > count) {
     c->before = BW_NEW0(context, double, size);

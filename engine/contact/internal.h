@@ -208,9 +208,8 @@ typedef struct bwi_contact_problem {
   int row_count;   /* their rows, */
   int32_t *row;    /* (rows) which, */
   double *s;       /* (row_count x row_count) and their part of S */
-  bwi_compliance compliance;
-  double elastic;          /* the largest mean displacement that pressure causes at a candidate */
-  double rounded;          /* (m) of gaps between coordinates */
+  double elastic;  /* the largest mean displacement that pressure causes at a candidate */
+  double rounded;  /* (m) of gaps between coordinates */
   double epsilon, softest; /* springs on motions */
   bool last_try;           /* springs are not made stiffer */
   double *h;               /* (motions x motions) */

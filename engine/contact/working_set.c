@@ -43,7 +43,7 @@ static bw_status take_compliance(bw_context *context, bwi_contact_problem *c, in
   larger = NULL;
   bw_progress(context, "contact", (double)c->working / c->count);
   const bwi_nodal_columns columns = {(int)n, start, node, force};
-  BW_TRY(bwi_compliance_of(context, &c->compliance, &columns, first, c->s));
+  BW_TRY(bwi_compliance_of(context, c->system, &columns, first, c->s));
   c->solves += (int)n - first;
 done:
   bw_free(start);

@@ -448,6 +448,11 @@ static bw_status impact_of(bw_context *context, follow *f, history *h) {
               impact.turn * 180 / M_PI);
     if (drop->stress)
       BW_TRY(bwi_drop_states_stress(context, run, &states, drop));
+    if (run->beyond > 1)
+      bw_warn(context,
+              "contact moves a point %.2g times as far as it was looked for: others may have "
+              "entered the obstacle unseen. Make elements there of the size of those that touch",
+              run->beyond);
   }
 done:
   bwi_drop_states_empty(&states);

@@ -30,7 +30,7 @@ void bwi_drop_spin(const bwi_drop_motion *motion, double spin[3]);
 /* Free flight over a step. */
 void bwi_drop_drift(bwi_drop_motion *motion, double step);
 
-/* ---- touch.c --------------------------------------------------------------------------------- */
+/* ---- the run --------------------------------------------------------------------------------- */
 
 /* Points of the body that may touch, and how the modes move them. */
 typedef struct bwi_drop_points {
@@ -43,39 +43,26 @@ typedef struct bwi_drop_points {
   double radius;     /* of the body about its centre of mass */
 } bwi_drop_points;
 
-enum { BWI_DROP_COLUMNS = 16 };
-
-/* Columns of the compliance that were solved for together: displacements under unit forces less
- * what the modes have of them. Some are of points that came near and may become candidates. */
-typedef struct bwi_drop_columns {
-  struct bwi_drop_columns *next;
-  int count;
-  int32_t point[BWI_DROP_COLUMNS];
-  double push[3 * BWI_DROP_COLUMNS]; /* the forces, in the body's frame */
-  double size[BWI_DROP_COLUMNS];     /* the longest displacement of a point */
-  double whole[BWI_DROP_COLUMNS];    /* the compliance of the point, modes included */
-  double *field;                     /* (count x node_count x 3) */
-} bwi_drop_columns;
-
-/* The contact of one impact: w = gap + S force >= 0, force >= 0, w force = 0. */
+/* The contact of one impact: w = gap + S force >= 0, force >= 0, w force = 0. Of `known` points
+ * what the modes leave of the compliance is there; the first `count` of them are candidates. */
 typedef struct bwi_drop_touch {
-  int count;
-  int32_t *point;                  /* (count) */
-  double *push;                    /* (count x 3) the force of its column, in the body's frame */
-  double **column;                 /* (count) of `columns` */
-  double *size;                    /* (count) the longest displacement of a point in it */
+  int count, known;
+  int32_t *point;                  /* (known) */
+  double *push;                    /* (known x 3) the force of size 1, in the body's frame */
+  double *whole;                   /* (known) the compliance of the point, modes included */
+  double *flexibility;             /* (known x known) what the modes leave */
+  double largest;                  /* of its diagonal entries, also of points known before */
   double *s;                       /* (count x count) */
   double *gap, *force, *w, *slack; /* (count) */
   double *normal, *arm;            /* (count x 3) in space; arm from the centre of mass */
   uint8_t *active;                 /* (count) */
-  bwi_drop_columns *columns;
-  int capacity;
-  uint8_t *candidate;     /* (points) whether it is one */
-  int32_t *near;          /* (points) */
-  int32_t near_count;     /* which are within `limit` */
-  double limit, traveled; /* of the gap; and by how much it may have changed since */
-  double stiffest;        /* (rad/s) of the contact on the rigid body and the modes */
-  int stiffest_of;        /* candidates */
+  int capacity;                    /* of candidates */
+  int32_t *place;                  /* (points) among the known ones, or -1 */
+  int32_t *near;                   /* (points) */
+  int32_t near_count;              /* which are within `limit` */
+  double limit, traveled;          /* of the gap; and by how much it may have changed since */
+  double stiffest;                 /* (rad/s) of the contact on the rigid body and the modes */
+  int stiffest_of;                 /* candidates */
 } bwi_drop_touch;
 
 typedef struct bwi_drop_run {
@@ -88,14 +75,47 @@ typedef struct bwi_drop_run {
   double origin[3];      /* centre of mass in the mesh */
   double margin;         /* of the gap, within which points become candidates with others */
   double slack;          /* (m) penetration that is none */
+  double beyond;         /* the longest motion by contact over its bound */
   bwi_drop_points points;
   bwi_drop_motion motion;
   bwi_drop_touch touch;
   int solves;
 } bwi_drop_run;
 
+/* ---- points.c -------------------------------------------------------------------------------- */
+
 bw_status bwi_drop_points_create(bw_context *context, bwi_drop_run *run);
 void bwi_drop_points_clear(bwi_drop_points *points);
+/* The gap of a point of the rigid body. */
+double bwi_drop_rigid_gap_at(const bwi_drop_run *run, int32_t point);
+/* The gap where the modes have a point, with normal and arm in space. */
+double bwi_drop_gap_at(const bwi_drop_run *run, int32_t point, double normal[3], double arm[3]);
+/* Whether the body is between a point and the obstacle: others touch before it. */
+bool bwi_drop_faces_away(const bwi_drop_run *run, int32_t point, const double normal[3]);
+/* The smallest gap of the points without deformation; and that over the plane across a normal on
+ * the obstacle, all of which is below. */
+double bwi_drop_rigid_gap(const bwi_drop_run *run);
+double bwi_drop_plane_gap(const bwi_drop_run *run, const double normal[3]);
+
+/* ---- flexibility.c --------------------------------------------------------------------------- */
+
+/* force^T S force (J). */
+double bwi_drop_contact_energy(const bwi_drop_touch *touch);
+/* Bound of how far the contact moves a point, beside the modes, at forces with force^T S force. */
+double bwi_drop_contact_reach(const bwi_drop_touch *touch, double energy);
+/* The normal at a point, in the body's frame. */
+void bwi_drop_push(const bwi_drop_run *run, int32_t point, double push[3]);
+/* (modes) a unit force `push` at a point on the modes. */
+void bwi_drop_modal_force(const bwi_drop_run *run, int32_t point, const double push[3],
+                          double *force);
+/* Makes `more` points of `near` known, and those nearest to the obstacle; candidates stay. */
+bw_status bwi_drop_know(bw_context *context, bwi_drop_run *run, int more, const int32_t *which);
+/* Makes a known point the last candidate, known for its present normal. The caller has grown what
+ * candidates have. */
+void bwi_drop_promote(bwi_drop_touch *touch, int32_t point);
+
+/* ---- touch.c --------------------------------------------------------------------------------- */
+
 bw_status bwi_drop_touch_create(bw_context *context, const bwi_drop_run *run,
                                 bwi_drop_touch *touch);
 void bwi_drop_touch_clear(bwi_drop_touch *touch);
@@ -111,10 +131,6 @@ void bwi_drop_kick(bwi_drop_run *run, double time);
  * here on, and of how fast. */
 double bwi_drop_reach(const bwi_drop_run *run);
 double bwi_drop_speed(const bwi_drop_run *run);
-/* The smallest gap of the points without deformation; and that over the plane across a normal on
- * the obstacle, all of which is below. */
-double bwi_drop_rigid_gap(const bwi_drop_run *run);
-double bwi_drop_plane_gap(const bwi_drop_run *run, const double normal[3]);
 
 /* ---- place.c --------------------------------------------------------------------------------- */
 
@@ -143,8 +159,9 @@ double *bwi_drop_rows_next(bwi_drop_rows *rows);
 /* States of an impact at even times, for its stress. */
 typedef struct bwi_drop_state {
   double time;
-  int count;    /* of forces */
-  double *data; /* modes, then forces */
+  double energy; /* (J) twice that of the contact: force^T S force */
+  int count;     /* of forces */
+  double *data;  /* modes, then forces */
 } bwi_drop_state;
 typedef struct bwi_drop_states {
   int capacity, count;
@@ -155,7 +172,7 @@ bw_status bwi_drop_states_take(bw_context *context, const bwi_drop_run *run,
                                bwi_drop_states *states);
 void bwi_drop_states_empty(bwi_drop_states *states);
 /* Adds the stresses of the states to the result. */
-bw_status bwi_drop_states_stress(bw_context *context, const bwi_drop_run *run,
+bw_status bwi_drop_states_stress(bw_context *context, bwi_drop_run *run,
                                  const bwi_drop_states *states, bw_drop *drop);
 
 #endif

@@ -24,8 +24,7 @@ bwi_drop_energy bwi_drop_energy_of(const bwi_drop_run *run) {
     e.vibration += 0.5 * m->rate[k] * m->rate[k];
     e.strain += 0.5 * swing * swing;
   }
-  for (int j = 0; j < t->count; j++) /* force S force = -force gap, since w force = 0 */
-    e.strain -= 0.5 * t->force[j] * t->gap[j];
+  e.strain += 0.5 * bwi_drop_contact_energy(t);
   return e;
 }
 
@@ -74,7 +73,8 @@ bw_status bwi_drop_states_take(bw_context *context, const bwi_drop_run *run,
       return BW_OK;
   }
   bwi_drop_state *state = &states->state[states->count];
-  *state = (bwi_drop_state){.time = m->time, .count = t->count};
+  *state =
+      (bwi_drop_state){.time = m->time, .energy = bwi_drop_contact_energy(t), .count = t->count};
   state->data = BW_NEW(context, double, m->modes + t->count);
   if (!state->data)
     return BW_MEMORY;
@@ -93,50 +93,140 @@ void bwi_drop_states_empty(bwi_drop_states *states) {
   states->stride = 1;
 }
 
-/* u (node_count x 3 x BATCH) of states first, first + 1, ..., 0 behind the last: modes and columns.
- */
-static bw_status displacements(bw_context *context, const bwi_drop_run *run,
-                               const bwi_drop_states *states, int first, double *u) {
+/* Displacements G b under forces on candidates. Where fewer candidates push than there are states,
+ * they are those of a unit force on each, for all states; else those of the states at work. */
+typedef struct pushed {
+  bool by_state;
+  int count;      /* fields */
+  int32_t *which; /* (count) candidates, where they are of these */
+  double *field;  /* (count x node_count x 3) */
+} pushed;
+
+static void pushed_clear(pushed *p) {
+  bw_free(p->which);
+  bw_free(p->field);
+}
+
+static bw_status solve(bw_context *context, bwi_drop_run *run, int count, double *field) {
+  run->solves += count;
+  return bw_system_solve(context, run->system, count, field, field);
+}
+
+static void add_push(const bwi_drop_run *run, int candidate, double force, double *field) {
+  const bwi_drop_touch *t = &run->touch;
+  double *at = field + 3 * (int64_t)run->points.node[t->point[candidate]];
+  for (int k = 0; k < 3; k++)
+    at[k] += force * t->push[3 * (int64_t)candidate + k];
+}
+
+static bw_status pushed_create(bw_context *context, bwi_drop_run *run,
+                               const bwi_drop_states *states, pushed *p) {
+  bw_status status = BW_OK;
+  const int m = run->motion.modes;
+  int64_t size = 3 * (int64_t)run->model->mesh->node_count;
+  p->which = BW_NEW(context, int32_t, run->touch.count);
+  BW_TRY_MEMORY(p->which);
+  for (int j = 0; j < run->touch.count; j++) {
+    bool pushes = false;
+    for (int i = 0; i < states->count && !pushes; i++)
+      pushes = j < states->state[i].count && states->state[i].data[m + j] > 0;
+    if (pushes)
+      p->which[p->count++] = j;
+  }
+  p->by_state = p->count > states->count;
+  if (p->by_state)
+    p->count = BATCH;
+  p->field = BW_NEW0(context, double, size * p->count);
+  BW_TRY_MEMORY(p->field);
+  for (int first = 0; first < p->count && !p->by_state; first += BATCH) {
+    int count = p->count - first < BATCH ? p->count - first : BATCH;
+    for (int j = first; j < first + count; j++)
+      add_push(run, p->which[j], 1, p->field + j * size);
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(solve(context, run, count, p->field + first * size));
+  }
+done:
+  return status;
+}
+
+/* The longest motion of a point by contact, over its bound, in states first, first + 1, ... */
+static void check_reach(bwi_drop_run *run, const bwi_drop_states *states, int first, int count,
+                        const double *u) {
+  const bwi_drop_points *p = &run->points;
+  int m = run->motion.modes;
+  for (int i = 0; i < count; i++) {
+    const bwi_drop_state *state = &states->state[first + i];
+    double bound = bwi_drop_contact_reach(&run->touch, state->energy), most = 0;
+    for (int32_t j = 0; bound > 0 && j < p->count; j++) {
+      double by_contact[3];
+      for (int k = 0; k < 3; k++)
+        by_contact[k] = u[(3 * (int64_t)p->node[j] + k) * BATCH + i] -
+                        bwi_dot(m, p->basis + (3 * (int64_t)j + k) * m, state->data);
+      most = fmax(most, bw_norm(by_contact));
+    }
+    run->beyond = fmax(run->beyond, bound > 0 ? most / bound : 0);
+  }
+}
+
+/* u (node_count x 3 x BATCH) of states first, first + 1, ..., 0 behind the last:
+ * phi (q - phi^T b / omega^2) + G b under the forces b. */
+static bw_status displacements(bw_context *context, bwi_drop_run *run,
+                               const bwi_drop_states *states, int first, pushed *p, double *u) {
   bw_status status = BW_OK;
   const bwi_drop_touch *t = &run->touch;
   int m = run->motion.modes, size = 3 * run->model->mesh->node_count;
   const int batch = BATCH, count = states->count - first < BATCH ? states->count - first : BATCH;
   const double one = 1, none = 0;
-  double *factor =
-      BW_NEW0(context, double, (int64_t)BATCH *(m > BWI_DROP_COLUMNS ? m : BWI_DROP_COLUMNS));
-  BW_TRY_MEMORY(factor);
+  double *factor = BW_NEW0(context, double, (int64_t)BATCH *m), *modal = BW_NEW(context, double, m);
+  double *weight = BW_NEW0(context, double, (int64_t)BATCH * p->count);
+  BW_TRY_MEMORY(factor && modal && weight);
   for (int i = 0; i < count; i++)
     memcpy(factor + (size_t)i * (size_t)m, states->state[first + i].data,
            (size_t)m * sizeof *factor);
+  for (int j = 0; j < t->count; j++) {
+    bwi_drop_modal_force(run, t->point[j], t->push + 3 * (int64_t)j, modal);
+    for (int i = 0; i < count; i++) {
+      const bwi_drop_state *state = &states->state[first + i];
+      for (int k = 0; k < m && j < state->count; k++)
+        factor[i * m + k] -= state->data[m + j] * modal[k] / run->modes->eigenvalue[k];
+    }
+  }
+  if (p->by_state)
+    memset(p->field, 0, (size_t)BATCH * (size_t)size * sizeof *p->field);
+  for (int i = 0; i < count; i++) {
+    const bwi_drop_state *state = &states->state[first + i];
+    if (p->by_state) {
+      weight[i * p->count + i] = 1;
+      for (int j = 0; j < state->count; j++)
+        add_push(run, j, state->data[m + j], p->field + (int64_t)i * size);
+    } else
+      for (int j = 0; j < p->count; j++)
+        weight[i * p->count + j] = p->which[j] < state->count ? state->data[m + p->which[j]] : 0;
+  }
+  if (p->by_state)
+    BW_TRY(solve(context, run, count, p->field));
   bwi_blas_enter();
   dgemm_("T", "T", &batch, &size, &m, &one, factor, &m, run->modes->shape, &size, &none, u, &batch);
-  for (const bwi_drop_columns *c = t->columns; c; c = c->next) {
-    int width = c->count;
-    memset(factor, 0, (size_t)BATCH * (size_t)width * sizeof *factor);
-    for (int j = 0; j < t->count; j++) {
-      if (t->column[j] < c->field || t->column[j] >= c->field + (int64_t)width * size)
-        continue;
-      int column = (int)((t->column[j] - c->field) / size);
-      for (int i = 0; i < count; i++) {
-        const bwi_drop_state *state = &states->state[first + i];
-        factor[i * width + column] = j < state->count ? state->data[m + j] : 0;
-      }
-    }
-    dgemm_("T", "T", &batch, &size, &width, &one, factor, &width, c->field, &size, &one, u, &batch);
-  }
+  if (p->count > 0)
+    dgemm_("T", "T", &batch, &size, &p->count, &one, weight, &p->count, p->field, &size, &one, u,
+           &batch);
   bwi_blas_leave();
+  check_reach(run, states, first, count, u);
 done:
   bw_free(factor);
+  bw_free(modal);
+  bw_free(weight);
   return status;
 }
 
-bw_status bwi_drop_states_stress(bw_context *context, const bwi_drop_run *run,
+bw_status bwi_drop_states_stress(bw_context *context, bwi_drop_run *run,
                                  const bwi_drop_states *states, bw_drop *drop) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = run->model->mesh;
   size_t size = 3 * (size_t)mesh->node_count;
   double *u = NULL, most[BATCH];
   int32_t where[BATCH];
+  pushed forces = {0};
   int count = states->count;
   if (count == 0)
     return BW_OK;
@@ -144,9 +234,10 @@ bw_status bwi_drop_states_stress(bw_context *context, const bwi_drop_run *run,
   double *largest = BW_NEW(context, double, drop->sample_count + count);
   u = BW_NEW(context, double, BATCH *size);
   BW_TRY_MEMORY(time && largest && u);
+  BW_TRY(pushed_create(context, run, states, &forces));
   for (int first = 0; first < count; first += BATCH) {
     BW_TRY(bw_check_cancel(context));
-    BW_TRY(displacements(context, run, states, first, u));
+    BW_TRY(displacements(context, run, states, first, &forces, u));
     BW_TRY(bwi_stress_peaks(context, mesh, run->model->material, u, drop->stress, drop->utilisation,
                             most, where));
     for (int i = 0; i < BATCH && first + i < count; i++) {
@@ -176,5 +267,6 @@ done:
   bw_free(time);
   bw_free(largest);
   bw_free(u);
+  pushed_clear(&forces);
   return status;
 }

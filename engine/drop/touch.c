@@ -10,88 +10,16 @@
 #include "drop/internal.h"
 #include "linear/blas.h"
 
-enum {
-  BATCH = BWI_DROP_COLUMNS,
-  TOGETHER = 8, /* solutions that take less than two of one do */
-  MOST = 2000,
-  POWER_STEPS = 30
-};
+enum { MOST = 2000, POWER_STEPS = 30 };
 
 /* Of the body's radius: by how much points may come nearer before all are looked at again. */
 static const double travel = 0.02;
 /* Of the compliance of a node: what the modes must leave. */
 static const double least_left = 1e-6;
-/* Cosine of the angle, 0.01 rad, within which a column's force is along the normal. */
+/* Cosine of the angle, 0.01 rad, within which the force of a known point is along the normal. */
 static const double along_normal = 0.99995;
 /* Of the largest diagonal entry: redundant candidates are singular. */
 static const double shift = 1e-12;
-
-/* ---- points ---------------------------------------------------------------------------------- */
-
-static void add_areas(const bw_mesh *mesh, const int32_t *place, double *area) {
-  static const double linear[3] = {1. / 3, 1. / 3, 1. / 3};
-  static const double quadratic[6] = {1. / 12, 1. / 12, 1. / 12, 1. / 4, 1. / 4, 1. / 4};
-  const double *part = mesh->order == 1 ? linear : quadratic; /* of the four triangles of a facet */
-  for (int32_t f = 0; f < mesh->facet_count; f++) {
-    const int32_t *node = mesh->facet + (size_t)f * (size_t)mesh->nodes_per_facet;
-    const double *x[3];
-    double a[3], b[3], normal[3];
-    for (int k = 0; k < 3; k++)
-      x[k] = mesh->node + 3 * (size_t)node[k];
-    for (int k = 0; k < 3; k++) {
-      a[k] = x[1][k] - x[0][k];
-      b[k] = x[2][k] - x[0][k];
-    }
-    bw_cross(a, b, normal);
-    for (int i = 0; i < mesh->nodes_per_facet; i++)
-      for (int k = 0; k < 3; k++)
-        area[3 * (int64_t)place[node[i]] + k] += 0.5 * part[i] * normal[k];
-  }
-}
-
-bw_status bwi_drop_points_create(bw_context *context, bwi_drop_run *run) {
-  bw_status status = BW_OK;
-  const bw_mesh *mesh = run->model->mesh;
-  bwi_drop_points *p = &run->points;
-  int m = run->modes->count;
-  int32_t *place = BW_NEW0(context, int32_t, mesh->node_count);
-  p->count = mesh->boundary_node_count;
-  p->node = BW_NEW(context, int32_t, p->count);
-  p->at = BW_NEW(context, double, 3 * (int64_t)p->count);
-  p->area = BW_NEW0(context, double, 3 * (int64_t)p->count);
-  p->basis = BW_NEW(context, double, 3 * (int64_t)p->count * m);
-  p->mode_size = BW_NEW0(context, double, m);
-  BW_TRY_MEMORY(place && p->node && p->at && p->area && p->basis && p->mode_size);
-  for (int32_t i = 0; i < p->count; i++) {
-    int64_t node = mesh->boundary_node[i];
-    double *at = p->at + 3 * (int64_t)i, *basis = p->basis + 3 * (int64_t)i * m;
-    p->node[i] = (int32_t)node;
-    place[node] = i;
-    for (int k = 0; k < 3; k++)
-      at[k] = mesh->node[3 * node + k] - run->origin[k];
-    p->radius = fmax(p->radius, bw_norm(at));
-    for (int j = 0; j < m; j++) {
-      const double *shape = run->modes->shape + 3 * ((int64_t)j * mesh->node_count + node);
-      for (int k = 0; k < 3; k++)
-        basis[k * m + j] = shape[k];
-      p->mode_size[j] = fmax(p->mode_size[j], bw_norm(shape));
-    }
-  }
-  add_areas(mesh, place, p->area);
-done:
-  bw_free(place);
-  return status;
-}
-
-void bwi_drop_points_clear(bwi_drop_points *p) {
-  bw_free(p->node);
-  bw_free(p->at);
-  bw_free(p->area);
-  bw_free(p->basis);
-  bw_free(p->mode_size);
-}
-
-/* ---- positions ------------------------------------------------------------------------------- */
 
 static void to_space(const double turn[9], const double body[3], double space[3]) {
   for (int i = 0; i < 3; i++)
@@ -103,62 +31,12 @@ static void to_body(const double turn[9], const double space[3], double body[3])
     body[k] = turn[k] * space[0] + turn[3 + k] * space[1] + turn[6 + k] * space[2];
 }
 
-static double rigid_gap_at(const bwi_drop_run *run, int32_t point) {
-  const bwi_drop_motion *m = &run->motion;
-  double arm[3], x[3], normal[3];
-  to_space(m->turn, run->points.at + 3 * (int64_t)point, arm);
-  for (int k = 0; k < 3; k++)
-    x[k] = m->centre[k] + arm[k];
-  return bwi_rigid_gap(&run->onto, x, normal);
-}
-
-/* The gap where the modes, and `more` in the body's frame (or NULL), bring a point. */
-static double gap_at(const bwi_drop_run *run, int32_t point, const double *more, double normal[3],
-                     double arm[3]) {
-  const bwi_drop_motion *m = &run->motion;
-  const double *at = run->points.at + 3 * (int64_t)point;
-  const double *basis = run->points.basis + 3 * (int64_t)point * m->modes;
-  double place[3], x[3];
-  for (int k = 0; k < 3; k++)
-    place[k] = at[k] + (more ? more[k] : 0) + bwi_dot(m->modes, basis + k * m->modes, m->q);
-  to_space(m->turn, place, arm);
-  for (int k = 0; k < 3; k++)
-    x[k] = m->centre[k] + arm[k];
-  return bwi_rigid_gap(&run->onto, x, normal);
-}
-
-double bwi_drop_rigid_gap(const bwi_drop_run *run) {
-  double least = INFINITY;
-  for (int32_t i = 0; i < run->points.count; i++)
-    least = fmin(least, rigid_gap_at(run, i));
-  return least;
-}
-
-double bwi_drop_plane_gap(const bwi_drop_run *run, const double normal[3]) {
-  const bwi_drop_motion *m = &run->motion;
-  double body[3], least = INFINITY, centre = -run->onto.radius; /* 0 of a plane */
-  to_body(m->turn, normal, body);
-  for (int k = 0; k < 3; k++)
-    centre += normal[k] * (m->centre[k] - run->onto.point[k]);
-  for (int32_t i = 0; i < run->points.count; i++)
-    least = fmin(least, centre + bw_dot(body, run->points.at + 3 * (int64_t)i));
-  return least;
-}
-
 double bwi_drop_reach(const bwi_drop_run *run) {
   double sum = 0;
   for (int k = 0; k < run->motion.modes; k++)
     sum += hypot(run->motion.q[k], run->motion.rate[k] / run->motion.omega[k]) *
            run->points.mode_size[k];
-  for (int j = 0; j < run->touch.count; j++)
-    sum += run->touch.force[j] * run->touch.size[j];
-  return sum;
-}
-
-double bwi_drop_speed(const bwi_drop_run *run) {
-  double spin[3];
-  bwi_drop_spin(&run->motion, spin);
-  return bw_norm(run->motion.velocity) + bw_norm(spin) * run->points.radius;
+  return sum + bwi_drop_contact_reach(&run->touch, bwi_drop_contact_energy(&run->touch));
 }
 
 /* ---- candidates ------------------------------------------------------------------------------ */
@@ -168,22 +46,17 @@ bw_status bwi_drop_touch_create(bw_context *context, const bwi_drop_run *run,
   bw_status status = BW_OK;
   memset(touch, 0, sizeof *touch);
   touch->limit = -1; /* all points are looked at first */
-  touch->candidate = BW_NEW0(context, uint8_t, run->points.count);
+  touch->place = BW_NEW(context, int32_t, run->points.count);
   touch->near = BW_NEW(context, int32_t, run->points.count);
-  BW_TRY_MEMORY(touch->candidate && touch->near);
+  BW_TRY_MEMORY(touch->place && touch->near);
+  memset(touch->place, 0xff, (size_t)run->points.count * sizeof *touch->place);
 done:
   return status;
 }
 
 void bwi_drop_touch_clear(bwi_drop_touch *t) {
-  while (t->columns) {
-    bwi_drop_columns *next = t->columns->next;
-    bw_free(t->columns->field);
-    bw_free(t->columns);
-    t->columns = next;
-  }
-  void *all[] = {t->point, t->push,  t->column, t->size, t->s,      t->gap,       t->force,
-                 t->w,     t->slack, t->normal, t->arm,  t->active, t->candidate, t->near};
+  void *all[] = {t->point, t->push,  t->whole,  t->flexibility, t->s,      t->gap,   t->force,
+                 t->w,     t->slack, t->normal, t->arm,         t->active, t->place, t->near};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     bw_free(all[i]);
   memset(t, 0, sizeof *t);
@@ -193,21 +66,15 @@ void bwi_drop_touch_clear(bwi_drop_touch *t) {
 static bw_status grow(bw_context *context, bwi_drop_touch *t, int more) {
   bw_status status = BW_OK;
   int count = t->count + more;
-  double *s = BW_NEW(context, double, (int64_t)count *count);
-  BW_TRY_MEMORY(s);
-  for (int i = 0; i < t->count; i++)
-    memcpy(s + (size_t)i * (size_t)count, t->s + (size_t)i * (size_t)t->count,
-           (size_t)t->count * sizeof *s);
   bw_free(t->s);
-  t->s = s;
+  t->s = BW_NEW(context, double, (int64_t)count *count);
+  BW_TRY_MEMORY(t->s);
   if (count > t->capacity) {
     int capacity = 2 * count;
     struct {
       void **block;
       size_t size;
-    } block[] = {{(void **)&t->point, sizeof *t->point},    {(void **)&t->push, 3 * sizeof(double)},
-                 {(void **)&t->column, sizeof *t->column},  {(void **)&t->size, sizeof(double)},
-                 {(void **)&t->gap, sizeof(double)},        {(void **)&t->force, sizeof(double)},
+    } block[] = {{(void **)&t->gap, sizeof(double)},        {(void **)&t->force, sizeof(double)},
                  {(void **)&t->w, sizeof(double)},          {(void **)&t->slack, sizeof(double)},
                  {(void **)&t->normal, 3 * sizeof(double)}, {(void **)&t->arm, 3 * sizeof(double)},
                  {(void **)&t->active, sizeof *t->active}};
@@ -223,141 +90,6 @@ static bw_status grow(bw_context *context, bwi_drop_touch *t, int more) {
   }
 done:
   return status;
-}
-
-/* The normal at a point, in the body's frame. */
-static void push_at(const bwi_drop_run *run, int32_t point, double push[3]) {
-  double normal[3], arm[3];
-  gap_at(run, point, NULL, normal, arm);
-  to_body(run->motion.turn, normal, push);
-}
-
-/* A block that has a column of the point for this force, and its number there; or NULL. */
-static const bwi_drop_columns *find_column(const bwi_drop_touch *t, int32_t point,
-                                           const double push[3], int *number) {
-  for (const bwi_drop_columns *c = t->columns; c; c = c->next)
-    for (int j = 0; j < c->count; j++)
-      if (c->point[j] == point && bw_dot(c->push + 3 * j, push) > along_normal) {
-        *number = j;
-        return c;
-      }
-  return NULL;
-}
-
-/* Takes from displacements under unit forces what the modes have of them. */
-static void leave_modes(const bwi_drop_run *run, bwi_drop_columns *c, double *weight) {
-  int m = run->motion.modes, size = 3 * run->model->mesh->node_count;
-  const double one = 1;
-  for (int j = 0; j < c->count; j++) {
-    const double *push = c->push + 3 * j;
-    const double *basis = run->points.basis + 3 * (int64_t)c->point[j] * m;
-    for (int k = 0; k < m; k++)
-      weight[j * m + k] =
-          -(push[0] * basis[k] + push[1] * basis[m + k] + push[2] * basis[2 * m + k]) /
-          run->modes->eigenvalue[k];
-  }
-  bwi_blas_enter();
-  dgemm_("N", "N", &size, &c->count, &m, &one, run->modes->shape, &size, weight, &m, &one, c->field,
-         &size);
-  bwi_blas_leave();
-}
-
-/* Columns of up to BATCH points. */
-static bw_status solve_columns(bw_context *context, bwi_drop_run *run, int count,
-                               const int32_t *point) {
-  bw_status status = BW_OK;
-  bwi_drop_touch *t = &run->touch;
-  const bwi_drop_points *p = &run->points;
-  int64_t size = 3 * (int64_t)run->model->mesh->node_count;
-  bwi_drop_columns *c = BW_NEW0(context, bwi_drop_columns, 1);
-  double *weight = BW_NEW(context, double, (int64_t)count * run->motion.modes);
-  BW_TRY_MEMORY(c && weight);
-  c->field = BW_NEW0(context, double, size *count);
-  BW_TRY_MEMORY(c->field);
-  c->count = count;
-  for (int j = 0; j < count; j++) {
-    c->point[j] = point[j];
-    push_at(run, point[j], c->push + 3 * j);
-    memcpy(c->field + j * size + 3 * (int64_t)p->node[point[j]], c->push + 3 * j,
-           3 * sizeof(double));
-  }
-  BW_TRY(bw_system_solve(context, run->system, count, c->field, c->field));
-  run->solves += count;
-  for (int j = 0; j < count; j++)
-    c->whole[j] = bw_dot(c->push + 3 * j, c->field + j * size + 3 * (int64_t)p->node[point[j]]);
-  leave_modes(run, c, weight);
-  for (int j = 0; j < count; j++)
-    for (int32_t i = 0; i < p->count; i++)
-      c->size[j] = fmax(c->size[j], bw_norm(c->field + j * size + 3 * (int64_t)p->node[i]));
-  c->next = t->columns;
-  t->columns = c;
-  c = NULL;
-done:
-  if (c)
-    bw_free(c->field);
-  bw_free(c);
-  bw_free(weight);
-  return status;
-}
-
-/* The nearest points behind the `count` that have no column, until there are TOGETHER of them: the
- * next that touch are among these, most often. */
-static int add_nearest(const bwi_drop_run *run, int count, int32_t *point) {
-  const bwi_drop_touch *t = &run->touch;
-  double gap[TOGETHER];
-  int first = count, number;
-  for (int32_t i = 0; i < t->near_count; i++) {
-    double own = rigid_gap_at(run, t->near[i]), push[3];
-    bool known = t->candidate[t->near[i]] || (count == TOGETHER && own >= gap[count - 1]);
-    for (int j = 0; j < first; j++)
-      known = known || point[j] == t->near[i];
-    if (known)
-      continue;
-    push_at(run, t->near[i], push);
-    if (find_column(t, t->near[i], push, &number))
-      continue;
-    int at = count < TOGETHER ? count++ : count - 1;
-    for (; at > first && gap[at - 1] > own; at--) {
-      gap[at] = gap[at - 1];
-      point[at] = point[at - 1];
-    }
-    gap[at] = own;
-    point[at] = t->near[i];
-  }
-  return count;
-}
-
-/* Columns of the first points that have none, of `count`, and of those nearest. */
-static bw_status solve_next(bw_context *context, bwi_drop_run *run, int count,
-                            const int32_t *point) {
-  int32_t lacks[BATCH];
-  int lacking = 0, number;
-  for (int i = 0; i < count && lacking < BATCH; i++) {
-    double push[3];
-    push_at(run, point[i], push);
-    if (!find_column(&run->touch, point[i], push, &number))
-      lacks[lacking++] = point[i];
-  }
-  if (lacking < TOGETHER)
-    lacking = add_nearest(run, lacking, lacks);
-  bw_status status = bw_check_cancel(context);
-  return status == BW_OK ? solve_columns(context, run, lacking, lacks) : status;
-}
-
-/* Rows and columns of S of the last `more` candidates. */
-static void extend_compliance(bwi_drop_run *run, int more) {
-  bwi_drop_touch *t = &run->touch;
-  int n = t->count;
-  for (int i = 0; i < n; i++)
-    for (int j = n - more; j < n; j++) {
-      double entry =
-          bw_dot(t->push + 3 * i, t->column[j] + 3 * (int64_t)run->points.node[t->point[i]]);
-      if (i >= n - more) /* symmetric but for rounding: the mean of both */
-        entry = 0.5 * (entry + bw_dot(t->push + 3 * j,
-                                      t->column[i] + 3 * (int64_t)run->points.node[t->point[j]]));
-      t->s[(size_t)i * (size_t)n + (size_t)j] = entry;
-      t->s[(size_t)j * (size_t)n + (size_t)i] = entry;
-    }
 }
 
 /* The highest frequency of the rigid body and the modes on the contact of all candidates: the
@@ -426,40 +158,52 @@ done:
   return status;
 }
 
+/* Makes those known that are not, or not for the normal they have now. */
+static bw_status know_all(bw_context *context, bwi_drop_run *run, int count, const int32_t *which) {
+  bw_status status = BW_OK;
+  const bwi_drop_touch *t = &run->touch;
+  int lacking = 0;
+  int32_t *lacks = BW_NEW(context, int32_t, count);
+  BW_TRY_MEMORY(lacks);
+  for (int i = 0; i < count; i++) {
+    double push[3];
+    int32_t place = t->place[which[i]];
+    bwi_drop_push(run, which[i], push);
+    if (place < 0 || !(bw_dot(t->push + 3 * (int64_t)place, push) > along_normal))
+      lacks[lacking++] = which[i];
+  }
+  if (lacking > 0)
+    BW_TRY(bwi_drop_know(context, run, lacking, lacks));
+done:
+  bw_free(lacks);
+  return status;
+}
+
 static bw_status add_candidates(bw_context *context, bwi_drop_run *run, int more,
                                 const int32_t *which) {
   bw_status status = BW_OK;
   bwi_drop_touch *t = &run->touch;
-  int64_t size = 3 * (int64_t)run->model->mesh->node_count;
   if (t->count + more > MOST)
     return bw_fail(context, BW_LIMIT,
                    "more than %d nodes touch in one impact: mesh the faces that land coarser, or "
                    "tilt the body",
                    MOST);
+  BW_TRY(know_all(context, run, more, which));
   BW_TRY(grow(context, t, more));
   for (int j = 0; j < more; j++) {
-    int c = t->count++, number = 0;
-    double push[3];
-    t->point[c] = which[j];
+    int c = t->count;
     t->slack[c] = run->slack;
     t->force[c] = 0;
     t->active[c] = 0;
-    t->candidate[which[j]] = 1;
-    push_at(run, which[j], push);
-    const bwi_drop_columns *of;
-    while (!(of = find_column(t, which[j], push, &number)))
-      BW_TRY(solve_next(context, run, more - j, which + j));
-    memcpy(t->push + 3 * c, of->push + 3 * number, sizeof push);
-    t->column[c] = of->field + number * size;
-    t->size[c] = of->size[number];
-    double left = bw_dot(t->push + 3 * c, t->column[c] + 3 * (int64_t)run->points.node[which[j]]);
-    if (!(left > least_left * of->whole[number]))
+    bwi_drop_promote(t, which[j]);
+    if (!(t->flexibility[(int64_t)c * t->known + c] > least_left * t->whole[c]))
       BW_TRY(bw_fail(context, BW_INVALID,
                      "the %d modes leave nothing of the compliance of this mesh to the contact: "
                      "take fewer modes",
                      run->motion.modes));
   }
-  extend_compliance(run, more);
+  for (int64_t i = 0; i < t->count; i++)
+    memcpy(t->s + i * t->count, t->flexibility + i * t->known, (size_t)t->count * sizeof *t->s);
   if (t->count >= 2 * t->stiffest_of)
     BW_TRY(find_stiffest(context, run));
 done:
@@ -474,29 +218,37 @@ static void look_at_all(bwi_drop_run *run, double reach) {
   t->traveled = 0;
   t->near_count = 0;
   for (int32_t i = 0; i < run->points.count; i++)
-    if (rigid_gap_at(run, i) < t->limit)
+    if (bwi_drop_rigid_gap_at(run, i) < t->limit)
       t->near[t->near_count++] = i;
 }
 
-/* Points that penetrate, and those within the margin where one does: *more of them. */
-static void find_others(const bwi_drop_run *run, double reach, int *more, int32_t *which) {
+/* Points that penetrate, and those within the margin where one does: *more of them. Or, where the
+ * forces may move points so far that are not known, these. */
+static bool find_others(const bwi_drop_run *run, double reach, int *more, int32_t *which) {
   const bwi_drop_touch *t = &run->touch;
+  double energy = bwi_drop_contact_energy(t), moved = bwi_drop_contact_reach(t, energy);
   bool one = false;
-  int count = 0;
+  int count = 0, lacking = 0;
   for (int32_t i = 0; i < t->near_count; i++) {
-    int32_t point = t->near[i];
-    double moved[3] = {0}, normal[3], arm[3];
-    if (t->candidate[point] || rigid_gap_at(run, point) > reach + run->margin)
+    int32_t point = t->near[i], place = t->place[point];
+    double normal[3], arm[3], gap;
+    if ((place >= 0 && place < t->count) || bwi_drop_rigid_gap_at(run, point) > reach + run->margin)
       continue;
-    for (int j = 0; j < t->count; j++)
-      for (int k = 0; t->force[j] > 0 && k < 3; k++)
-        moved[k] += t->force[j] * t->column[j][3 * (int64_t)run->points.node[point] + k];
-    double gap = gap_at(run, point, moved, normal, arm);
+    gap = bwi_drop_gap_at(run, point, normal, arm);
+    if (gap - moved > run->margin || (place < 0 && bwi_drop_faces_away(run, point, normal)))
+      continue;
+    if (energy > 0 && place < 0) {
+      which[lacking++] = point;
+      continue;
+    }
+    if (energy > 0)
+      gap += bwi_dot(t->count, t->flexibility + (int64_t)place * t->known, t->force);
     one = one || gap < -run->slack;
-    if (gap < run->margin)
+    if (gap < run->margin && lacking == 0)
       which[count++] = point;
   }
-  *more = one ? count : 0;
+  *more = lacking > 0 ? lacking : one ? count : 0;
+  return lacking > 0;
 }
 
 static bw_status solve_forces(bw_context *context, bwi_drop_run *run) {
@@ -504,7 +256,7 @@ static bw_status solve_forces(bw_context *context, bwi_drop_run *run) {
   bwi_drop_touch *t = &run->touch;
   bool negative = false;
   for (int j = 0; j < t->count; j++) {
-    t->gap[j] = gap_at(run, t->point[j], NULL, t->normal + 3 * j, t->arm + 3 * j);
+    t->gap[j] = bwi_drop_gap_at(run, t->point[j], t->normal + 3 * j, t->arm + 3 * j);
     negative = negative || t->gap[j] < -run->slack;
   }
   if (negative) {
@@ -532,6 +284,7 @@ bw_status bwi_drop_touch_find(bw_context *context, bwi_drop_run *run) {
   int32_t *which = NULL;
   for (;;) {
     int more = 0;
+    bool unknown = false;
     BW_TRY(solve_forces(context, run));
     double reach = bwi_drop_reach(run);
     if (reach + run->margin + t->traveled > t->limit)
@@ -541,11 +294,12 @@ bw_status bwi_drop_touch_find(bw_context *context, bwi_drop_run *run) {
         which = BW_NEW(context, int32_t, run->points.count);
         BW_TRY_MEMORY(which);
       }
-      find_others(run, reach, &more, which);
+      unknown = find_others(run, reach, &more, which);
     }
     if (more == 0)
       break;
-    BW_TRY(add_candidates(context, run, more, which));
+    BW_TRY(unknown ? bwi_drop_know(context, run, more, which)
+                   : add_candidates(context, run, more, which));
   }
 done:
   bw_free(which);

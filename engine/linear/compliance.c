@@ -20,6 +20,15 @@ enum { COLUMNS = 64, TILE = 128, SIDES = 16, SLOTS = 6 };
 
 static const double one = 1, minus_one = -1, zero = 0;
 
+/* What a system keeps of bodies that are free. */
+typedef struct bwi_relaxed {
+  bw_object object;
+  double *motion;  /* (6 x size) Z = A^-1 W R, each body's k-th motion */
+  double *inertia; /* (motions x 6) R^T W Z, body by body */
+  int32_t *body;   /* (node_count) */
+  size_t bytes;
+} bwi_relaxed;
+
 /* The columns that pass a supernode. */
 typedef struct passing {
   int columns;
@@ -246,13 +255,14 @@ done:
 }
 
 /* E and V of the free bodies, by columns of F. */
-static void take_motions(const bwi_compliance *compliance, const bwi_nodal_columns *f, double *e,
+static void take_motions(const bw_system *system, const bwi_nodal_columns *f, double *e,
                          double *v) {
-  const bw_dof_map *dof_map = compliance->system->dof_map;
+  const bw_dof_map *dof_map = system->dof_map;
+  const bwi_relaxed *relaxed = system->relaxed;
   int64_t m = dof_map->rigid_mode_count, size = 3 * (int64_t)dof_map->mesh->node_count;
   for (int j = 0; j < f->count; j++)
     for (int64_t k = f->start[j]; k < f->start[j + 1]; k++) {
-      int32_t node = f->node[k], body = compliance->body[node];
+      int32_t node = f->node[k], body = relaxed->body[node];
       int32_t begin = dof_map->rigid_mode_start[body], end = dof_map->rigid_mode_start[body + 1];
       for (int32_t l = begin; l < end; l++) {
         const bw_rigid_mode *mode = &dof_map->rigid_mode[l];
@@ -264,7 +274,7 @@ static void take_motions(const bwi_compliance *compliance, const bwi_nodal_colum
           u[c] = mode->translation[c] + turn[c];
         e[j * m + l] += bw_dot(u, f->force + 3 * k);
         v[j * m + l] +=
-            bw_dot(compliance->relaxed + (l - begin) * size + 3 * (int64_t)node, f->force + 3 * k);
+            bw_dot(relaxed->motion + (l - begin) * size + 3 * (int64_t)node, f->force + 3 * k);
       }
     }
   for (int j = 0; j < f->count; j++)
@@ -272,18 +282,18 @@ static void take_motions(const bwi_compliance *compliance, const bwi_nodal_colum
       int32_t begin = dof_map->rigid_mode_start[body], end = dof_map->rigid_mode_start[body + 1];
       for (int32_t l = begin; l < end; l++)
         for (int32_t n = begin; n < end; n++)
-          v[j * m + l] -= e[j * m + n] * compliance->inertia[(int64_t)n * SLOTS + l - begin] / 2;
+          v[j * m + l] -= e[j * m + n] * relaxed->inertia[(int64_t)n * SLOTS + l - begin] / 2;
     }
 }
 
 /* Takes E V^T + V E^T off. */
-static bw_status free_bodies(bw_context *context, const bwi_compliance *compliance,
+static bw_status free_bodies(bw_context *context, const bw_system *system,
                              const bwi_nodal_columns *f, int first, double *matrix) {
   bw_status status = BW_OK;
-  int n = f->count, m = compliance->system->dof_map->rigid_mode_count, later = n - first;
+  int n = f->count, m = system->dof_map->rigid_mode_count, later = n - first;
   double *e = BW_NEW0(context, double, (int64_t)n *m), *v = BW_NEW0(context, double, (int64_t)n *m);
   BW_TRY_MEMORY(e && v);
-  take_motions(compliance, f, e, v);
+  take_motions(system, f, e, v);
   bwi_blas_enter();
   dgemm_("T", "N", &n, &later, &m, &minus_one, e, &m, v + (int64_t)first * m, &m, &one,
          matrix + (int64_t)first * n, &n);
@@ -329,59 +339,78 @@ done:
   return status;
 }
 
-bw_status bwi_compliance_open(bw_context *context, bw_system *system, bwi_compliance *compliance) {
+static void relaxed_destroy(void *object) {
+  bwi_relaxed *r = object;
+  bw_free(r->motion);
+  bw_free(r->inertia);
+  bw_free(r->body);
+  bw_free(r);
+}
+
+static size_t relaxed_bytes(const void *object) {
+  return ((const bwi_relaxed *)object)->bytes;
+}
+
+static const bw_kind relaxed_kind = {"relaxed motions", relaxed_destroy, relaxed_bytes};
+
+static bw_status relax(bw_context *context, bw_system *system) {
   bw_status status = BW_OK;
   const bw_dof_map *dof_map = system->dof_map;
-  int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
+  int64_t nodes = dof_map->mesh->node_count, size = 3 * nodes;
   int m = dof_map->rigid_mode_count;
   double *a = BW_NEW(context, double, m);
-  *compliance = (bwi_compliance){.system = system};
+  bwi_relaxed *relaxed = BW_NEW0(context, bwi_relaxed, 1);
+  BW_TRY_MEMORY(relaxed);
+  bw_object_init(relaxed, &relaxed_kind);
   BW_TRY_MEMORY(a);
-  compliance->by_halves = !system->iterative && !system->external && system->factor &&
-                          system->factor->kernels == &bwi_kernels_double && !system->factor->broken;
-  if (m == 0 || !compliance->by_halves)
-    goto done;
-  compliance->relaxed = BW_NEW(context, double, SLOTS *size);
-  compliance->inertia = BW_NEW(context, double, (int64_t)SLOTS *m);
-  compliance->body = BW_NEW(context, int32_t, dof_map->mesh->node_count);
-  BW_TRY_MEMORY(compliance->relaxed && compliance->inertia && compliance->body);
+  relaxed->motion = BW_NEW(context, double, SLOTS *size);
+  relaxed->inertia = BW_NEW(context, double, (int64_t)SLOTS *m);
+  relaxed->body = BW_NEW(context, int32_t, nodes);
+  BW_TRY_MEMORY(relaxed->motion && relaxed->inertia && relaxed->body);
+  relaxed->bytes = sizeof *relaxed + (size_t)nodes * sizeof(int32_t) +
+                   SLOTS * ((size_t)size + (size_t)m) * sizeof(double);
   for (int32_t b = 0; b < dof_map->mesh->component_count; b++)
     for (int32_t k = dof_map->body_start[b]; k < dof_map->body_start[b + 1]; k++)
-      compliance->body[dof_map->body_node[k]] = b;
+      relaxed->body[dof_map->body_node[k]] = b;
   for (int slot = 0; slot < SLOTS; slot++) {
     for (int32_t b = 0; b < dof_map->mesh->component_count; b++)
       for (int32_t k = dof_map->rigid_mode_start[b]; k < dof_map->rigid_mode_start[b + 1]; k++)
         a[k] = k - dof_map->rigid_mode_start[b] == slot;
-    bw_rigid_modes_weighted(dof_map, a, compliance->relaxed + slot * size);
+    bw_rigid_modes_weighted(dof_map, a, relaxed->motion + slot * size);
   }
-  BW_TRY(bwi_solve_fields(context, system->factor, dof_map, SLOTS, compliance->relaxed,
-                          compliance->relaxed));
+  BW_TRY(
+      bwi_solve_fields(context, system->factor, dof_map, SLOTS, relaxed->motion, relaxed->motion));
   for (int slot = 0; slot < SLOTS; slot++) {
-    bw_rigid_modes_measure(dof_map, compliance->relaxed + slot * size, a);
+    bw_rigid_modes_measure(dof_map, relaxed->motion + slot * size, a);
     for (int k = 0; k < m; k++)
-      compliance->inertia[(int64_t)SLOTS * k + slot] = a[k];
+      relaxed->inertia[(int64_t)SLOTS * k + slot] = a[k];
   }
+  system->relaxed = relaxed;
+  relaxed = NULL;
 done:
+  bw_release(relaxed);
   bw_free(a);
   return status;
 }
 
-void bwi_compliance_close(bwi_compliance *compliance) {
-  bw_free(compliance->relaxed);
-  bw_free(compliance->inertia);
-  bw_free(compliance->body);
-  *compliance = (bwi_compliance){0};
+bool bwi_compliance_by_halves(const bw_system *system) {
+  return !system->iterative && !system->external && system->factor &&
+         system->factor->kernels == &bwi_kernels_double && !system->factor->broken;
 }
 
-bw_status bwi_compliance_of(bw_context *context, const bwi_compliance *compliance,
+bw_status bwi_compliance_of(bw_context *context, bw_system *system,
                             const bwi_nodal_columns *columns, int first, double *matrix) {
   bw_status status = BW_OK;
   int64_t n = columns->count;
+  bool halves = bwi_compliance_by_halves(system);
+  bool is_free = halves && system->dof_map->rigid_mode_count > 0;
   memset(matrix + first * n, 0, (size_t)((n - first) * n) * sizeof *matrix);
-  BW_TRY(compliance->by_halves ? by_halves(context, compliance->system, columns, first, matrix)
-                               : by_solves(context, compliance->system, columns, first, matrix));
-  if (compliance->relaxed)
-    BW_TRY(free_bodies(context, compliance, columns, first, matrix));
+  if (is_free && !system->relaxed)
+    BW_TRY(relax(context, system));
+  BW_TRY(halves ? by_halves(context, system, columns, first, matrix)
+                : by_solves(context, system, columns, first, matrix));
+  if (is_free)
+    BW_TRY(free_bodies(context, system, columns, first, matrix));
   for (int64_t i = first; i < n; i++)
     for (int64_t j = 0; j < i; j++)
       matrix[j * n + i] = matrix[i * n + j];

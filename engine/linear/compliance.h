@@ -14,20 +14,11 @@ typedef struct bwi_nodal_columns {
   const double *force;
 } bwi_nodal_columns;
 
-/* How a system gives compliances. */
-typedef struct bwi_compliance {
-  bw_system *system; /* borrowed */
-  bool by_halves;    /* of solves: the system has a factor of doubles of the engine's own */
-  double *relaxed;   /* (6 x size) where bodies are free: Z = A^-1 W R, each body's k-th motion */
-  double *inertia;   /* (motions x 6) R^T W Z, body by body */
-  int32_t *body;     /* (node_count) */
-} bwi_compliance;
-/* Those of bw_system_solve. */
-bw_status bwi_compliance_open(bw_context *context, bw_system *system, bwi_compliance *compliance);
-void bwi_compliance_close(bwi_compliance *compliance);
+/* Whether half of each solve is enough: the system has a factor of doubles of the engine's own. */
+bool bwi_compliance_by_halves(const bw_system *system);
 /* Rows and columns from `first` on of `matrix` (count x count); the others are left as they are.
- * Statuses of bw_system_solve. */
-bw_status bwi_compliance_of(bw_context *context, const bwi_compliance *compliance,
+ * The system keeps what that takes for bodies that are free. Statuses of bw_system_solve. */
+bw_status bwi_compliance_of(bw_context *context, bw_system *system,
                             const bwi_nodal_columns *columns, int first, double *matrix);
 
 #endif

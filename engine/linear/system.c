@@ -29,6 +29,7 @@ static void system_destroy(void *object) {
   bw_release(system->solver);
   bw_release(system->external);
   bw_release(system->solution);
+  bw_release(system->relaxed);
   bwi_system_forget(system);
   if (!system->shared) {
     bw_free(system->stiffness);
@@ -43,7 +44,8 @@ static size_t system_bytes(const void *object) {
   size_t blocks = system->pattern ? (size_t)system->pattern->block_count : 0;
   size_t numbers = (system->stiffness ? 9 : 0) + (system->mass ? 1 : 0);
   return sizeof *system + blocks * numbers * sizeof(double) + bw_bytes(system->pattern) +
-         bw_bytes(system->factor) + bw_bytes(system->two_level) + bw_bytes(system->preconditioner);
+         bw_bytes(system->factor) + bw_bytes(system->two_level) + bw_bytes(system->preconditioner) +
+         bw_bytes(system->relaxed);
 }
 
 static const bw_kind system_kind = {"system", system_destroy, system_bytes};

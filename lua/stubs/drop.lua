@@ -153,7 +153,7 @@ function RandomDrops:picture(path, options) end
 ---@field spin number[] (rad/s, 3) angular velocity at the end
 ---@field step_length number (s) of the shortest steps
 ---@field steps integer (count) of them, also those that were repeated
----@field solves integer (count) right-hand sides solved for: of nodes that touch or lie beside, eight or more at once
+---@field solves integer (count) right-hand sides: half a solution for each node that touches or lies beside, whole ones for the stress
 ---@field mesh bw.Mesh of the part
 ---@field modes bw.Modes that were taken
 local Drop = {}

@@ -84,7 +84,7 @@ typedef struct bw_drop {
   double spin[3];       /* (rad/s) angular velocity at the end */
   double step;          /* (s) the shortest */
   int64_t steps;        /* (count) of them, those that were repeated included */
-  int solves;           /* right-hand sides solved for */
+  int solves;           /* right-hand sides, those that half a solution is enough for included */
 } bw_drop;
 /* Drops a model's body, linear elastic about its motion as a rigid body, without friction. `given`
  * and *system as in bw_modes_of_model: the modes, the equations and their factor serve any number

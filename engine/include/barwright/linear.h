@@ -131,6 +131,8 @@ struct bw_system {
                                   the place of pattern, matrices and factor; else NULL */
   struct bwi_former *former;   /* what equations of other values left, until there is a factor or a
                                   preconditioner; or NULL */
+  struct bwi_relaxed *relaxed; /* retained: what compliances of free bodies take, once there were
+                                  any; or NULL */
   bw_system *shared;       /* retained: that whose stiffness and mass these are, as only prescribed
                               displacements differ; or NULL */
   bool iterative;          /* bw_system_solve is by PCG */
