@@ -74,7 +74,7 @@ double bw_williams_exponent(bw_corner corner, double angle, double poisson) {
 const char *bw_singular_word(bw_singular_kind kind) {
   static const char *const word[] = {
       "re-entrant edge", "border of a support", "border of a rigid coupling",
-      "line load",       "line support",        "point load",
-      "point support"};
+      "end of a bond",   "line load",           "line support",
+      "point load",      "point support"};
   return word[kind];
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "mesh/surface_internal.h"
+#include "model/singular_bond.h"
 #include "model/singular_sector.h"
 
 static const double along_normal = 0.999; /* cosine: a direction that is a facet's normal */
@@ -136,6 +137,18 @@ static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces
                             f->poisson);
 }
 
+/* Where bonds end. */
+static bw_status find_ends(finder *f, const bwi_topology *top, const bw_faces *faces) {
+  const bwi_sector_border border = {f->model->mesh, NULL,      top,    faces,
+                                    f->normal,      f->corner, f->cut, f->margin};
+  f->seams.count = 0;
+  bw_status status = bwi_bond_seams(f->context, f->model, &border, &f->seams);
+  if (status != BW_OK)
+    return status;
+  return bwi_singular_chain(f->context, f->places, &f->seams, top->points, top->point,
+                            BW_SINGULAR_BOND, BW_CORNER_FREE, f->poisson);
+}
+
 static bw_status support_borders(finder *f, const bw_surface *boundary) {
   bw_status status;
   bwi_topology *top = NULL;
@@ -145,6 +158,8 @@ static bw_status support_borders(finder *f, const bw_surface *boundary) {
   BW_TRY(find_borders(f, top, faces, BW_CORNER_FIXED, BW_SINGULAR_SUPPORT));
   if (f->model->coupling_count > 0)
     BW_TRY(find_borders(f, top, faces, BW_CORNER_FIXED, BW_SINGULAR_COUPLING));
+  if (f->model->bond_count > 0)
+    BW_TRY(find_ends(f, top, faces));
   BW_TRY(find_borders(f, top, faces, BW_CORNER_SLIDING, BW_SINGULAR_SUPPORT));
   BW_TRY(find_borders(f, top, faces, BW_CORNER_FREE, BW_SINGULAR_EDGE));
 done:

@@ -9,7 +9,7 @@
 
 ---A place where the stress has no finite value.
 ---@class bw.SingularPlace
----@field kind "re-entrant edge"|"border of a support"|"border of a rigid coupling"|"line load"|"line support"|"point load"|"point support" what it is
+---@field kind "re-entrant edge"|"border of a support"|"border of a rigid coupling"|"end of a bond"|"line load"|"line support"|"point load"|"point support" what it is
 ---@field points bw.Vector[] (m, n) a polyline, or one point
 ---@field inward bw.Vector[] (-, n, per point) the bisector into the material, unit
 ---@field length number (m) of the polyline; 0 of a point

@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Singular places of rigid couplings, and of sectors of cyclic symmetry beside their wheels.
+-- Singular places of rigid couplings, of bonds beside one body, and of sectors of cyclic symmetry beside their
+-- wheels.
 local bw = require "barwright"
 local check = require "check"
 
@@ -107,5 +108,101 @@ describe("a sector of cyclic symmetry", function()
     assert(part:cyclic {low = low, high = high, count = 4})
     assert.equal(0, #assert(part:whole():singular_places()))
     assert.equal(0, #assert(part:singular_places()))
+  end)
+end)
+
+-- Boxes {min, max, cells} in one mesh, each with nodes of its own.
+local function boxes(order, list)
+  local nodes, elements = {}, {}
+  for _, box in ipairs(list) do
+    local mesh = bw.mesh.box {min = box[1], max = box[2], cells = box[3], order = order}
+    local before = #nodes
+    for _, p in ipairs(mesh.nodes:totable()) do nodes[#nodes + 1] = p end
+    for _, e in ipairs(mesh.elements:totable()) do
+      for k = 1, #e do e[k] = e[k] + before end
+      elements[#elements + 1] = e
+    end
+  end
+  return bw.mesh.new {nodes = nodes, elements = elements, order = order}
+end
+
+describe("a bond", function()
+  local function bonded(list, side)
+    local mesh, z = boxes(1, list), list[2][1][3]
+    local part = bw.model {mesh = mesh, material = steel}
+    local cut = mesh.boundary:plane({0, 0, z}, {0, 0, 1}, 1e-9)
+    local low, high = cut:facing({0, 0, 1}, 0.1), cut:facing({0, 0, -1}, 0.1)
+    assert(part:bond {a = side == 1 and high or low, b = side == 1 and low or high})
+    return part, low, high
+  end
+
+  it("ends in the re-entrant edges of one body", function()
+    local list = {{{0, 0, 0}, {0.6, 0.1, 0.1}, {12, 2, 2}}, {{0.4, 0, 0.1}, {1, 0.1, 0.2}, {13, 3, 2}}}
+    local box = bw.mesh.box {max = {1, 0.1, 0.2}, cells = {10, 1, 2}}
+    local nodes, keep, place, used = box.nodes:totable(), {}, {}, {}
+    for _, e in ipairs(box.elements:totable()) do
+      local x, z = 0, 0
+      for k = 1, 4 do x, z = x + nodes[e[k]][1] / 4, z + nodes[e[k]][3] / 4 end
+      if z < 0.1 and x < 0.6 or z > 0.1 and x > 0.4 then
+        for k, n in ipairs(e) do
+          if not used[n] then place[#place + 1], used[n] = nodes[n], #place + 1 end
+          e[k] = used[n]
+        end
+        keep[#keep + 1] = e
+      end
+    end
+    local whole = bw.model {mesh = bw.mesh.new {nodes = place, elements = keep}, material = steel}
+    local expected = assert(whole:singular_places())
+    assert.equal(2, #expected)
+    for side = 1, 2 do
+      local found = assert(bonded(list, side):singular_places())
+      assert.equal(2, #found)
+      for _, own in ipairs(found) do
+        local other = expected:near(own.points[1]).place
+        assert.equal("end of a bond", own.kind)
+        check.near(other.length, own.length, 1e-12)
+        check.near(other.angle, own.angle, 1e-12)
+        check.near(other.exponent, own.exponent, 1e-12)
+        for k = 1, 3 do assert.is_true(math.abs(other.inward[1][k] - own.inward[1][k]) < 1e-12) end
+      end
+    end
+  end)
+
+  it("ends around a stud, and nowhere where two bodies end together", function()
+    local stud = bonded({{{0, 0, 0}, {1, 1, 0.5}, {5, 4, 2}}, {{0.13, 0.21, 0.5}, {0.77, 0.83, 1}, {3, 2, 2}}}, 1)
+    local length = 0
+    for _, place in ipairs(assert(stud:singular_places())) do length = length + place.length end
+    check.near(2 * 0.64 + 2 * 0.62, length, 1e-12)
+    local flush = {{{0, 0, 0}, {1, 1, 0.5}, {5, 4, 2}}, {{0, 0, 0.5}, {1, 1, 1}, {3, 2, 2}}}
+    assert.equal(0, #assert(bonded(flush, 1):singular_places()))
+  end)
+
+  it("ends where a pin leaves its bore", function()
+    local nodes, elements, region, tag = {}, {}, {}, 0
+    local function ring(r1, r2, z1, z2, cells) -- a quarter
+      local box, before = bw.mesh.box {max = {1, 1, 1}, cells = cells}, #nodes
+      tag = tag + 1
+      for _, p in ipairs(box.nodes:totable()) do
+        local r, angle = r1 + (r2 - r1) * p[1], p[2] * math.pi / 2
+        nodes[#nodes + 1] = {r * math.cos(angle), r * math.sin(angle), z1 + (z2 - z1) * p[3]}
+      end
+      for _, e in ipairs(box.elements:totable()) do
+        for k = 1, 4 do e[k] = e[k] + before end
+        elements[#elements + 1], region[#region + 1] = e, tag
+      end
+    end
+    ring(0.01, 0.03, 0, 0.01, {4, 6, 3})
+    ring(0.004, 0.01, -0.005, 0.015, {2, 8, 7})
+    local mesh = bw.mesh.new {nodes = nodes, elements = elements, regions = region}
+    local round = mesh.boundary:where(function(x, y) return math.abs(math.sqrt(x * x + y * y) - 0.01) < 2e-4 end)
+    local bore, pin = round & mesh.boundary:region "region 1", round & mesh.boundary:region "region 2"
+    local part = bw.model {mesh = mesh, material = steel}
+    assert(part:bond {a = bore, b = pin})
+    local places = assert(part:singular_places())
+    assert.equal(2, #places)
+    for _, place in ipairs(places) do
+      check.near(0.01 * math.pi / 2, place.length, 0.01)
+      check.near(1.5 * math.pi, place.angle, 1e-9)
+    end
   end)
 end)

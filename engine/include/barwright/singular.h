@@ -27,6 +27,7 @@ typedef enum bw_singular_kind {
   BW_SINGULAR_EDGE,         /* re-entrant, without a fillet */
   BW_SINGULAR_SUPPORT,      /* border of a support */
   BW_SINGULAR_COUPLING,     /* border of a rigid coupling */
+  BW_SINGULAR_BOND,         /* end of a bond, beyond which one of the bodies goes on */
   BW_SINGULAR_LINE_LOAD,    /* loads at nodes along a line */
   BW_SINGULAR_LINE_SUPPORT, /* supports at nodes along a line */
   BW_SINGULAR_POINT_LOAD,   /* a load at a single node */
