@@ -416,8 +416,8 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
   r.now = (bw_surface *)bw_retain(surface);
   if (surface->triangle_count < 4 || !(r.diagonal > 0))
     BW_TRY(bw_fail(context, BW_GEOMETRY,
-                   "a surface of %d facets in a box of diagonal %g m encloses nothing",
-                   surface->triangle_count, r.diagonal));
+                   "a surface of %d facet%s in a box of diagonal %g m encloses nothing",
+                   surface->triangle_count, surface->triangle_count == 1 ? "" : "s", r.diagonal));
   if (!(r.diagonal > 1e-90 && r.diagonal < 1e90)) { /* volumes and their squares must be numbers */
     BW_TRY(bw_fail(context, BW_GEOMETRY,
                    "the bounding box of the surface has a diagonal of %g m, outside the range "

@@ -51,6 +51,9 @@ local function read_options(opts)
       return nil, ("option --%s: %s; leave out --drops or --%s"):format(name, why, name)
     end
   end
+  if opts.given["--seed"] and not opts.drops then
+    return nil, "option --seed: it is that of random drops; give --drops, too"
+  end
   local down, message = places.vector(opts.down or "0,0,-1")
   if not down then return nil, "option --down: " .. message end
   local length = math.sqrt(down[1] ^ 2 + down[2] ^ 2 + down[3] ^ 2)

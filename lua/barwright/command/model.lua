@@ -378,11 +378,27 @@ function model.error_of(value, coarse, mean)
   return math.max(coarse and math.abs(value / coarse - 1) or ONE_MESH_ERROR, mean or 0, MIN_ERROR)
 end
 
--- What the command is to write, reported as impossible before the work and not after it.
+-- A path without what does not change it: "./a//b" is "a/b".
+local function plain_path(path)
+  return (path:gsub("/+", "/"):gsub("/%./", "/"):gsub("^%./", ""))
+end
+
+-- What the command is to write: a fault before the work and not after it. No file is written over one that is read
+-- or over another that is written.
 local function check_outputs(opts)
-  for _, name in ipairs {"report", "picture", "vtu", "csv", "plot"} do
-    if opts[name] then
-      local ok, message, details = writable(opts[name])
+  local role = {}
+  role[plain_path(opts.model)] = "the MODEL"
+  if opts.spectrum then role[plain_path(opts.spectrum)] = "the file of --spectrum" end
+  for _, name in ipairs {"report", "picture", "vtu", "csv", "plot", "out"} do
+    local path = opts[name]
+    if path then
+      local other = role[plain_path(path)]
+      if other then
+        return nil, ("option --%s: %s is %s: give another file"):format(name, path, other), {status = "misuse"}
+      end
+      role[plain_path(path)] = "the file of --" .. name
+      local ok, message, details = name == "out", nil, nil -- the command itself knows whether it is a folder
+      if not ok then ok, message, details = writable(path) end
       if not ok then return nil, message, details end
     end
   end

@@ -81,24 +81,25 @@ local function max_end(box, axis)
   return box.max[axis] - FRACTION * (box.max[axis] - box.min[axis])
 end
 
--- Of each kind: how its parts are read, what it selects of a boundary, and whether a point lies in it.
+-- Of each kind: how it is written, how its parts are read, what it selects of a boundary, and whether a point lies
+-- in it.
 local kinds = {
-  all = {parts = {},
+  all = {form = "all", parts = {},
     select = function(boundary) return boundary end,
     test = function() return true end},
-  min = {parts = {axis_of},
+  min = {form = "min:AXIS", parts = {axis_of},
     select = function(boundary, box, axis) return boundary:below(axis, min_end(box, axis)) end,
     test = function(p, box, axis) return p[axis] <= min_end(box, axis) end},
-  max = {parts = {axis_of},
+  max = {form = "max:AXIS", parts = {axis_of},
     select = function(boundary, box, axis) return boundary:above(axis, max_end(box, axis)) end,
     test = function(p, box, axis) return p[axis] >= max_end(box, axis) end},
-  below = {parts = {axis_of, length_of},
+  below = {form = "below:AXIS:COORDINATE", parts = {axis_of, length_of},
     select = function(boundary, _, axis, at) return boundary:below(axis, at) end,
     test = function(p, _, axis, at) return p[axis] <= at end},
-  above = {parts = {axis_of, length_of},
+  above = {form = "above:AXIS:COORDINATE", parts = {axis_of, length_of},
     select = function(boundary, _, axis, at) return boundary:above(axis, at) end,
     test = function(p, _, axis, at) return p[axis] >= at end},
-  near = {parts = {places.point, length_of},
+  near = {form = "near:X,Y,Z:RADIUS", parts = {places.point, length_of},
     select = function(boundary, _, point, radius) return boundary:near(point, radius) end,
     test = function(p, _, point, radius)
       return (p[1] - point[1]) ^ 2 + (p[2] - point[2]) ^ 2 + (p[3] - point[3]) ^ 2 <= radius ^ 2
@@ -118,8 +119,7 @@ local function read(text)
     for word in (rest .. ":"):gmatch "([^:]*):" do words[#words + 1] = word end
   end
   if #words ~= #kind.parts then
-    return nil, ("'%s': %s expected behind %s, got %d"):format(text, model.count(#kind.parts, "part"), name,
-      #words)
+    return nil, ("%s expected, got '%s'"):format(kind.form, text)
   end
   for i, word in ipairs(words) do
     local message
