@@ -95,7 +95,7 @@ local wrong = {
   {"worst part.stl --contact 1", 2, "'1' has no unit: write 1mm2, 1cm2 or 1m2"},
   {"worst part.stl --hands 1", 2, "moves freely under the load of one hand"},
   {"worst part.stl --length short", 2, "--length: 'critical' or a number of m above 0 expected"},
-  {"worst part.stl --material", 2, "--material: a value is missing"},
+  {"worst part.stl --material", 2, "--material: a value is missing (NAME)"},
   {"worst part.stl --out part.stl", 3, "part.stl: cannot be made as a folder"},
   {"worst plate.svg", 2, "a drawing is flat"},
   {"strengthen part.stl --force 5 --out ./part.stl", 2, "--out: ./part.stl is the MODEL: give another file"},

@@ -170,7 +170,8 @@ describe("commands on several materials", function()
       ["statics " .. bar .. both .. "--length critical"] = "give a length such as",
       ["statics " .. bar .. both .. "--error 0.1"] = "need not govern a part of several",
       ["modes " .. folder .. "bar.stl --material grip=steel"] = "bar.stl has no regions, which meshes",
-      ["worst " .. folder .. "bar.msh --material " .. both] = "takes one material for all of a part",
+      ["worst " .. folder .. "bar.msh --material grip=steel"] = "takes one material for all of a part",
+      ["worst " .. folder .. "bar.msh --material " .. both] = "option --material is given twice",
       ["heat " .. folder .. "bar.msh --power min:x=1 --temperature max:x=20C --conductivity 1 --material "
         .. both] = "option --conductivity replaces",
     } do

@@ -13,6 +13,10 @@ made_of.option = {name = "material", value = "NAME|REGION=NAME", default = {"pla
   one_of = bw.material.names(), what = "what it is made of; `barwright materials` lists them; with REGION= what a "
     .. "region of a mesh file is made of, and NAME alone is for all others"}
 
+--- The same of commands that take one material for all of a part: they refuse REGION=NAME by made_of.several.
+made_of.one_option = {name = "material", value = "NAME", default = "pla", keyed = true,
+  one_of = bw.material.names(), what = "what it is made of; `barwright materials` lists them"}
+
 --- Values that replace those of the named material.
 made_of.value_options = {
   {name = "young", value = "MODULUS", type = "number", unit = "Pa", above = 0,
@@ -72,7 +76,7 @@ end
 --- The materials that the options name, or nil and a sentence.
 function made_of.read(opts)
   local made, known = {named = {}}, {}
-  for _, text in ipairs(opts.material) do
+  for _, text in ipairs(type(opts.material) == "table" and opts.material or {opts.material}) do
     local region, name = text:match "^(.*)=([^=]*)$"
     name = name or text
     known[name] = known[name] or bw.material.named(name)
@@ -158,10 +162,10 @@ function made_of.without_strength(made)
   end
 end
 
---- The one material of a command that takes no other, or nil and a sentence.
-function made_of.one(made, command)
-  if #made.named == 0 then return made.default end
-  return nil, ("option --material %s=%s: `barwright %s` takes one material for all of a part: give --material "
+--- What is wrong with materials by region for a command that takes one material, or nil.
+function made_of.several(made, command)
+  if #made.named == 0 then return nil end
+  return ("option --material %s=%s: `barwright %s` takes one material for all of a part: give --material "
     .. "NAME"):format(made.named[1][1], made.named[1][2].name, command)
 end
 

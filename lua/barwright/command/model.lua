@@ -409,13 +409,15 @@ end
 model.field_endings = {"vtu", "pvtu", "msh", "mesh", "inp", "node", "ele"}
 
 --- What is asked about, read and reported: what model.read gives, with `made` (made_of.lua). A size that is
---- implausible for a part is refused unless the unit was given.
-function model.start(opts, out)
+--- implausible for a part is refused unless the unit was given. one: the name of a command that takes one material
+--- for all of a part, `read.made.default`, or nil.
+function model.start(opts, out, one)
   local ok, message, details = check_outputs(opts)
   if not ok then return nil, message, details end
   local made, read
   made, message = made_of.read(opts)
-  if not made then return nil, message, {status = "misuse"} end
+  if made and one then message = made_of.several(made, one) end
+  if message then return nil, message, {status = "misuse"} end
   read, message, details = model.open(opts.model, opts.unit, out)
   if not read then return nil, message, details end
   read.made = made

@@ -82,16 +82,15 @@ local function strengthen(opts, out)
     ok, message = places.check(place)
     if not ok then return nil, "option --keep: " .. message, {status = "misuse"} end
   end
-  local read, material
-  read, message, details = model.start(opts, out)
+  local read
+  read, message, details = model.start(opts, out, "strengthen")
   if not read then return nil, message, details end
   if read.kind == "outline" then return model.mesh(read, opts, out) end
   if read.kind ~= "surface" then
     return nil, opts.model .. ": a mesh of tetrahedra: strengthening needs a surface (STL OBJ OFF PLY)",
       {status = "unsupported"}
   end
-  material, message = made_of.one(read.made, "strengthen")
-  if not material then return nil, message, {status = "misuse"} end
+  local material = read.made.default
   local result
   local steps = 0
   result, message, details = model.try(bw.strengthen, read.surface, {material = material, force = opts.force,
@@ -122,7 +121,7 @@ local options = {
     what = "the force that it must carry: the load on one side, which the reactions balance"},
   {name = "out", value = "FILE.stl", type = "file", endings = {"stl", "obj", "off", "ply"}, needed = true,
     what = "where the strengthened surface goes, in the unit of the input"},
-  made_of.option,
+  made_of.one_option,
   {name = "keep", value = "PLACE", many = true,
     what = "where the surface must not move"},
   model.contact_option,

@@ -249,22 +249,19 @@ local function analyse(opts, out)
   local folder
   if opts.out then
     local options = model.pick({"force", "contact", "fix", "forbid", "friction", "hands", "error", "length",
-      "modes", "regions", "solver", "elements", "unit", "young", "poisson", "strength", "density",
+      "modes", "regions", "solver", "elements", "material", "unit", "young", "poisson", "strength", "density",
       "toughness"}, opts)
-    options.material = table.concat(opts.material, ",")
     local message, details
     folder, message, details = bw.results.open(opts.out, {script = "barwright worst", inputs = {opts.model},
       options = options, seed = 1})
     if not folder then return nil, message, details end
   end
-  local read, message, details = model.start(opts, out)
+  local read, message, details = model.start(opts, out, "worst")
   if not read then return nil, message, details end
   if read.kind == "outline" then return model.mesh(read, opts, out) end
-  local breaking, material
-  material, message = made_of.one(read.made, "worst")
-  if not material then return nil, message, {status = "misuse"} end
-  breaking, message, details = model.try(bw.breaking_force, read.surface or read.mesh, {material = material,
-    force = opts.force, contact = opts.contact, error = opts.error, elements = opts.elements,
+  local breaking
+  breaking, message, details = model.try(bw.breaking_force, read.surface or read.mesh, {
+    material = read.made.default, force = opts.force, contact = opts.contact, error = opts.error, elements = opts.elements,
     max_elements = opts.error and math.max(MAX_ELEMENTS, opts.elements) or nil, modes = opts.modes,
     regions = opts.regions, fix = limits.fix, forbidden = limits.forbidden, friction = limits.friction,
     hands = limits.hands, length = opts.length, solver = model.solver(opts)})
@@ -292,7 +289,7 @@ local function analyse(opts, out)
 end
 
 local options = {
-  made_of.option,
+  made_of.one_option,
   {name = "force", value = "FORCE", type = "number", unit = "N", default = 20, above = 0,
     what = "the force that is judged: the load on one side, which the reactions balance; a hand's by default"},
   model.contact_option,
