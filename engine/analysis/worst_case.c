@@ -23,6 +23,7 @@ typedef struct run {
   bw_system *system;
   const bw_pressure_basis *basis;
   const bw_weak_regions *regions;
+  const bw_worst_load_options *options;
   int first, count, signs; /* of the batch */
   double *block;           /* batch x node_count x 3: forces, adjoints, forces, displacements */
   double *objective;       /* batch x signs x pressures */
@@ -65,9 +66,10 @@ done:
   return status;
 }
 
-/* The sign that reaches more. */
+/* The sign that reaches more, or the other one. */
 static int chosen(const run *r, int64_t i) {
-  return r->signs == 2 && r->value[2 * i + 1] > r->value[2 * i];
+  bool second = r->signs == 2 && r->value[2 * i + 1] > r->value[2 * i];
+  return r->signs == 2 && r->options->other_sign ? !second : second;
 }
 
 static const double *pressure_of(const run *r, int64_t i) {
@@ -115,6 +117,32 @@ static double solve_error(const run *r, int64_t i, const double *max_principal) 
   return bwi_stress_per_energy(r->system, peak) * tolerance * sqrt(fmax(0, work));
 }
 
+/* The loads of the batch, by linear programs. */
+static bw_status find_loads(run *r, bwi_loads *loads) {
+  bw_status status = BW_OK;
+  bw_context *context = r->context;
+  BW_TRY(bw_parallel(context, r->count, 1, functional_body, r));
+  BW_TRY(bw_system_solve(context, r->system, r->count, r->block, r->block));
+  BW_TRY(bw_parallel(context, r->count, 1, gradient_body, r));
+  BW_TRY(bwi_loads_solve(context, loads, (int64_t)r->count * r->signs, r->objective, r->pressure,
+                         r->value, NULL));
+done:
+  return status;
+}
+
+/* Those that are given. */
+static bw_status take_given(run *r) {
+  size_t size = (size_t)r->basis->count * sizeof *r->pressure;
+  for (int i = 0; i < r->count; i++) {
+    for (int k = 0; k < r->signs; k++) {
+      memcpy(r->pressure + (size_t)(i * r->signs + k) * (size_t)r->basis->count,
+             r->options->given + (size_t)(r->first + i) * (size_t)r->basis->count, size);
+      r->value[i * r->signs + k] = 0;
+    }
+  }
+  return BW_OK;
+}
+
 static bw_status run_batch(run *r, bwi_loads *loads,
                            bw_status (*visit)(void *data, const bw_worst_case_visit *visit),
                            void *data) {
@@ -122,13 +150,11 @@ static bw_status run_batch(run *r, bwi_loads *loads,
   bw_context *context = r->context;
   int64_t elements = r->system->mesh->element_count;
   double start = bw_seconds();
-  BW_TRY(bw_parallel(context, r->count, 1, functional_body, r));
-  BW_TRY(bw_system_solve(context, r->system, r->count, r->block, r->block));
-  BW_TRY(bw_parallel(context, r->count, 1, gradient_body, r));
-  BW_TRY(bwi_loads_solve(context, loads, (int64_t)r->count * r->signs, r->objective, r->pressure,
-                         r->value, NULL));
+  BW_TRY(r->options->given ? take_given(r) : find_loads(r, loads));
   BW_TRY(bw_parallel(context, r->count, 1, force_body, r));
-  BW_TRY(bw_system_solve(context, r->system, r->count, r->block, r->block));
+  BW_TRY(r->options->respond
+             ? r->options->respond(context, r->options->respond_data, r->count, r->block)
+             : bw_system_solve(context, r->system, r->count, r->block, r->block));
   double each = (bw_seconds() - start) / r->count;
   for (int first = 0; first < r->count; first += r->group) {
     r->group_first = first;
@@ -165,7 +191,8 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
                             void *data, bw_solver_report *report) {
   bw_status status = BW_OK;
   bwi_loads *loads = NULL;
-  run r = {.context = context, .system = system, .basis = basis, .regions = regions};
+  run r = {
+      .context = context, .system = system, .basis = basis, .regions = regions, .options = options};
   size_t nodes = (size_t)system->mesh->node_count, elements = (size_t)system->mesh->element_count;
   if (basis->mesh->node_count != system->mesh->node_count ||
       regions->mesh->node_count != system->mesh->node_count)

@@ -65,8 +65,8 @@ local function basis_of(opts, mesh, friction, facets)
 end
 
 --- The basis of the pressures that may act on a part; sets the largest pressure of `opts`, and `cuts`, which take
---- no pressure. Returns nil, message, details where no surface is left.
-function load_limits.basis(where, part, opts)
+--- no pressure; `covered`: by contact, or nil. Returns nil, message, details where no surface is left.
+function load_limits.basis(where, part, opts, covered)
   local mesh = part.mesh
   if opts.pressure and opts.contact then
     raise(("%s: one of the options 'pressure' and 'contact' expected, got both"):format(where))
@@ -77,7 +77,8 @@ function load_limits.basis(where, part, opts)
   end
   opts.hand = opts.hands and (opts.hand or opts.force / opts.pressure)
   opts.forbidden = opts.forbidden and selection_of(where, opts.forbidden, mesh)
-  opts.cuts = core.cuts(part)
+  local cuts = core.cuts(part)
+  opts.cuts = cuts and covered and cuts:union(covered) or cuts or covered
   return basis_of(opts, mesh, opts.friction, opts.friction_facets)
 end
 
@@ -105,8 +106,8 @@ end
 
 --- What of the admissible loads belongs into a sentence about the answer; "" for pressure alone.
 function load_limits.describe(opts)
-  local cuts = opts.cuts and ("; no pressure on %s of bonds and planes of symmetry"):format(
-    core.quantity(opts.cuts.area, "m2")) or ""
+  local cuts = opts.cuts and ("; no pressure on %s of bonds%s and planes of symmetry"):format(
+    core.quantity(opts.cuts.area, "m2"), opts.pairs and ", contact" or "") or ""
   local hands = cuts .. (opts.hands and ("; %d hand%s of %s"):format(opts.hands, opts.hands == 1 and "" or "s",
     core.quantity(opts.hand, "m2")) or "")
   if opts.friction == 0 then return hands end

@@ -12,6 +12,7 @@ local load_limits = require "barwright.load_limits"
 local options = require "barwright.options"
 local patch_search = require "barwright.patch_search"
 local solver_reports = require "barwright.solver_reports"
+local worst_contact = require "barwright.worst_contact"
 local worst_search = require "barwright.worst_search"
 local writable = require "barwright.writable"
 local shown = require "barwright.shown"
@@ -31,6 +32,7 @@ local rules = load_limits.rules {
   regions = {type = "integer", default = 5, min = 1, max = 1000},
   length = {type = "number", above = 0},
   failure = {type = "string", one_of = {"principal", "von_mises"}},
+  pairs = {type = "table"},
   places = {type = "table"},
   screening = {type = "boolean", default = true},
   fraction = {type = "number", default = 0.025, above = 0, max = 1},
@@ -65,8 +67,9 @@ local labels = {element = "screening, element %d", ascent = "ascent, element %d"
 -- What a load was found from: a weak region of a mode, an element of the screening, an ascent, the
 -- search of the upper bound, or a patch of the boundary.
 local function source(self, weak, origins, i)
-  if weak and i <= weak.count then
-    local region = weak[i]
+  local number = weak and (i <= weak.count and i or origins[i].weak)
+  if number then
+    local region = weak[number]
     return {origin = "mode", mode = region.mode, rank = region.rank, elements = region.count,
       volume = region.volume, energy = region.energy,
       label = ("mode %d, region %d"):format(region.mode, region.rank)}
@@ -96,11 +99,13 @@ local function region_list(self, weak, loads, origins)
 end
 
 -- The equations, ready for many right-hand sides. An eigensolver on the inverse needs a factor.
-local function system_of(part, opts)
+local function system_of(part, opts, contact)
   local name = opts.eigensolver and opts.eigensolver.name
   local inverse = name == "lanczos" or name == "arpack"
-  local system, message, details = load_limits.system(part,
-    opts.solver or inverse and core.solver.cholesky() or nil)
+  local system, message, details = contact and contact.system
+  if not system then
+    system, message, details = load_limits.system(part, opts.solver or inverse and core.solver.cholesky() or nil)
+  end
   if not system then return nil, message, details end
   if inverse and system.report.solver == "pcg" then
     raise(("worst_case: eigensolver '%s' needs a factor, which the solver pcg does without"):format(name))
@@ -176,6 +181,19 @@ local function check_joined(part, opts)
   return true
 end
 
+-- What parts in contact have no answer to.
+local function check_contact(opts, view)
+  if view then raise "worst_case: option 'pairs' is for parts: an edit session has no contact" end
+  for _, name in ipairs {"certify", "length"} do
+    if opts[name] then
+      raise(("worst_case: option '%s' is for parts without contact: leave it out, or the 'pairs'"):format(name))
+    end
+  end
+  if opts.target == "displacement" then
+    raise "worst_case: option 'pairs' is for target \"stress\": with contact no displacement is maximised"
+  end
+end
+
 local function are_places(given)
   if not options.countable(given) or #given == 0 then return false end
   for _, place in ipairs(given) do
@@ -207,6 +225,7 @@ function worst_case.analyse(part, given, view)
   end
   ok, message, details = check_joined(part, opts)
   if not ok then return nil, message, details end
+  if opts.pairs then check_contact(opts, view) end
   if opts.length and (opts.method or opts.certify or opts.target == "displacement") then
     raise "worst_case: option 'length' has its own search: leave out 'method', 'certify' and 'target'"
   end
@@ -227,21 +246,25 @@ function worst_case.analyse(part, given, view)
   opts.method = opts.method or (opts.target == "stress" and "search" or "paper")
   local mesh, material = part.mesh, part.material
   local self = setmetatable({options = opts, mesh = mesh, material = material, reports = {}}, worst_case)
+  local clock = core.seconds
+  local start = clock()
+  if opts.pairs then
+    self.contact, message, details = part:contact_system(opts.pairs, {solver = opts.solver})
+    if not self.contact then return nil, message, details end
+  end
   local basis
-  basis, message, details = load_limits.basis("worst_case", part, opts)
+  basis, message, details = load_limits.basis("worst_case", part, opts, self.contact and self.contact.cuts)
   if not basis then return nil, message, details end
   if opts.certificate and opts.cuts then
     raise "worst_case: option 'certificate' is for parts without planes of symmetry: a certificate has no cuts"
   end
   self.basis = basis
-  local clock = core.seconds
   local seconds = {}
   self.seconds = seconds
 
-  local start = clock()
   local system = not opts.solver and view
   if not system then
-    system, message, details = system_of(part, opts)
+    system, message, details = system_of(part, opts, self.contact)
     if not system then return nil, message, details end
   end
   self.system = system
@@ -284,6 +307,14 @@ function worst_case.analyse(part, given, view)
   local loads
   local limits = load_limits.linear_program(opts)
   limits.one_sign, limits.batch = opts.one_sign, opts.batch
+  if self.contact then
+    local origins
+    loads, origins, details = worst_contact.search(self, weak, limits)
+    if not loads then return nil, origins, details end
+    seconds.search, self.limits = clock() - start, limits
+    summarise(self, loads, origins)
+    return worst_contact.judge(self, limits)
+  end
   loads, message, details = core.worst_loads(system, basis, weak, limits)
   if not loads then return nil, message, details end
   solver_reports.add(self.reports, "lp", loads.report)
@@ -362,7 +393,8 @@ function worst_case:displacement(i)
   i = check_region(self, i, "displacement")
   self.solved = self.solved or {}
   if not self.solved[i] then
-    local u, message, details = self.system:solve(self.basis:force(self.pressures[i]))
+    local equations = self.contact or self.system
+    local u, message, details = equations:solve(self.basis:force(self.pressures[i]))
     if not u then return nil, message, details end
     self.solved[i] = u
   end
@@ -411,8 +443,9 @@ function worst_case:__tostring()
   end
   local solve = self.solve_error > 0
     and ("; the solver is estimated to change the stress by %s"):format(shown.error(self.solve_error)) or ""
-  return ("%s: %s; %s%s%s; %s"):format(head, self.regions[self.region].label, tail,
-    load_limits.describe(self.options), solve, core.error_unknown)
+  return ("%s: %s; %s%s%s%s; %s"):format(head, self.regions[self.region].label, tail,
+    load_limits.describe(self.options), self.contact and worst_contact.describe(self) or "", solve,
+    core.error_unknown)
 end
 
 --- Everything as a .vtu: the weakness map, and pressure, displacement and stress of the worst load.
@@ -471,7 +504,7 @@ end
 
 --- Lets go of the factor, the modes and the arrays at once.
 function worst_case:close()
-  for _, key in ipairs {"system", "modes", "weak_regions", "basis", "pressures", "weakness",
+  for _, key in ipairs {"contact", "system", "modes", "weak_regions", "basis", "pressures", "weakness",
     "worst_region"} do
     if self[key] then self[key]:close() end
     self[key] = nil

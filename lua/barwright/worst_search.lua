@@ -16,6 +16,7 @@ local ROUNDS, MAX_ROUNDS, GROWTH = 2, 3, 0.01
 local PERCENTILE = 0.9975
 -- Peaks that ascend at once, and steps at most. A step that gains less than this ends the ascent.
 local ASCENTS, ASCENT_STEPS, GAIN = 6, 8, 1e-4
+worst_search.GAIN = GAIN
 -- Stress that the exact linear program reaches over that of the screening, before any is known.
 local FIRST_RATIO = 1.5
 
@@ -46,8 +47,8 @@ local function median(list)
   return list[(#list + 1) // 2]
 end
 
--- The worst loads of more targets, after those at hand.
-local function extend(self, loads, elements, stresses, limits)
+--- The worst loads of more targets, after those at hand.
+function worst_search.directed(self, loads, elements, stresses, limits)
   local regions, message, details = core.directed_regions(self.mesh, elements, stresses)
   if not regions then return nil, message, details end
   local opts = {one_sign = true, after = loads}
@@ -69,8 +70,9 @@ local function elements_of(array, list)
   return out
 end
 
--- Targets that the screening suggests, in rounds.
-local function explore(self, loads, origins, limits)
+--- The worst loads of targets that the screening suggests, in rounds, after those at hand. `self.signs`: -1 for
+--- the opposite of the stress that the screening found, too.
+function worst_search.explore(self, loads, origins, limits)
   local basis, message, details = load_limits.without_friction(self.mesh, self.options, self.basis)
   if not basis then return nil, message, details end
   local patches = math.min(MAX_PATCHES, MAX_BYTES // (24 * self.mesh.node_count),
@@ -90,13 +92,16 @@ local function explore(self, loads, origins, limits)
     local chosen = choose(self, screened, loads.weakness, ratio, math.max(1, self.options.targets // ROUNDS))
     if #chosen == 0 then break end
     local elements = elements_of(screened.targets, chosen)
-    local earlier = loads.peaks.row_count
-    loads, message, details = extend(self, loads, elements, rows_of(screened.stresses, chosen), limits)
-    if not loads then return nil, message, details end
     local ratios = {}
-    for k, i in ipairs(chosen) do
-      origins[earlier + k] = {origin = "element", target = elements[k]}
-      ratios[k] = loads.objectives[earlier + k] / screened.values[i]
+    for _, sign in ipairs(self.signs or {1}) do
+      local earlier = loads.peaks.row_count
+      loads, message, details = worst_search.directed(self, loads, elements,
+        rows_of(screened.stresses, chosen) * sign, limits)
+      if not loads then return nil, message, details end
+      for k, i in ipairs(chosen) do
+        origins[earlier + k] = {origin = "element", target = elements[k]}
+        if sign == 1 then ratios[k] = loads.objectives[earlier + k] / screened.values[i] end
+      end
     end
     ratio = math.max(1, median(ratios))
     before, reached = reached, loads.weakness:quantile(PERCENTILE, volumes)
@@ -104,31 +109,45 @@ local function explore(self, loads, origins, limits)
   return loads
 end
 
--- The largest peaks, no two in one element, along their principal directions: each linear program reaches at
--- least the stress that it starts from, in that element.
-local function ascend(self, loads, origins, limits)
+-- Loads of the largest peaks that were not tried yet, no two in one element.
+local function highest(loads, tried)
+  local order, taken, chosen = loads.peaks:order(), {}, {}
+  for k = order.row_count, 1, -1 do
+    local i = order[k]
+    local element = loads.peak_elements[i]
+    if loads.peaks[i] > 0 and not taken[element] then -- without stress there is no direction
+      taken[element] = true
+      if not tried[i] then chosen[#chosen + 1] = i end
+      if #chosen == ASCENTS then break end
+    end
+  end
+  return chosen
+end
+
+--- The linear programs of the peaks of `chosen` loads, along their principal directions, after the loads at hand.
+function worst_search.step(self, loads, origins, limits, chosen)
+  local earlier, elements = loads.peaks.row_count, elements_of(loads.peak_elements, chosen)
+  local more, message, details = worst_search.directed(self, loads, elements,
+    rows_of(loads.peak_stresses, chosen), limits)
+  if not more then return nil, message, details end
+  for k, i in ipairs(chosen) do
+    origins[earlier + k] = {origin = "ascent", target = elements[k], from = i}
+  end
+  return more
+end
+
+--- The largest peaks ascend: each linear program reaches at least the stress that it starts from, in that element.
+--- `step`: as worst_search.step.
+function worst_search.ascend(self, loads, origins, limits, step)
   local tried = {}
   for _ = 1, ASCENT_STEPS do
-    local order, taken, chosen = loads.peaks:order(), {}, {}
-    for k = order.row_count, 1, -1 do
-      local i = order[k]
-      local element = loads.peak_elements[i]
-      if loads.peaks[i] > 0 and not taken[element] then -- without stress there is no direction
-        taken[element] = true
-        if not tried[i] then chosen[#chosen + 1] = i end
-        if #chosen == ASCENTS then break end
-      end
-    end
+    local chosen = highest(loads, tried)
     if #chosen == 0 then break end
-    local earlier, largest = loads.peaks.row_count, loads.peaks:max()
-    local elements = elements_of(loads.peak_elements, chosen)
+    local largest = loads.peaks:max()
     for _, i in ipairs(chosen) do tried[i] = true end
-    local more, message, details = extend(self, loads, elements, rows_of(loads.peak_stresses, chosen), limits)
+    local more, message, details = step(self, loads, origins, limits, chosen)
     if not more then return nil, message, details end
     loads = more
-    for k, i in ipairs(chosen) do
-      origins[earlier + k] = {origin = "ascent", target = elements[k], from = i}
-    end
     if loads.peaks:max() < (1 + GAIN) * largest then break end
   end
   return loads
@@ -146,7 +165,7 @@ function worst_search.certify(self, loads, origins, limits, tolerance)
   solver_reports.add(self.reports, "lp", bound.report)
   if bound.element then
     local earlier = loads.peaks.row_count
-    loads, message, details = extend(self, loads, {bound.element}, bound.stress, limits)
+    loads, message, details = worst_search.directed(self, loads, {bound.element}, bound.stress, limits)
     if not loads then return nil, message, details end
     origins[earlier + 1] = {origin = "bound", target = bound.element}
   end
@@ -157,8 +176,8 @@ end
 --- core.worst_loads gives them. `origins[i]` of each load beyond the first ones: {origin, target, from}.
 function worst_search.extend(self, loads, limits)
   local origins = {}
-  local more, message, details = explore(self, loads, origins, limits)
-  if more then more, message, details = ascend(self, more, origins, limits) end
+  local more, message, details = worst_search.explore(self, loads, origins, limits)
+  if more then more, message, details = worst_search.ascend(self, more, origins, limits, worst_search.step) end
   if not more then return nil, message, details end
   return more, origins
 end

@@ -178,7 +178,7 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_sparse_matrix_class, lbw_operator_class, lbw_eigenpairs_class, lbw_heat_class,
     lbw_heat_solution_class, lbw_heat_transient_class, lbw_buckling_class, lbw_harmonic_class,
     lbw_response_spectrum_class, lbw_linear_transient_class, lbw_contact_class,
-    lbw_deposition_class, lbw_rigid_surface_class, lbw_drop_class;
+    lbw_contact_system_class, lbw_deposition_class, lbw_rigid_surface_class, lbw_drop_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 
@@ -334,6 +334,8 @@ void lbw_check_life_curve(lua_State *L, int index, bw_life_curve *curve);
 int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t columns, int64_t *rows);
 /* The same as they are, one for each of `rows` elements. */
 int32_t *lbw_to_tags(lua_State *L, int index, const char *what, int64_t rows);
+/* contact.c: the pairs of the list at `index`, in a userdata that is pushed. */
+bw_contact_pair *lbw_contact_pairs(lua_State *L, int index, const char *where, int *count);
 /* A mask of `count` bytes from an array, in a userdata that is pushed. */
 uint8_t *lbw_to_mask(lua_State *L, int index, const char *what, int64_t count);
 
@@ -413,6 +415,7 @@ void lbw_open_deposition(lua_State *L);
 void lbw_open_harmonic(lua_State *L);
 void lbw_open_response_spectrum(lua_State *L);
 void lbw_open_contact(lua_State *L);
+void lbw_open_contact_system(lua_State *L);
 void lbw_open_drop(lua_State *L);
 void lbw_open_fatigue(lua_State *L);
 void lbw_open_singular(lua_State *L);

@@ -136,7 +136,7 @@ static const bw_contact *self(lua_State *L) {
 }
 
 /* The pair of the table on the top of the stack, item i of the list. */
-static bw_contact_pair read_pair(lua_State *L, int i) {
+static bw_contact_pair read_pair(lua_State *L, const char *where, int i) {
   static const lbw_option list[] = {
       {"on", LBW_OTHER, 0},
       {"with", LBW_OTHER, 0},
@@ -144,10 +144,10 @@ static bw_contact_pair read_pair(lua_State *L, int i) {
       {"friction", LBW_REAL, offsetof(bw_contact_pair, friction)},
       {"smooth", LBW_BOOLEAN, offsetof(bw_contact_pair, smooth)},
       {NULL, LBW_OTHER, 0}};
-  char function[40];
+  char function[60];
   bw_contact_pair pair = {0};
   int top = lua_gettop(L);
-  snprintf(function, sizeof function, "contact: pair %d", i);
+  snprintf(function, sizeof function, "%s: pair %d", where, i);
   if (!lua_istable(L, top))
     lbw_error(L, "%s: a table {on = , with = } expected, got %s", function, lbw_got(L, top));
   lbw_options(L, top, function, list, &pair);
@@ -162,6 +162,19 @@ static bw_contact_pair read_pair(lua_State *L, int i) {
   if (!pair.against && !pair.with)
     lbw_option_refused(L, function, "with", "a surface of bw.rigid, or an open selection");
   lua_settop(L, top);
+  return pair;
+}
+
+bw_contact_pair *lbw_contact_pairs(lua_State *L, int index, const char *where, int *count) {
+  *count = (int)lua_rawlen(L, index);
+  if (*count == 0)
+    lbw_error(L, "%s: a list of pairs {{on = , with = }, ...} expected", where);
+  bw_contact_pair *pair = (bw_contact_pair *)lua_newuserdatauv(L, (size_t)*count * sizeof *pair, 0);
+  for (int i = 0; i < *count; i++) {
+    lua_rawgeti(L, index, i + 1);
+    pair[i] = read_pair(L, where, i + 1);
+    lua_pop(L, 1);
+  }
   return pair;
 }
 
@@ -184,15 +197,8 @@ static int model_contact(lua_State *L) {
   options.solver = lbw_solver_option(L, 3, "contact");
   options.after = (const bw_contact *)lbw_object_option(L, 3, "contact", "after",
                                                         &lbw_contact_class, "an open contact");
-  int count = (int)lua_rawlen(L, 2);
-  if (count == 0)
-    return lbw_error(L, "contact: a list of pairs {{on = , with = }, ...} expected");
-  bw_contact_pair *pair = (bw_contact_pair *)lua_newuserdatauv(L, (size_t)count * sizeof *pair, 0);
-  for (int i = 0; i < count; i++) {
-    lua_rawgeti(L, 2, i + 1);
-    pair[i] = read_pair(L, i + 1);
-    lua_pop(L, 1);
-  }
+  int count;
+  bw_contact_pair *pair = lbw_contact_pairs(L, 2, "contact", &count);
   lbw_box *box = lbw_box_new(L, &lbw_contact_class);
   bw_contact *contact = NULL;
   bw_status status = bw_contact_solve(lbw_enter(L), (const bw_model *)model->object, count, pair,

@@ -399,6 +399,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_harmonic(L);
   lbw_open_response_spectrum(L);
   lbw_open_contact(L);
+  lbw_open_contact_system(L);
   lbw_open_drop(L);
   lbw_open_fatigue(L);
   lbw_open_singular(L);

@@ -121,8 +121,14 @@ static void *by_element(const arrays *k, const char *key, bw_type type, int64_t 
   return data;
 }
 
-/* worst_loads(system, basis, regions, {pressure, force, force_is_max, one_sign, hands, hand_area,
- * batch, keep_pressures, lp, after}): a table of arrays, and the report of the linear programs */
+static bw_status respond_in_contact(bw_context *context, void *data, int count, double *block) {
+  return bw_contact_system_solve(context, (const bw_contact_system *)data, count, block, block,
+                                 NULL);
+}
+
+/* worst_loads(system, basis, regions, {pressure, force, force_is_max, one_sign, other_sign, hands,
+ * hand_area, batch, keep_pressures, lp, after, contact, given}): a table of arrays, and the report
+ * of the linear programs */
 static int worst_loads(lua_State *L) {
   struct opts {
     bw_worst_load_options options;
@@ -134,12 +140,15 @@ static int worst_loads(lua_State *L) {
       {"force", LBW_REAL, offsetof(struct opts, options.force)},
       {"force_is_max", LBW_BOOLEAN, offsetof(struct opts, options.force_is_max)},
       {"one_sign", LBW_BOOLEAN, offsetof(struct opts, options.one_sign)},
+      {"other_sign", LBW_BOOLEAN, offsetof(struct opts, options.other_sign)},
       {"hands", LBW_INT, offsetof(struct opts, options.hands)},
       {"hand_area", LBW_REAL, offsetof(struct opts, options.hand_area)},
       {"batch", LBW_INT, offsetof(struct opts, batch)},
       {"keep_pressures", LBW_BOOLEAN, offsetof(struct opts, keep_pressures)},
       {"lp", LBW_OTHER, 0},
       {"after", LBW_OTHER, 0},
+      {"contact", LBW_OTHER, 0},
+      {"given", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
   const bw_pressure_basis *basis =
@@ -154,21 +163,39 @@ static int worst_loads(lua_State *L) {
   const bw_mesh *mesh = system->mesh;
   lbw_argument_check(L, basis->mesh == mesh, 2, "a pressure basis of the same mesh expected");
   lbw_argument_check(L, regions->mesh == mesh, 3, "regions of the same mesh expected");
+  bw_contact_system *contact = (bw_contact_system *)lbw_object_option(
+      L, 4, "worst_loads", "contact", &lbw_contact_system_class, "an open contact system");
+  lua_settop(L, 4);
+  lbw_argument_check(L, !contact || contact->model->mesh == mesh, 4,
+                     "contact: a contact system of the same mesh expected");
+  if (contact) {
+    opts.options.respond = respond_in_contact;
+    opts.options.respond_data = contact;
+  }
   if (lua_isnil(L, 4)) {
     lua_newtable(L);
     lua_replace(L, 4);
   }
-  lua_getfield(L, 4, "after"); /* 5 */
-  lua_createtable(L, 0, 15);   /* 6 */
-  arrays k = {.L = L, .table = 6, .count = regions->count};
+  lua_getfield(L, 4, "given"); /* 5 */
   if (!lua_isnil(L, 5)) {
-    lbw_argument_check(L, lua_istable(L, 5), 4,
+    int64_t loads;
+    opts.options.given = lbw_to_doubles(L, 5, "given", basis->count, &loads);
+    lbw_require_rows(L, "worst_loads: given", loads, regions->count, "region");
+    lua_replace(L, 5); /* it stays alive there */
+  } else {
+    lua_settop(L, 5);
+  }
+  lua_getfield(L, 4, "after"); /* 6 */
+  lua_createtable(L, 0, 15);   /* 7 */
+  arrays k = {.L = L, .table = 7, .count = regions->count};
+  if (!lua_isnil(L, 6)) {
+    lbw_argument_check(L, lua_istable(L, 6), 4,
                        "after: a table of results of worst_loads expected");
-    lua_getfield(L, 5, "peaks");
+    lua_getfield(L, 6, "peaks");
     const bw_array *peaks = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
     lbw_argument_check(L, peaks && peaks->rows < INT32_MAX - regions->count, 4,
                        "after: a table of results of worst_loads expected");
-    k.after = 5;
+    k.after = 6;
     k.earlier = (int)peaks->rows;
     lua_pop(L, 1);
   }

@@ -145,3 +145,46 @@ function Contact:picture(path, options) end
 
 ---Releases its memory at once.
 function Contact:close() end
+
+---How the equations of a contact system are solved.
+---@class bw.ContactSystemOptions
+---@field solver? bw.Solver|"auto" of the linear systems. Default: "auto", a factor that is kept
+
+---Parts in contact under many loads.
+---```lua
+---local mesh = bw.mesh.box {max = {0.1, 0.02, 0.01}, cells = {5, 2, 1}}
+---local part = bw.model {mesh = mesh, material = bw.material.pla}:fix(mesh.boundary:below("x", 0))
+---local plane = bw.rigid.plane {normal = {0, 0, 1}}
+---local contact = assert(part:contact_system {{on = mesh.boundary:below("z", 0), with = plane}})
+---print(contact.candidates, contact.closed, contact.cuts.area)
+---```
+---@class bw.ContactSystem
+---@field candidates integer (count) corners of the facets that may touch, but for those that supports keep from moving
+---@field pair_count integer (count) of contact pairs
+---@field closed boolean whether all of them touch without a load: no gap, no interference
+---@field system bw.System the equations without contact
+---@field mesh bw.Mesh of the model
+---@field cuts bw.Selection? facets that face over more than half of their area, nearer than their size, what they may touch; nil where there are none
+local ContactSystem = {}
+
+---The displacement with contact under a load, and which corners touch.
+---
+---Errors: convergence (rounding keeps the candidates changing), singular (their compliance is).
+---@param force bw.Array (N, node_count × 3, per node) nodal forces
+---@return bw.Array? displacement (m, node_count × 3, per node) the displacement
+---@return bw.Array|string state (-, candidates × 1) 1 where a corner carries pressure, else 0; or the message
+---@return bw.Details? details
+function ContactSystem:solve(force) end
+
+---The linear equations of a state of contact: the corners in it have no gap, whichever sign their pressure has, and the others
+---are open.
+---
+---Errors: only those that every function may give.
+---@param state "closed"|"open"|bw.Array (-, candidates × 1) not 0 where a corner is closed; all of them, or none
+---@return bw.System? system the equations
+---@return string? message
+---@return bw.Details? details
+function ContactSystem:in_state(state) end
+
+---Releases its memory at once.
+function ContactSystem:close() end

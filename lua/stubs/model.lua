@@ -655,6 +655,28 @@ function Model:drop(options) end
 ---@return bw.Details? details
 function Model:contact(pairs, options) end
 
+---The equations of parts in contact without friction for many loads: one factor, and the compliance of all corners that may touch.
+---Each load takes two solutions. Loads of the model are left out.
+---
+---Errors: unsupported (friction, a curved rigid surface, a support that prescribes a displacement, a preload), unconstrained
+---(supports and bonds leave a body free), invalid (a selection of another mesh, facets of which none faces those, supports that
+---constrain all corners), empty (a selection without a facet), limit (more than 8000 corners), memory.
+---
+---Source: docs/theory/worst_case.md, section 17.
+---```lua
+---local mesh = bw.mesh.box {max = {0.1, 0.02, 0.01}, cells = {5, 2, 1}}
+---local part = bw.model {mesh = mesh, material = bw.material.pla}:fix(mesh.boundary:below("x", 0))
+---local plane = bw.rigid.plane {normal = {0, 0, 1}}
+---local contact = assert(part:contact_system {{on = mesh.boundary:below("z", 0), with = plane}})
+---print(contact, contact:in_state "closed")
+---```
+---@param pairs bw.ContactPair[] what may touch what, without friction
+---@param options? bw.ContactSystemOptions how the equations are solved
+---@return bw.ContactSystem? contact the equations
+---@return string? message
+---@return bw.Details? details
+function Model:contact_system(pairs, options) end
+
 ---Facets that may touch a rigid surface, or facets of another part of the mesh.
 ---@class bw.ContactPair
 ---@field on bw.Selection with facets; the pressure is on these

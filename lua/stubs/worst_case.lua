@@ -57,6 +57,7 @@ function bw.worst_case(part, options) end
 ---@field failure? "principal"|"von_mises" with `length`: what is judged. "von_mises" needs one strength. Default: "principal"
 ---@field places? bw.WeakPlace[] with `length`: `places` of another worst case of the same length, from which the search starts in place of modes
 ---@field screening? boolean with `places`: false to search from these places only. Default: true
+---@field pairs? bw.ContactPair[] parts of the mesh, or rigid planes, that touch without friction: what opens and closes with the load. Supports and bonds constrain each body. Not with `certify`, `length`, or the target displacement. Default: none
 ---@field modes? integer (count) of modes. Range: 1 to 500. Default: 15
 ---@field regions? integer (count) weak regions of each mode. Range: 1 to 1000. Default: 5
 ---@field fraction? number (-) of the volume that counts as weak in a mode. Range: above 0 to 1. Default: 0.025
@@ -102,6 +103,9 @@ function bw.worst_case(part, options) end
 ---@field origins bw.WorstOrigin[] of the regions behind those of modes
 ---@field limits bw.WorstLoadsOptions of the linear programs
 ---@field places bw.WeakPlace[]? with `length`: where the mean stress is largest, the weakest first; nil otherwise
+---@field contact bw.ContactSystem? with `pairs`: the equations with contact; nil otherwise
+---@field touching integer? (count) with `pairs`: corners that carry pressure under the worst load; nil otherwise
+---@field settled boolean? with `pairs`: whether no load of the same state of contact stresses the element more along its direction, within 1e-4; nil otherwise
 ---@field modes bw.Modes? nil where the search began with `places`
 ---@field mesh bw.Mesh of the part
 ---@field material bw.Material of the part

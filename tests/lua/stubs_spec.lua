@@ -18,7 +18,8 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   modes = "bw.Modes", buckling = "bw.Buckling", harmonic = "bw.Harmonic",
   response_spectrum = "bw.ResponseSpectrum", eigensolver = "bw.Eigensolver",
   heat = "bw.Heat", heat_solution = "bw.HeatSolution", heat_transient = "bw.HeatTransient",
-  linear_transient = "bw.LinearTransient", contact = "bw.Contact", deposition = "bw.Deposition",
+  linear_transient = "bw.LinearTransient", contact = "bw.Contact", contact_system = "bw.ContactSystem",
+  deposition = "bw.Deposition",
   rigid_surface = "bw.RigidSurface", drop = "bw.Drop",
   system = "bw.System",
   weak_regions = "bw.WeakRegions",
@@ -119,7 +120,8 @@ describe("the stubs", function()
       out.analyse, out.solved = nil, nil
       return out
     end
-    local sometimes = {mode = true, rank = true, upper_bound = true, gap = true, bounded = true, places = true}
+    local sometimes = {mode = true, rank = true, upper_bound = true, gap = true, bounded = true, places = true,
+      contact = true, touching = true, settled = true}
     same(inner(worst), "bw.WorstCase", sometimes)
     same(inner(brute), "bw.BruteForce")
     local breaking = assert(bw.breaking_force(bw.surface.box {min = {0, 0, 0}, max = {0.04, 0.01, 0.01}},

@@ -348,10 +348,20 @@ typedef struct bw_worst_load_options {
                         signed; default false: whichever sign reaches more, a mode's sign being
                         arbitrary */
   const bw_lp_solver *lp; /* of the linear programs; default NULL: chosen */
-  int hands;        /* the pressure lies within so many patches of the boundary, to BW_MAX_HANDS; 0:
-                       anywhere */
+  int hands;       /* the pressure lies within so many patches of the boundary, to BW_MAX_HANDS; 0:
+                      anywhere */
+  bool other_sign; /* bw_worst_case_run only, without one_sign: takes the sign that reaches less,
+                      which may be worse where `respond` is not linear; default false */
+  /* bw_worst_case_run only: gives the displacements (m, count x node_count x 3) of loads that were
+   * found, in the place of their forces (N), where these are not linear in the load; default NULL:
+   * the system's. */
+  bw_status (*respond)(bw_context *context, void *data, int count, double *block);
+  void *respond_data; /* its `data` */
+  /* (Pa, regions->count x basis->count) bw_worst_case_run only: loads in the place of those that
+   * linear programs find, one for each region; default NULL */
+  const double *given;
   double hand_area; /* (m2) of the disc that a patch is: the nodes nearer than its radius to the
-                       patch's centre whose normals are within 60 degrees of the centre's */
+                     patch's centre whose normals are within 60 degrees of the centre's */
 } bw_worst_load_options;
 enum { BW_MAX_HANDS = 16 /* of bw_worst_load_options.hands */ };
 /* For `count` objectives f, objective (any, count x basis->count): the pressures p, pressure (Pa,

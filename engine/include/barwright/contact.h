@@ -141,6 +141,48 @@ BW_API bw_status bw_contact_solve(bw_context *context, const bw_model *model, in
                                   const bw_contact_pair *pair, bw_system *given,
                                   const bw_contact_options *options, bw_contact **contact);
 
+/* Parts in contact without friction under many loads: the equations without contact, and the
+ * compliance of all corners that may touch. It does not change. */
+typedef struct bw_contact_system {
+  bw_object object;
+  const bw_model *model; /* retained */
+  bw_system *system;     /* retained: the equations without contact */
+  int pair_count;
+  bw_contact_pair *pair; /* (pair_count) */
+  int count;             /* candidates: corners of the facets that supports let move */
+  bool closed;           /* all of them touch without a load: no gap, no interference */
+  bw_selection *cuts;    /* retained: facets that face over more than half of their area, nearer
+                                  than their size, what they may touch; or NULL */
+  struct bwi_contact_rows *rows; /* the conditions, */
+  int32_t *row;                  /* (index, count) which of them are of candidates, */
+  double *gap;                   /* (m3, count) gaps without a load, times areas, */
+  double *s;                     /* (any, count x count) and the compliance */
+} bw_contact_system;
+/* For a model by pair (pair_count, 1 or more); `solver` and `given` as of bw_system_of_model; of
+ * joined models as of bw_joined_system. Sliding is small. Loads of the model are left out.
+ * BW_UNSUPPORTED for friction, curved rigid surfaces and prescribed displacements other than zero,
+ * BW_UNCONSTRAINED where supports and bonds leave a rigid-body motion free, BW_INVALID where they
+ * constrain all corners and for pairs that bw_contact_solve refuses, BW_EMPTY for a selection
+ * without a facet, BW_LIMIT for more than 8000 corners; those of bw_system_of_model, or
+ * bw_joined_system. */
+BW_API bw_status bw_contact_system_create(bw_context *context, const bw_model *model,
+                                          int pair_count, const bw_contact_pair *pair,
+                                          const bw_solver *solver, bw_system *given,
+                                          bw_contact_system **result);
+/* For `count` loads, force (N, count x node_count x 3): displacement (m, count x node_count x 3),
+ * which may be the same block, and state (count x contact->count), which may be NULL: 1 where a
+ * candidate carries pressure. Each is the solution with contact, by two solutions with the factor.
+ * BW_CONVERGENCE where rounding keeps the candidates changing, BW_SINGULAR where their compliance
+ * is; those of bw_system_solve. */
+BW_API bw_status bw_contact_system_solve(bw_context *context, const bw_contact_system *contact,
+                                         int count, const double *force, double *displacement,
+                                         uint8_t *state);
+/* The equations in which the candidates of `state` (contact->count) that are not 0 have no gap,
+ * whichever sign their pressure has, and the others are open. Those whose gap others decide are
+ * left out. The equations retain `contact`, whose factor they use. */
+BW_API bw_status bw_contact_system_in_state(bw_context *context, bw_contact_system *contact,
+                                            const uint8_t *state, bw_system **system);
+
 #ifdef __cplusplus
 }
 #endif

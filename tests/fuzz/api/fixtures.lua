@@ -122,6 +122,11 @@ end, function(p)
   return assert(p.Model:contact {{on = p.Mesh.boundary:above(3, 0.02), friction = 0.2,
     with = bw.rigid.plane {point = {0, 0, 1}, normal = {0, 0, -1}}}})
 end}
+makers.ContactSystem = {function()
+  local mesh = bw.mesh.box {max = {0.1, 0.02, 0.01}, cells = {4, 1, 1}}
+  local part = bw.model {mesh = mesh, material = bw.material.pla}:fix(mesh.boundary:below(1, 0))
+  return assert(part:contact_system {{on = mesh.boundary:below(3, 0), with = bw.rigid.plane {normal = {0, 0, 1}}}})
+end}
 makers.Deposition = {function()
   local mesh = bw.mesh.box {cells = {2, 2, 2}}
   local laid = bw.model {mesh = mesh, material = bw.material.isotropic {young = 2e9, expansion = 1e-5}}

@@ -199,6 +199,8 @@ add {
   ["Eigenpairs:vector"] = function() return 1 end,
   ["SparseMatrix:write"] = function(_, r) return "made." .. r:one_of {"mtx", "npz"} end,
   ["Array:write"] = function(_, r) return "made." .. r:one_of {"mtx", "npy"} end,
+  ["ContactSystem:solve"] = function(p) return bw.array.zeros(p.ContactSystem.mesh.node_count, 3) end,
+  ["ContactSystem:in_state"] = function(_, r) return r:one_of {"closed", "open"} end,
   ["System:solve"] = function(p) return bw.array.zeros(p.Mesh.node_count, 3) end,
   ["System:modes"] = function() return {count = 1} end,
   ["bw.weak_regions"] = function(p) return p.Mesh, bw.material.pla, p.Modes, {regions = 2, fraction = 0.1} end,
