@@ -21,6 +21,7 @@ static const double stiffer = 100, softer = 0.1; /* from one try to the next */
 static const double stiffest = 1e8;              /* of the softest springs */
 static const double rounding = 1e-12;            /* of the diagonal of the mesh */
 static const double settled = 1e-4; /* of a facet: motion that leaves what it faces opposite */
+static const double far_away = 100; /* m */
 static const double nearly =
     0.01; /* of the load, on springs: the next step takes most of it away */
 
@@ -165,13 +166,14 @@ done:
 
 /* ---- equations (2) to (5) -------------------------------------------------------------------- */
 
-/* `reach` (m): a contact farther than that is not found, or INFINITY. */
+/* `reach` (m): a contact farther than that is not found, or INFINITY. One within far_away says it
+ * all. */
 static bw_status fail_unheld(bw_context *context, const bwi_contact_problem *c,
                              const double *motion, double reach) {
   char text[300], within[60] = "";
   bwi_describe_motion(c->system->dof_map, motion, text, sizeof text);
   if (isfinite(reach))
-    snprintf(within, sizeof within, " Its first %.3g m meet no surface.", reach);
+    snprintf(within, sizeof within, " Its first %.3g m meet no surface.", fmin(reach, far_away));
   bw_fail(context, BW_UNCONSTRAINED,
           "neither supports nor contact balance the load: nothing stops the %s.%s Add a support or "
           "a contact pair that does, or turn the load%s",

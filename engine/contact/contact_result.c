@@ -205,6 +205,8 @@ static void take_states(const bwi_contact_problem *c, double *force, bw_contact 
     for (int64_t k = 0; k < c->rows.point_count; k++)
       if (c->rows.point[k].pair == pair)
         state->penetration = fmax(state->penetration, -c->rows.point[k].gap);
+    if (state->active == 0 && state->gap < 0) /* at nodes of a rigid surface's facets */
+      state->penetration = fmax(state->penetration, -state->gap);
     if (state->penetration < bwi_contact_small_gap(c))
       state->penetration = 0;
     bwi_contact_rows_pair_force(&c->rows, pair, false, c->p, force);
@@ -351,6 +353,8 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
            "contact pair %d is undecided: points penetrate by up to %.3g m, though its gap is open "
            "in the mean: its facets are too large for what it touches. Refine them",
            i + 1, out->state[i].penetration);
+    else if (out->state[i].active == 0 && out->state[i].gap == 0)
+      note(context, &notes, "contact pair %d touches without pressure", i + 1);
     else if (out->state[i].active == 0)
       note(context, &notes, "contact pair %d stays open: its smallest gap is %.3g m", i + 1,
            out->state[i].gap);
@@ -372,8 +376,7 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
   }
   for (const char *motion = out->free_text; *motion;) {
     int length = (int)strcspn(motion, "\n");
-    note(context, &notes,
-         "nothing decides the position along the %.*s: stresses and pressure do not depend on it",
+    note(context, &notes, "nothing decides the %.*s: stresses and pressure do not depend on it",
          length, motion);
     motion += length + (motion[length] == '\n');
   }
@@ -381,16 +384,23 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
     double rotation = body_rotation(c, b);
     out->rotation = fmax(out->rotation, rotation);
     if (c->finite && rotation > largest_rotation)
-      BW_TRY(bw_fail(
-          context, BW_LIMIT,
-          "body %d rotates by %.2g rad, and finite sliding allows %g: turn the body in the mesh, "
-          "or support it against turning",
-          b + 1, rotation, largest_rotation));
-    if (rotation > large_rotation)
+      BW_TRY(bw_fail(context, BW_LIMIT,
+                     "body %d rotates by %.3g degrees, and finite sliding allows %.3g: turn the "
+                     "body in the mesh, "
+                     "or support it against turning",
+                     b + 1, rotation * 180 / M_PI, largest_rotation * 180 / M_PI));
+    if (rotation > largest_rotation)
       note(context, &notes,
-           "body %d rotates by %.2g rad on its contact. Rotations are taken as small%s: points at "
-           "a distance r from the axis are off by about %.2g r",
-           b + 1, rotation, c->finite ? ", also in finite sliding" : "", rotation * rotation / 2);
+           "body %d rotates by %.3g degrees on its contact, and rotations are taken as small: "
+           "place, "
+           "gaps and pressure are wrong. Support it against turning, or turn it in the mesh",
+           b + 1, rotation * 180 / M_PI);
+    else if (rotation > large_rotation)
+      note(context, &notes,
+           "body %d rotates by %.2g degrees on its contact. Rotations are taken as small%s: points "
+           "at a distance r from the axis are off by about %.2g r",
+           b + 1, rotation * 180 / M_PI, c->finite ? ", also in finite sliding" : "",
+           rotation * rotation / 2);
   }
   if (c->elastic > large_displacement * side)
     note(context, &notes,

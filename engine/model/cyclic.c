@@ -16,6 +16,7 @@ static const double full_turn = 6.28318530717958647692;
 static const double match = 1e-3;
 /* The angle between the faces agrees with the number of sectors within this part. */
 static const double same_angle = 1e-3;
+static const double most_guessed = 1000; /* sectors that a message proposes: more are rounding */
 /* The sine of an angle seen from the axis that is more than rounding. */
 static const double across_axis = 1e-9;
 /* Conditions of supports agree within this. */
@@ -205,7 +206,7 @@ static bw_status fail_match(bw_context *context, const bw_cyclic *cyclic, double
   if (angle > 0 && fabs(angle - asked) > same_angle * asked) {
     char number[40] = "";
     double fits = round(full_turn / angle);
-    if (fabs(full_turn / fits - angle) <= same_angle * angle)
+    if (fits <= most_guessed && fabs(full_turn / fits - angle) <= same_angle * angle)
       snprintf(number, sizeof number, "give %.0f sectors, or ", fits);
     bw_fail(context, BW_GEOMETRY,
             "the faces of the sector are %.6g degrees apart about the axis, but those of %d "

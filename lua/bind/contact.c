@@ -273,6 +273,8 @@ static void push_pair_text(lua_State *L, const bw_contact *contact, int i) {
   const bw_contact_state *state = &contact->state[i];
   if (state->active == 0 && state->penetration > 0)
     lua_pushliteral(L, "undecided");
+  else if (state->active == 0 && state->gap == 0)
+    lua_pushliteral(L, "touches without pressure");
   else if (state->active == 0)
     lua_pushfstring(L, "open by %s", lbw_quantity(state->gap, "m").text);
   else

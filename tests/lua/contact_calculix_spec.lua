@@ -34,8 +34,8 @@ local function assembly(order, cells, crown)
   return joined(body[1], body[2])
 end
 
---- The forces on the top by ccx for its moves, one step after the other. With `foot` for large displacements: those on
--- it follow each.
+--- The forces on the top by ccx for its moves, one step after the other. With `foot` for large displacements:
+-- those on it follow each.
 local function by_calculix(part, on, against, friction, moves, top, foot)
   local stem = os.tmpname()
   assert(part:write_inp(stem .. ".inp"))
@@ -94,8 +94,8 @@ describe("contact beside CalculiX", function()
 
   if not os.execute "command -v ccx >/dev/null 2>&1" then return end
 
-  -- In large sliding ccx depends on its increments: in 20 of them it is off by 2 % from what it has of a block that
-  -- was made there, in 100 by 0.4 %.
+  -- In large sliding ccx depends on its increments: in 20 of them it is off by 2 % from what it has of a block
+  -- that was made there, in 100 by 0.4 %.
   it("has the forces of a block that slides over four elements of a beam", function()
     local mesh = joined(assert(bw.mesh.box {min = {0, 0, -50}, max = {300, 50, 0}, cells = {12, 2, 2}}),
       assert(bw.mesh.box {min = {40, 5, 0}, max = {100, 45, 40}, cells = {5, 3, 2}}))

@@ -297,6 +297,14 @@ describe("cyclic symmetry", function()
       "45 degrees apart about the axis, but those of 9 sectors are 40 degrees apart: give 8 sectors",
       cyclic {count = 9})
     check.fails("geometry", "do not match", cyclic {about = {0, 0, 0}})
+    -- faces as good as parallel: no guess of millions of sectors
+    local box = bw.mesh.box {min = {-1, -1, 0}, max = {1, 1, 1}, cells = {2, 2, 1}}
+    local moved = {}
+    for i, p in ipairs(box.nodes:totable()) do moved[i] = {p[1], p[2] * (1 + 1e-9 * p[1]), p[3]} end
+    box = assert(box:moved(moved))
+    check.fails("geometry", "degrees apart: give another axis", bw.model {mesh = box, material = bw.material.steel}
+      :cyclic {low = box.boundary:facing {0, -1, 0}, high = box.boundary:facing {0, 1, 0}, count = 100000,
+        axis = {0, 0, 1}})
     check.fails("geometry", "degrees apart: give another axis", cyclic {high = outer(mesh)})
     check.fails("geometry", "degrees apart: give another axis", cyclic {high = high:union(outer(mesh))})
     local part_of = low:intersection(where(mesh, function(r) return r < 1.7 end))

@@ -195,9 +195,16 @@ static void turns(void **state) {
       if (k == 0)
         check_allocations(context, contact,
                           bw_contact_solve(context, model, 1, &pair, NULL, &options, &contact));
-    } else
-      check_fails(context, BW_LIMIT, "rotates by 0.3 rad",
+    } else {
+      check_fails(context, BW_LIMIT, "rotates by 17.2 degrees, and finite sliding allows 11.5",
                   bw_contact_solve(context, model, 1, &pair, NULL, &options, &contact));
+      options.finite_sliding = false;
+      check_ok(context, bw_contact_solve(context, model, 1, &pair, NULL, &options, &contact));
+      assert_non_null(strstr(contact->notes, "rotates by 17.2 degrees on its contact, and"));
+      bw_release(contact);
+      contact = NULL;
+      options.finite_sliding = true;
+    }
     bw_release(field);
     bw_release(pair.on);
     bw_release(pair.against);
