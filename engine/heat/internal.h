@@ -81,6 +81,8 @@ typedef struct bwi_heat_system {
   double *capacity;         /* (J/K, block_count), or NULL */
   double *volume; /* (m3, node_count) of sources and powers in the volume, one after the other */
   bool radiates, by_temperature;
+  bw_operator *matrix; /* of the unknowns, of the last solution, which had this rate and part */
+  double rate, part;
   bw_operator *inverse; /* near that of the matrix; kept while it serves */
   int served;           /* iterations of its first solution */
   bw_solver_report report;

@@ -273,6 +273,7 @@ done:
 void bwi_heat_system_close(bwi_heat_system *s) {
   bw_release(s->solver);
   bw_release(s->pattern);
+  bw_release(s->matrix);
   bw_release(s->inverse);
   bw_free(s->unknown);
   bw_free(s->prescribe);
@@ -449,16 +450,36 @@ done:
   return status;
 }
 
-/* The matrix of the unknowns. */
-static bw_status make_matrix(bw_context *context, const bwi_heat_system *s, const double *values,
-                             double part, bw_sparse_matrix **matrix) {
-  bw_sparse_matrix *joined = NULL;
-  if (!s->expand)
-    return reduce(context, s->pattern, s->unknowns, s->node, s->unknown, values, matrix);
-  bw_status status = join(context, s, values, part, &joined);
-  if (status == BW_OK)
-    status = bwi_galerkin(context, joined, s->expand, matrix);
+/* Whether the matrix depends on the rate and the part of a task alone. */
+static bool is_linear(const bwi_heat_system *s) {
+  return !s->radiates && !s->by_temperature;
+}
+
+/* The matrix of the unknowns, where the one at hand is another. */
+static bw_status need_matrix(bw_context *context, bwi_heat_system *s, const bwi_heat_task *task,
+                             const double *temperature) {
+  bw_status status = BW_OK;
+  double *values = NULL;
+  bw_sparse_matrix *joined = NULL, *matrix = NULL;
+  if (s->matrix && is_linear(s) && s->rate == task->rate && s->part == task->part)
+    return BW_OK;
+  bw_release(s->matrix); /* before the next one takes memory */
+  s->matrix = NULL;
+  values = BW_NEW(context, double, s->pattern->block_count);
+  BW_TRY_MEMORY(values);
+  make_values(s, task, temperature, values);
+  if (s->expand) {
+    BW_TRY(join(context, s, values, task->part, &joined));
+    BW_TRY(bwi_galerkin(context, joined, s->expand, &matrix));
+  } else
+    BW_TRY(reduce(context, s->pattern, s->unknowns, s->node, s->unknown, values, &matrix));
+  BW_TRY(bw_operator_of_matrix(context, matrix, "the matrix of heat", &s->matrix));
+  s->rate = task->rate;
+  s->part = task->part;
+done:
+  bw_free(values);
   bw_release(joined);
+  bw_release(matrix);
   return status;
 }
 
@@ -490,12 +511,10 @@ static void add_report(bwi_heat_system *s, const bw_solver_report *one, bool fre
   all->iterations += direct ? 0 : one->iterations;
 }
 
-/* A x = b for the unknowns. */
-static bw_status solve_linear(bw_context *context, bwi_heat_system *s, const double *values,
-                              double part, const double *b, double *x) {
+/* A x = b for the unknowns, with the matrix of a task at these temperatures. */
+static bw_status solve_linear(bw_context *context, bwi_heat_system *s, const bwi_heat_task *task,
+                              const double *temperature, const double *b, double *x) {
   bw_status status = BW_OK;
-  bw_sparse_matrix *matrix = NULL;
-  bw_operator *a = NULL;
   bw_solver *pcg = NULL;
   bw_solver_options options = s->solver->options;
   bw_solver_kind way = options.preconditioner->options.kind;
@@ -504,13 +523,12 @@ static bw_status solve_linear(bw_context *context, bwi_heat_system *s, const dou
   double start = bw_seconds();
   options.preconditioner = NULL; /* it is the inverse that is kept */
   BW_TRY(bw_solver_create(context, &options, &pcg));
-  BW_TRY(make_matrix(context, s, values, part, &matrix));
-  BW_TRY(bw_operator_of_matrix(context, matrix, "the matrix of heat", &a));
+  BW_TRY(need_matrix(context, s, task, temperature));
   for (;;) {
     if (fresh)
-      BW_TRY(make_inverse(context, s, matrix));
+      BW_TRY(make_inverse(context, s, s->matrix->matrix));
     const bw_linear_solve_options by = {.solver = pcg, .preconditioner = s->inverse};
-    status = bw_linear_solve(context, a, &by, 1, b, x, &report);
+    status = bw_linear_solve(context, s->matrix, &by, 1, b, x, &report);
     if (status != BW_CONVERGENCE || fresh)
       break;
     bw_clear_failure(context);
@@ -528,8 +546,6 @@ static bw_status solve_linear(bw_context *context, bwi_heat_system *s, const dou
   }
 done:
   bw_release(pcg);
-  bw_release(a);
-  bw_release(matrix);
   return status;
 }
 
@@ -578,21 +594,19 @@ bw_status bwi_heat_solve(bw_context *context, bwi_heat_system *s, const bwi_heat
                          double *stored, int *iterations, double *change) {
   bw_status status = BW_OK;
   int32_t n = s->heat->mesh->node_count;
-  bool linear = !s->radiates && !s->by_temperature, done = s->unknowns == 0;
-  double *values = BW_NEW(context, double, s->pattern->block_count);
+  bool linear = is_linear(s), done = s->unknowns == 0;
   double *work = BW_NEW(context, double, 2 * (size_t)n);
-  BW_TRY_MEMORY(values && work);
+  BW_TRY_MEMORY(work);
   *iterations = 0;
   *change = 0;
   while (!done) {
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bwi_heat_inflow(context, s, temperature, q, heat_in));
     BW_TRY(find_remainder(context, s, task, temperature, q, work, remainder, stored));
-    make_values(s, task, temperature, values);
     double *b = work, *x = work + n;
     for (int32_t r = 0; r < s->unknowns; r++)
       b[r] = -remainder[s->node[r]];
-    BW_TRY(solve_linear(context, s, values, task->part, b, x));
+    BW_TRY(solve_linear(context, s, task, temperature, b, x));
     *change = correct(s, x, temperature);
     done = linear || *change <= s->options.tolerance;
     if (++*iterations >= s->options.max_iterations && !done) {
@@ -611,7 +625,6 @@ bw_status bwi_heat_solve(bw_context *context, bwi_heat_system *s, const bwi_heat
   BW_TRY(bwi_heat_inflow(context, s, temperature, q, heat_in));
   BW_TRY(find_remainder(context, s, task, temperature, q, work, remainder, stored));
 done:
-  bw_free(values);
   bw_free(work);
   return status;
 }
@@ -622,23 +635,20 @@ bw_status bwi_heat_dual(bw_context *context, bwi_heat_system *s, const double *t
   int32_t n = s->heat->mesh->node_count;
   const bwi_heat_task task = {.part = 1};
   const bw_solver_report kept = s->report;
-  double *values = BW_NEW(context, double, s->pattern->block_count);
   double *load = BW_NEW0(context, double, n), *b = BW_NEW(context, double, 2 * (size_t)n);
-  BW_TRY_MEMORY(values && load && b);
+  BW_TRY_MEMORY(load && b);
   memset(z, 0, (size_t)n * sizeof *z);
   load[node] = s->prescribe[node] < 0;
   gather(s, load);
-  make_values(s, &task, temperature, values);
   for (int32_t r = 0; r < s->unknowns; r++)
     b[r] = load[s->node[r]];
   if (s->unknowns)
-    BW_TRY(solve_linear(context, s, values, 1, b, b + n));
+    BW_TRY(solve_linear(context, s, &task, temperature, b, b + n));
   for (int32_t r = 0; r < s->unknowns; r++)
     z[s->node[r]] = b[n + r];
   follow(s, z);
 done:
   s->report = kept;
-  bw_free(values);
   bw_free(load);
   bw_free(b);
   return status;

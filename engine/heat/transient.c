@@ -48,7 +48,8 @@ static size_t transient_bytes(const void *object) {
   const bw_heat_transient *t = object;
   const bwi_heat_system *s = &t->inner->system;
   return sizeof *t + sizeof(inner) + 9 * (size_t)t->heat->mesh->node_count * sizeof(double) +
-         2 * (size_t)s->pattern->block_count * sizeof(double);
+         2 * (size_t)s->pattern->block_count * sizeof(double) +
+         (s->matrix ? bw_bytes(s->matrix) : 0);
 }
 
 static const bw_kind transient_kind = {"heat transient", transient_destroy, transient_bytes};
