@@ -7,7 +7,7 @@
 
 /* As bwi_reduction_open, of a sector in a wheel with so many nodal diameters. T has twice the rows,
  * real and imaginary parts, where bwi_cyclic_parts is 2. BW_INVALID for supports that differ from
- * sector to sector. */
+ * sector to sector, BW_UNSUPPORTED for bonds that reach a cut. */
 bw_status bwi_cyclic_reduction_open(bw_context *context, const bw_model *model, int diameter,
                                     bwi_reduction *reduction);
 /* Moves forces (node_count x 3) that are the same in all sectors from the high face to the low one.

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The model of the whole wheel: what holds and loads a sector, turned with each of them. */
+/* The model of the whole wheel: what bonds, holds and loads a sector, turned with each of them. */
 #include <math.h>
 #include <string.h>
 
@@ -208,6 +208,25 @@ done:
   return status;
 }
 
+/* ---- bonds ----------------------------------------------------------------------------------- */
+
+/* One bond for those of all sectors. */
+static bw_status turn_bond(const turning *t, int number) {
+  bw_status status = BW_OK;
+  const bw_bond *bond = &t->from->bond[number];
+  bw_selection *a = NULL, *b = NULL;
+  BW_TRY(turn_selection(t, -1, bond->a, &a));
+  BW_TRY(turn_selection(t, -1, bond->b, &b));
+  if (!a || !b)
+    BW_TRY(bw_fail(t->context, BW_UNSUPPORTED,
+                   "bond %d lies inside the whole: it is not carried over", number + 1));
+  BW_TRY(bw_model_bond(t->context, t->to, a, b, bond->asked_gap));
+done:
+  bw_release(a);
+  bw_release(b);
+  return status;
+}
+
 bw_status bwi_wheel_model(bw_context *context, const bwi_wheel *wheel, const bw_model *from,
                           bw_model **model) {
   bw_status status = BW_OK;
@@ -215,6 +234,8 @@ bw_status bwi_wheel_model(bw_context *context, const bwi_wheel *wheel, const bw_
   BW_TRY(bw_model_create(context, wheel->mesh, wheel->material, &t.to));
   for (int i = 0; i < from->support_count; i++)
     BW_TRY(turn_support(&t, i));
+  for (int i = 0; i < from->bond_count; i++)
+    BW_TRY(turn_bond(&t, i));
   for (int i = 0; i < from->attachment_count; i++)
     BW_TRY(turn_attachment(&t, i));
   for (int i = 0; i < from->load_count; i++)

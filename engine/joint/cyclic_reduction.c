@@ -1,10 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The displacements u = T x + g of a sector in a wheel with so many nodal diameters: the high face
- * follows the low one, turned and with a phase (docs/theory/symmetry.md). Where these are complex,
- * rows and columns are real and imaginary parts. */
+ * follows the low one, turned and with a phase, and nodes of bonds follow others
+ * (docs/theory/symmetry.md). Where these are complex, rows and columns are real and imaginary
+ * parts. */
 #include "joint/cyclic.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double global_frame[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -25,8 +27,13 @@ typedef struct builder {
   double *value;
 } builder;
 
-/* What supports leave free of `wanted` at a node on the axis; false where that is nothing. */
-static bool free_part(const bw_dof_map *dof_map, int32_t node, double v[3]) {
+static int compare_indices(const void *a, const void *b) {
+  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+  return x < y ? -1 : x > y;
+}
+
+/* What supports leave free of v at a node. */
+static void keep_free(const bw_dof_map *dof_map, int32_t node, double v[3]) {
   int32_t f = dof_map->frame_of[node];
   const double *frame = f >= 0 ? dof_map->frame + 9 * (int64_t)f : global_frame;
   for (int k = 0; k < 3; k++) {
@@ -35,6 +42,11 @@ static bool free_part(const bw_dof_map *dof_map, int32_t node, double v[3]) {
       for (int c = 0; c < 3; c++)
         v[c] -= part * frame[3 * k + c];
   }
+}
+
+/* The same of a unit vector at a node on the axis, as one; false where that is nothing. */
+static bool free_part(const bw_dof_map *dof_map, int32_t node, double v[3]) {
+  keep_free(dof_map, node, v);
   double size = bw_norm(v);
   for (int c = 0; c < 3 && size > 0.5; c++)
     v[c] /= size;
@@ -80,12 +92,15 @@ static int axis_directions(const builder *b, int32_t node, direction out[3]) {
   return count + free_part(dof_map, node, out[count].p);
 }
 
-/* What the unknowns of a node, which is not of the high face, displace there. */
+/* What the unknowns of a node, which is not of the high face and follows none in a bond, displace
+ * there. */
 static int own_directions(const builder *b, int32_t node, direction out[3]) {
   const bw_dof_map *dof_map = b->r->dof_map;
   int32_t f = dof_map->frame_of[node];
   const double *frame = f >= 0 ? dof_map->frame + 9 * (int64_t)f : global_frame;
   int count = 0;
+  if (b->r->bond_of[node])
+    return 0;
   if (b->cyclic->partner[node] == node)
     return axis_directions(b, node, out);
   for (int k = 0; k < 3; k++) {
@@ -97,8 +112,8 @@ static int own_directions(const builder *b, int32_t node, direction out[3]) {
   return count;
 }
 
-static bool is_high(const builder *b, int32_t node) {
-  return b->cyclic->partner[node] >= 0 && b->cyclic->partner[node] != node;
+static bool is_high(const bw_cyclic *cyclic, int32_t node) {
+  return cyclic->partner[node] >= 0 && cyclic->partner[node] != node;
 }
 
 static void put(builder *b, int64_t row, int32_t column, double value) {
@@ -112,11 +127,11 @@ static void put(builder *b, int64_t row, int32_t column, double value) {
   b->count++;
 }
 
-/* The entries of a node's unknowns, or of its partner's. */
-static void add_node(builder *b, int32_t node) {
-  const bw_dof_map *dof_map = b->r->dof_map;
-  int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
-  bool high = is_high(b, node);
+/* `factor` times what the unknowns of a node, or of its partner, displace there, at the rows of
+ * node `at`: only what its supports leave free, where it is another one. */
+static void add_followed(builder *b, int32_t at, int32_t node, double factor) {
+  int64_t size = 3 * (int64_t)b->r->dof_map->mesh->node_count;
+  bool high = is_high(b->cyclic, node);
   int32_t own = high ? b->cyclic->partner[node] : node;
   direction d[3];
   int count = own_directions(b, own, d);
@@ -130,28 +145,82 @@ static void add_node(builder *b, int32_t node) {
         d[k].q[c] = b->s * turned.p[c];
       }
     }
+    if (at != node) {
+      keep_free(b->r->dof_map, at, d[k].p);
+      keep_free(b->r->dof_map, at, d[k].q);
+    }
     for (int c = 0; c < 3; c++) {
-      int64_t row = 3 * (int64_t)node + c;
-      put(b, row, column, d[k].p[c]);
+      int64_t row = 3 * (int64_t)at + c;
+      double p = factor * d[k].p[c], q = factor * d[k].q[c];
+      put(b, row, column, p);
       if (b->parts == 1)
         continue;
-      put(b, row, column + 1, -d[k].q[c]);
-      put(b, size + row, column, d[k].q[c]);
-      put(b, size + row, column + 1, d[k].p[c]);
+      put(b, row, column + 1, -q);
+      put(b, size + row, column, q);
+      put(b, size + row, column + 1, p);
     }
   }
+}
+
+static void add_node(builder *b, int32_t node) {
+  const bw_bond *bond = b->r->bond_of[node];
+  if (!bond) {
+    add_followed(b, node, node, 1);
+    return;
+  }
+  const bw_sparse_matrix *f = bond->follows;
+  int32_t row = b->r->row_of[node];
+  for (int64_t e = f->start[row]; e < f->start[row + 1]; e++)
+    add_followed(b, node, f->column[e], f->value[e]);
 }
 
 /* Prescribed displacements are the same in all sectors. Modes have none. */
 static void add_prescribed(const builder *b) {
   const bw_dof_map *dof_map = b->r->dof_map;
-  for (int32_t i = 0; b->diameter == 0 && i < dof_map->mesh->node_count; i++) {
+  if (b->diameter > 0)
+    return;
+  for (int32_t i = 0; i < dof_map->mesh->node_count; i++) {
     int32_t f = dof_map->frame_of[i];
     const double *frame = f >= 0 ? dof_map->frame + 9 * (int64_t)f : global_frame;
     for (int k = 0; k < 3; k++)
       for (int c = 0; c < 3; c++)
         b->r->g[3 * (int64_t)i + c] += dof_map->value[3 * (int64_t)i + k] * frame[3 * k + c];
   }
+  for (int32_t i = 0; i < dof_map->mesh->node_count; i++) {
+    if (!b->r->bond_of[i])
+      continue;
+    const bw_sparse_matrix *f = b->r->bond_of[i]->follows;
+    double sum[3] = {0};
+    int32_t row = b->r->row_of[i];
+    for (int64_t e = f->start[row]; e < f->start[row + 1]; e++)
+      for (int c = 0; c < 3; c++)
+        sum[c] += f->value[e] * b->r->g[3 * (int64_t)f->column[e] + c];
+    keep_free(dof_map, i, sum);
+    for (int c = 0; c < 3; c++)
+      b->r->g[3 * (int64_t)i + c] += sum[c];
+  }
+}
+
+/* A bond that reaches the cut would go on in the next sector. */
+static bw_status check_bonds(bw_context *context, const bw_model *model) {
+  const bw_cyclic *cyclic = model->cyclic;
+  const bw_selection *cut[2] = {cyclic->low, cyclic->high};
+  for (int s = 0; s < 2; s++)
+    for (int32_t i = 0; i < cut[s]->node_count; i++)
+      for (int b = 0; b < model->bond_count; b++) {
+        int32_t node = cut[s]->node[i], count = model->bond[b].node_count;
+        if (!bsearch(&node, model->bond[b].node, (size_t)count, sizeof node, compare_indices))
+          continue;
+        const double *x = model->mesh->node + 3 * (int64_t)node;
+        bw_fail(context, BW_UNSUPPORTED,
+                "side a of bond %d meets a cut face of the sector, at node %d at (%g, %g, %g) m: a "
+                "bond ends inside the sector; cut the wheel elsewhere, or join the bodies in one "
+                "mesh",
+                b + 1, node + 1, x[0], x[1], x[2]);
+        bw_detail_number(context, "node", node + 1.0);
+        return BW_UNSUPPORTED;
+      }
+  return BW_OK;
 }
 
 bw_status bwi_cyclic_reduction_open(bw_context *context, const bw_model *model, int diameter,
@@ -161,7 +230,9 @@ bw_status bwi_cyclic_reduction_open(bw_context *context, const bw_model *model, 
   builder b = {.r = r, .cyclic = model->cyclic, .diameter = diameter};
   *r = (bwi_reduction){0};
   BW_TRY(bwi_cyclic_check_supports(context, model));
+  BW_TRY(check_bonds(context, model));
   BW_TRY(bwi_dof_map_apart(context, model, &r->dof_map));
+  BW_TRY(bwi_reduction_followers(context, model, r));
   b.parts = bwi_cyclic_parts(model->cyclic, diameter);
   bwi_cyclic_rotation(model->cyclic, 1, b.turn);
   bwi_cyclic_phase(model->cyclic, diameter, &b.c, &b.s);
@@ -172,7 +243,7 @@ bw_status bwi_cyclic_reduction_open(bw_context *context, const bw_model *model, 
   BW_TRY_MEMORY(r->g && b.first);
   for (int32_t i = 0; i < nodes; i++) {
     direction d[3];
-    b.first[i + 1] = b.first[i] + (is_high(&b, i) ? 0 : own_directions(&b, i, d));
+    b.first[i + 1] = b.first[i] + (is_high(b.cyclic, i) ? 0 : own_directions(&b, i, d));
   }
   r->unknown_count = b.parts * b.first[nodes];
   for (int32_t i = 0; i < nodes; i++)
@@ -201,18 +272,20 @@ void bwi_cyclic_move(const bw_cyclic *cyclic, double *force) {
   double back[9];
   bwi_cyclic_rotation(cyclic, -1, back);
   for (int32_t i = 0; i < cyclic->low->mesh->node_count; i++) {
-    int32_t own = cyclic->partner[i];
     double *at = force + 3 * (int64_t)i, moved[3];
-    if (own == i) {
-      double along = bw_dot(at, cyclic->axis);
-      for (int k = 0; k < 3; k++)
-        at[k] = along * cyclic->axis[k];
-    } else if (own >= 0) {
-      bwi_rotate(back, at, moved);
-      for (int k = 0; k < 3; k++) {
-        force[3 * (int64_t)own + k] += moved[k];
-        at[k] = 0;
-      }
+    if (!is_high(cyclic, i))
+      continue;
+    bwi_rotate(back, at, moved);
+    for (int k = 0; k < 3; k++) {
+      force[3 * (int64_t)cyclic->partner[i] + k] += moved[k];
+      at[k] = 0;
     }
+  }
+  for (int32_t i = 0; i < cyclic->low->mesh->node_count; i++) {
+    if (cyclic->partner[i] != i)
+      continue;
+    double *at = force + 3 * (int64_t)i, along = bw_dot(at, cyclic->axis);
+    for (int k = 0; k < 3; k++)
+      at[k] = along * cyclic->axis[k];
   }
 }

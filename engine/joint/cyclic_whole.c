@@ -18,6 +18,32 @@ done:
   return status;
 }
 
+/* What the bonds of all sectors exert together; moments are about the origin. */
+static bw_status add_bonds(bw_context *context, const bw_cyclic *cyclic, const bw_static *sector,
+                           bw_static *whole) {
+  whole->bond = BW_NEW0(context, bw_joint_force, sector->bond_count);
+  if (!whole->bond)
+    return BW_MEMORY;
+  whole->bond_count = sector->bond_count;
+  for (int b = 0; b < sector->bond_count; b++)
+    for (int s = 0; s < cyclic->count; s++) {
+      const bw_joint_force *own = &sector->bond[b];
+      double rotation[9], force[3], moment[3], arm[3];
+      bwi_cyclic_rotation(cyclic, s, rotation);
+      bw_cross(cyclic->point, own->force, arm);
+      for (int k = 0; k < 3; k++)
+        arm[k] = own->moment[k] - arm[k]; /* about the axis's point */
+      bwi_rotate(rotation, own->force, force);
+      bwi_rotate(rotation, arm, moment);
+      bw_cross(cyclic->point, force, arm);
+      for (int k = 0; k < 3; k++) {
+        whole->bond[b].force[k] += force[k];
+        whole->bond[b].moment[k] += moment[k] + arm[k];
+      }
+    }
+  return BW_OK;
+}
+
 bw_status bw_static_whole(bw_context *context, const bw_static *sector, bw_static **out) {
   bw_status status = BW_OK;
   bwi_wheel w;
@@ -34,6 +60,7 @@ bw_status bw_static_whole(bw_context *context, const bw_static *sector, bw_stati
   bwi_wheel_expand(&w, 0, sector->displacement, NULL, 1, whole->displacement);
   bwi_wheel_add_forces(&w, sector->force, whole->force);
   bwi_wheel_add_forces(&w, sector->reaction, whole->reaction);
+  BW_TRY(add_bonds(context, w.cyclic, sector, whole));
   whole->energy = w.cyclic->count * sector->energy;
   whole->residual = sector->residual;
   whole->report = sector->report;

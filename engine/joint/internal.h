@@ -22,8 +22,7 @@ typedef struct bwi_eliminated {
  * points: q = P x + h. */
 typedef struct bwi_reduction {
   bw_dof_map *dof_map;          /* of the bodies apart */
-  const bw_bond **bond_of;      /* node_count: the bond in which a node follows, or NULL; NULL of a
-                                   sector of cyclic symmetry */
+  const bw_bond **bond_of;      /* node_count: the bond in which a node follows, or NULL */
   int32_t *row_of;              /* node_count: its row there */
   const bw_bond *bond;          /* of the model */
   int32_t *shortening;          /* of each bond: the column of one that is free, or -1 */
@@ -46,6 +45,10 @@ typedef struct bwi_reduction {
 bw_status bwi_reduction_open(bw_context *context, const bw_model *model, bool locked,
                              bwi_reduction *reduction);
 void bwi_reduction_clear(bwi_reduction *reduction);
+/* Fills bond_of and row_of. BW_INVALID for a node that follows in two bonds, and for one that
+ * follows and is followed. */
+bw_status bwi_reduction_followers(bw_context *context, const bw_model *model,
+                                  bwi_reduction *reduction);
 
 /* T^T A T, or the sum of those of both parts of T, of a block matrix, `block` 9 or 1 numbers for
  * each block of the pattern as bw_block_multiply takes them. Symmetric to the last bit. */

@@ -229,10 +229,9 @@ static bw_status solve(bw_context *context, const bwi_joined_equations *q, const
   BW_TRY(sum_bonds(context, r, result));
   bwi_preload_results(model, r, result->displacement, result->bond);
   BW_TRY(sum_attachments(context, gravity, result));
+  bwi_reduction_move(r, result->reaction);
   if (model->cyclic)
     bwi_cyclic_move(model->cyclic, result->reaction);
-  else
-    bwi_reduction_move(r, result->reaction);
   bwi_points_gather(r, result->reaction, result->coupling, result->joint_force);
   bwi_keep_states(r->dof_map, 1u << BW_DOF_PRESCRIBED, result->reaction);
 done:

@@ -19,16 +19,21 @@ static bool is_prescribed(const bw_dof_map *dof_map, int32_t node, int k) {
   return dof_map->state[3 * (int64_t)node + k] == BW_DOF_PRESCRIBED;
 }
 
-/* Which nodes move with a remote point, and which follow others: each in one bond, and none that
- * follows itself. */
-static bw_status find_followers(bw_context *context, const bw_model *model, bwi_reduction *r) {
-  bw_status status = BW_OK;
+/* Which nodes move with a remote point. */
+static void find_coupled(const bw_model *model, bwi_reduction *r) {
   for (int32_t i = 0; i < model->mesh->node_count; i++)
     r->coupling_of[i] = -1;
   for (int p = 0; p < model->coupling_count; p++)
     for (int32_t i = 0;
          model->coupling[p].point.kind == BW_RIGID && i < model->coupling[p].node_count; i++)
       r->coupling_of[model->coupling[p].node[i]] = p;
+}
+
+bw_status bwi_reduction_followers(bw_context *context, const bw_model *model, bwi_reduction *r) {
+  bw_status status = BW_OK;
+  r->bond_of = BW_NEW0(context, const bw_bond *, model->mesh->node_count);
+  r->row_of = BW_NEW0(context, int32_t, model->mesh->node_count);
+  BW_TRY_MEMORY(r->bond_of && r->row_of);
   for (int b = 0; b < model->bond_count; b++)
     for (int32_t i = 0; i < model->bond[b].node_count; i++) {
       int32_t node = model->bond[b].node[i];
@@ -179,13 +184,11 @@ bw_status bwi_reduction_open(bw_context *context, const bw_model *model, bool lo
   r->shortening = BW_NEW(context, int32_t, model->bond_count);
   r->coupling_of = BW_NEW(context, int32_t, nodes);
   r->point_unknown = BW_NEW(context, int32_t, 6 * (int64_t)r->point_count);
-  r->bond_of = BW_NEW0(context, const bw_bond *, nodes);
-  r->row_of = BW_NEW0(context, int32_t, nodes);
   r->unknown = BW_NEW(context, int32_t, 3 * (int64_t)nodes);
   r->g = BW_NEW0(context, double, 3 * (int64_t)nodes);
-  BW_TRY_MEMORY(r->bond_of && r->row_of && r->unknown && r->g && r->coupling_of && r->shortening &&
-                r->point_unknown);
-  BW_TRY(find_followers(context, model, r));
+  BW_TRY_MEMORY(r->unknown && r->g && r->coupling_of && r->shortening && r->point_unknown);
+  find_coupled(model, r);
+  BW_TRY(bwi_reduction_followers(context, model, r));
   BW_TRY(bwi_points_check(context, model, r));
   number_unknowns(model, locked, r);
   int64_t count = 0;

@@ -125,8 +125,7 @@ void bwi_take_spring(const bwi_motions *m, const bw_attachment *spring) {
   }
 }
 
-/* `sliding`: the place in a row of a shortening that is free, or -1. */
-static void take_bond(const bwi_motions *m, const bw_bond *bond, int64_t sliding) {
+void bwi_take_bond(const bwi_motions *m, const bw_bond *bond, int64_t sliding) {
   const bw_mesh *mesh = m->dof_map->mesh;
   const bw_sparse_matrix *f = bond->follows;
   for (int32_t i = 0; i < bond->node_count; i++)
@@ -260,7 +259,7 @@ bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
   bwi_take_supports(&m, constrained, constraint);
   for (int i = 0; i < model->bond_count; i++) {
     bool slides = !locked && model->bond[i].preload == BW_PRELOAD_FORCE;
-    take_bond(&m, &model->bond[i], slides ? sliding++ : -1);
+    bwi_take_bond(&m, &model->bond[i], slides ? sliding++ : -1);
   }
   for (int i = 0; i < model->attachment_count; i++)
     bwi_take_spring(&m, &model->attachment[i]);

@@ -351,11 +351,17 @@ bw_status bw_model_cyclic(bw_context *context, bw_model *model, const bw_selecti
   if (model->cyclic)
     return bw_fail(context, BW_INVALID,
                    "the model has a cyclic symmetry already: clear it before giving another one");
-  if (model->bond_count > 0 || model->coupling_count > 0)
+  if (model->coupling_count > 0)
     return bw_fail(
         context, BW_UNSUPPORTED,
-        "the model has bonds or couplings: a sector of cyclic symmetry takes none; join the bodies "
-        "in one mesh, and load the faces themselves");
+        "the model has couplings: a sector of cyclic symmetry takes none; load the faces "
+        "themselves");
+  for (int i = 0; i < model->bond_count; i++)
+    if (model->bond[i].preload != BW_NO_PRELOAD)
+      return bw_fail(context, BW_UNSUPPORTED,
+                     "bond %d has a preload: a sector of cyclic symmetry takes none; leave it out, "
+                     "or model the whole",
+                     i + 1);
   made = BW_NEW0(context, bw_cyclic, 1);
   BW_TRY_MEMORY(made);
   bw_object_init(made, &cyclic_kind);

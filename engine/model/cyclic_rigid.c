@@ -59,6 +59,8 @@ bw_status bwi_cyclic_rigid_modes(bw_context *context, const bw_model *model,
     bwi_take_supports(&own, constrained, constraint);
     for (int i = 0; i < model->attachment_count; i++)
       bwi_take_spring(&own, &model->attachment[i]);
+    for (int i = 0; i < model->bond_count; i++)
+      bwi_take_bond(&own, &model->bond[i], -1);
   }
   for (int32_t i = 0; i < dof_map->mesh->node_count; i++)
     if (model->cyclic->partner[i] >= 0)

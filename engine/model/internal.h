@@ -82,6 +82,8 @@ void bwi_take_row(const bwi_motions *m);
 /* Conditions of supports, and of a spring: that it is left alone. */
 void bwi_take_supports(const bwi_motions *m, int32_t count, const bwi_constraint *constraint);
 void bwi_take_spring(const bwi_motions *m, const bw_attachment *spring);
+/* Conditions of a bond; `sliding`: the place in a row of a shortening that is free, or -1. */
+void bwi_take_bond(const bwi_motions *m, const bw_bond *bond, int64_t sliding);
 /* How many motions fulfil the conditions, and the body that moves most in one of them (-1 without).
  */
 void bwi_count_rigid_modes(const bwi_motions *m, int *count, int32_t *body);

@@ -347,9 +347,10 @@ bw_status bw_model_preload(bw_context *context, bw_model *model, const bw_select
     return bw_fail(
         context, BW_INVALID,
         "the preload of a bond is %g N: it pulls the sides together, and must be above 0", pull);
-  if (model->cyclic)
+  if (model->cyclic && kind != BW_NO_PRELOAD)
     return bw_fail(context, BW_UNSUPPORTED,
-                   "a sector of cyclic symmetry takes no bonds: join the bodies in one mesh");
+                   "a sector of cyclic symmetry takes no preloads: leave it out, or model the "
+                   "whole");
   if (kind != BW_NO_PRELOAD)
     BW_TRY(section_normal(context, a, normal));
   bw_bond *list = (bw_bond *)bw_resize(context, model->bond, (size_t)model->bond_count + 1,

@@ -183,8 +183,8 @@ function Model:clear_bonds() end
 
 ---Makes the body one of `count` equal sectors of a wheel. The face `low`, turned by a full turn over `count` about the axis, is the
 ---face `high`: their nodes and facets match one to one. The axis may look either way. Loads, supports, masses and results are
----those of one sector. A sector gives static solutions and modes; other analyses refuse it. A second
----cyclic symmetry, fewer than two sectors and a selection without a facet raise.
+---those of one sector. A sector gives static solutions and modes; other analyses refuse it. It takes bonds whose side a ends inside
+---it, and neither preloads nor couplings. A second cyclic symmetry, fewer than two sectors and a selection without a facet raise.
 ---```lua
 ---local box = bw.mesh.box {max = {1, 1, 0.3}, cells = {3, 3, 1}}
 ---local part = bw.model {mesh = box, material = bw.material.steel}
@@ -216,8 +216,8 @@ function Model:cyclic(options) end
 ---@return bw.Model self
 function Model:clear_cyclic() end
 
----The model of the whole wheel of a sector, without cyclic symmetry. Supports, attachments, loads and axes of the material turn
----with the sectors. Its nodes are the sector's but those of the high face, turned sector by sector, then those on the axis. A model
+---The model of the whole wheel of a sector, without cyclic symmetry. Supports, bonds, attachments, loads and axes of the material
+---turn with the sectors. Its nodes are the sector's but those of the high face, turned sector by sector, then those on the axis. A model
 ---without cyclic symmetry raises.
 ---
 ---Errors: unsupported (displacements that are prescribed by a field or in some directions only, springs that differ along x,

@@ -219,6 +219,108 @@ describe("cyclic symmetry", function()
     end)
   end
 
+  -- A blade on the upper face of a hub, whose meshes do not match. Its foot ends inside the sector.
+  local function block(cells, order, r0, r1, t0, t1, z0, z1)
+    local box = bw.mesh.box {max = {1, 1, 1}, cells = cells, order = 1}
+    local nodes = box.nodes:totable()
+    for i, p in ipairs(nodes) do
+      local r, t = r0 + (r1 - r0) * p[1], t0 + (t1 - t0) * p[2]
+      nodes[i] = place(r * math.cos(t), r * math.sin(t), z0 + (z1 - z0) * p[3])
+    end
+    local mesh = assert(box:moved(nodes))
+    return order == 2 and assert(mesh:with_order(2)) or mesh
+  end
+
+  local function bladed(n, order, from, to)
+    local angle = 2 * pi / n
+    local nodes, elements = {}, {}
+    for _, body in ipairs {block({2, 4, 1}, order, 1, 2, 0, angle, 0, 0.3),
+      block({2, 2, 2}, order, 1.3, 1.8, from * angle, to * angle, 0.3, 1.1)} do
+      local before = #nodes
+      for _, p in ipairs(body.nodes:totable()) do nodes[#nodes + 1] = p end
+      for _, e in ipairs(body.elements:totable()) do
+        for k, node in ipairs(e) do e[k] = node + before end
+        elements[#elements + 1] = e
+      end
+    end
+    return assert(bw.mesh.new {nodes = nodes, elements = elements, order = order})
+  end
+
+  local function glued(part, mesh)
+    local function side(sign)
+      return mesh.boundary:facing({sign * axis[1], sign * axis[2], sign * axis[3]}, 0.9):intersection(
+        where(mesh, function(_, _, z) return math.abs(z - 0.3) < 1e-9 end))
+    end
+    assert(part:bond {a = side(-1), b = side(1)})
+    return part
+  end
+
+  for order = 1, 2 do
+    it("takes bonds inside a sector: those of the wheel, order " .. order, function()
+      local n = 5
+      local mesh = bladed(n, order, 0.3, 0.8)
+      local part = glued(sector(mesh, n), mesh)
+      local all, first = copies(mesh, n, 2 * pi / n)
+      local wheel = glued(bw.model {mesh = all, material = bw.material.steel}, all)
+      for _, pair in ipairs {{part, mesh}, {wheel, all}} do
+        local model, its = pair[1], pair[2]
+        model:fix(bore(its)):load {on = where(its, function(_, _, z) return z > 1.05 end), pressure = 2e6}
+        model:gravity(vector(0, 0, 50))
+        model:load {on = where(its, function(r, _, z) return r > 1.75 and r < 1.85 and z > 0.25 end),
+          pressure = 5e6}
+      end
+      local a, b = assert(part:solve()), assert(wheel:solve())
+      local far = 0
+      for i = 1, mesh.node_count do
+        for k = 1, 3 do far = math.max(far, math.abs(a.displacement(i, k) - b.displacement(first[i], k))) end
+      end
+      assert.is_true(far < 1e-8 * largest(b.displacement), far / largest(b.displacement))
+      check.near(b.energy, n * a.energy, 1e-8)
+      for _, of in ipairs {assert(a:whole()), assert(assert(part:whole()):solve())} do
+        check.near(b.energy, of.energy, 1e-8)
+        check.near(b.von_mises:max(), of.von_mises:max(), 1e-7)
+        local size, its = 0, b.bonds[1]
+        for k = 1, 3 do size = math.max(size, math.abs(its.force[k]), math.abs(its.moment[k])) end
+        for k = 1, 3 do
+          assert.is_true(math.abs(its.force[k] - of.bonds[1].force[k]) < 1e-7 * size)
+          assert.is_true(math.abs(its.moment[k] - of.bonds[1].moment[k]) < 1e-7 * size)
+          local r, s = b.reaction:column(k):sum(), of.reaction:column(k):sum()
+          assert.is_true(math.abs(r - s) < 1e-7 * largest(b.reaction) * n)
+        end
+      end
+      for held = 0, 1 do
+        local own = glued(sector(mesh, n), mesh)
+        local other = glued(bw.model {mesh = all, material = bw.material.steel}, all)
+        if held == 1 then
+          own:fix(bore(mesh))
+          other:fix(bore(all))
+        end
+        local x = assert(own:modes {count = 12, tolerance = 1e-10})
+        local y = assert(other:modes {count = 12, tolerance = 1e-10})
+        assert.equal(held == 1 and 0 or 6, x.rigid_count)
+        assert.equal(y.rigid_count, x.rigid_count)
+        for i = 1, 12 do check.near(y.eigenvalues[i], x.eigenvalues[i], 1e-8) end
+      end
+      assert.truthy(tostring(part):find("bond", 1, true))
+    end)
+  end
+
+  it("refuses bonds that reach a cut, and preloads", function()
+    local mesh = bladed(5, 1, 0, 1)
+    local part = sector(mesh, 5)
+    glued(part, mesh):fix(bore(mesh)):gravity(vector(0, 0, 50))
+    check.fails("unsupported", "side a of bond 1 meets a cut face of the sector", part:solve())
+    check.fails("unsupported", "side a of bond 1 meets a cut face of the sector", part:modes())
+    local pulled, boundary = bw.model {mesh = mesh, material = bw.material.steel}, mesh.boundary
+    local function side(sign)
+      return boundary:facing({sign * axis[1], sign * axis[2], sign * axis[3]}, 0.9):intersection(
+        where(mesh, function(_, _, z) return math.abs(z - 0.3) < 1e-9 end))
+    end
+    assert(pulled:bond {a = side(-1), b = side(1), preload = 1})
+    check.fails("unsupported", "bond 1 has a preload", pulled:cyclic {low = face(mesh, 0),
+      high = face(mesh, 2 * pi / 5), count = 5, axis = axis, about = about})
+  end)
+
   it("makes the model of the wheel", function()
     for order = 1, 2 do
       local mesh = ring(7, {4, 4, 2}, order, 3)
@@ -316,7 +418,7 @@ describe("cyclic symmetry", function()
     assert(cyclic {})
     check.raises("has a cyclic symmetry already", cyclic, {})
     check.fails("unsupported", "one of 8 sectors", bw.edit(part))
-    check.fails("unsupported", "takes no bonds", part:bond {a = low, b = outer(mesh)})
+    check.fails("unsupported", "takes no preloads", part:bond {a = low, b = outer(mesh), preload = 1})
     check.fails("unsupported", "one of 8 sectors", part:system())
     check.fails("unconstrained", "2 rigid-body modes unconstrained that all sectors share", part:solve())
     check.raises('"all" or', function() part:modes {nodal_diameter = 1.5} end)

@@ -22,7 +22,8 @@ extern "C" {
  * others, for one of a rigid coupling that a support or a bond moves otherwise, for prescribed
  * values of a remote point that are over-constrained, and for supports and loads of a sector that
  * differ from sector to sector, BW_LIMIT for more than 2000 nodes of a distributed coupling with
- * springs, a mass or prescribed values; and those of bw_linear_solve. `options` may be NULL. */
+ * springs, a mass or prescribed values, BW_UNSUPPORTED for bonds of a sector that reach a cut; and
+ * those of bw_linear_solve. `options` may be NULL. */
 BW_API bw_status bw_joined_statics(bw_context *context, const bw_model *model,
                                    const bw_statics_options *options, bw_static **result);
 /* Its lowest modes: those of T^T K T and T^T M T, of a sector for each number of nodal diameters.
@@ -74,10 +75,11 @@ BW_API bw_status bw_joint_traction(bw_context *context, const bw_static *result,
 
 /* The model of the whole wheel of a sector, without cyclic symmetry. Its nodes are the sector's but
  * those of the high face, turned sector by sector, then those on the axis. The material turns with
- * the sectors, and so do supports, attachments and loads. BW_INVALID for a model without cyclic
- * symmetry, BW_LIMIT for more than 2^31 - 1 nodes, BW_UNSUPPORTED for displacements that are
+ * the sectors, and so do supports, bonds, attachments and loads. BW_INVALID for a model without
+ * cyclic symmetry, BW_LIMIT for more than 2^31 - 1 nodes, BW_UNSUPPORTED for displacements that are
  * prescribed by a field or in some directions only, and for springs that differ along x, y and z;
- * and those of bw_mesh_adopt and of the functions that add supports, attachments and loads. */
+ * and those of bw_mesh_adopt and of the functions that add supports, bonds, attachments and loads.
+ */
 BW_API bw_status bw_model_whole(bw_context *context, const bw_model *sector, bw_model **whole);
 /* The static solution of the whole wheel from that of its sector. BW_INVALID for a solution that is
  * no sector's or whose model has changed, and those of bw_model_whole. */

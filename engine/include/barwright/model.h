@@ -321,8 +321,8 @@ BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, cons
  * (m) apart; below 0: a twentieth of the mean edge of the finer side. Constant stress passes
  * through a plane bond exactly. bw_model_joined says what knows such a model. BW_EMPTY for a side
  * without a facet, BW_INVALID for a node on both sides and a gap that is no number, BW_GEOMETRY for
- * sides that do not touch (with the distance) and facets of side a that side b hardly covers,
- * BW_UNSUPPORTED for a sector of cyclic symmetry. */
+ * sides that do not touch (with the distance) and facets of side a that side b hardly covers;
+ * those of bw_model_preload. */
 BW_API bw_status bw_model_bond(bw_context *context, bw_model *model, const bw_selection *a,
                                const bw_selection *b, double gap);
 /* The same, with the same `gap` (m) and statuses, and a preload across the section, which is plane:
@@ -367,7 +367,7 @@ BW_API bw_status bw_model_clear_couplings(bw_context *context, bw_model *model);
  * they need its equations. BW_EMPTY for a selection without a facet, BW_INVALID for fewer than two
  * sectors, for an axis without direction and where the model has a cyclic symmetry, BW_GEOMETRY for
  * faces that do not match (with angle or distance), and an axis that passes elements away from
- * their edges, BW_UNSUPPORTED for a model with bonds or couplings. */
+ * their edges, BW_UNSUPPORTED for a model with preloads or couplings. */
 BW_API bw_status bw_model_cyclic(bw_context *context, bw_model *model, const bw_selection *low,
                                  const bw_selection *high, int count, const double axis[3],
                                  const double point[3]);
