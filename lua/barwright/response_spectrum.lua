@@ -85,7 +85,7 @@ local function check_others(responses)
     end
     if not core.spectra_of_one_model(responses[1], responses[k]) then
       raise(("combine: response %d is of another model, or the model changed in between: compute the responses of "
-        .. "one model"):format(k))
+        .. "one model; where its loads alone changed, give one of them the modes of the other"):format(k))
     end
     for j = 1, k - 1 do
       if not at_right_angles(responses[j].direction, responses[k].direction) then

@@ -141,10 +141,13 @@ static int spectrum_mesh(lua_State *L) {
   return 1;
 }
 
-/* spectra_of_one_model(a, b): whether a model did not change between them */
+/* spectra_of_one_model(a, b): whether a model did not change between them, unless by loads: modes
+ * that both have were checked against it each time */
 static int core_spectra_of_one_model(lua_State *L) {
   const bw_response_spectrum *a = self(L), *b = lbw_check(L, 2, &lbw_response_spectrum_class);
-  lua_pushboolean(L, a->model == b->model && a->revision == b->revision);
+  bool same = a->revision == b->revision ||
+              (a->modes == b->modes && a->coupling_count == b->coupling_count);
+  lua_pushboolean(L, a->model == b->model && same);
   return 1;
 }
 

@@ -54,7 +54,7 @@ function ResponseSpectrum:picture(path, options) end
 
 ---The largest response when the base moves along several directions at once, each with a spectrum of its own. The directions
 ---are at right angles, and their motions do not depend on each other. Responses of another model raise, and so do those from before a
----change of the model and those along other directions.
+---change of the model and those along other directions. A change of loads does not count where both have the same `modes`.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.2, 0.02, 0.01}, cells = {10, 1, 1}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))

@@ -114,6 +114,14 @@ describe("response_spectrum", function()
     local twin = bw.model({mesh = part.mesh, material = steel}):fix(part.mesh.boundary:above("x", L))
     local mirrored = assert(twin:response_spectrum {points = points, direction = {0, 1, 0}})
     check.raises("response 2 is of another model", r[1].combine, r[1], {mirrored})
+    -- a load changes nothing of the modes that they share
+    part:load {on = part.mesh.boundary:above("x", L), force = {0, 0, 1}}
+    local later = assert(part:response_spectrum {points = points, direction = axes[2], modes = r[1].modes})
+    check.near(r[1]:combine({r[2]}).von_mises:max(), r[1]:combine({later}).von_mises:max(), 1e-9)
+    local own = assert(part:response_spectrum {points = points, direction = axes[2]})
+    check.raises("give one of them the modes of the other", r[1].combine, r[1], {own})
+    part:clear_loads()
+    bw.warnings()
     -- remote points
     part:couple {on = part.mesh.boundary:below("z", 0), at = {0.1, 0.01, -0.05}, mass = 0.1}
     local coupled = {}
