@@ -58,6 +58,29 @@ local function attitudes_of(opts)
   return attitudes
 end
 
+-- Drops once more. True; or nil, a message, details, and nothing has changed.
+local function add(self, part, attitude, misses)
+  local row, impact = {peaks = 0, forces = 0, durations = 0, risks = 0, directions = attitude.down}, nil
+  if not misses then
+    local drop, message, details = part:drop(attitude)
+    if not drop then return nil, message, details end
+    self.modes, impact = drop.modes, drop.impacts[1]
+    self.exceeded = core.array.map("s + (u > 1)", {s = self.exceeded or 0, u = drop.utilisation})
+    self.sum = core.array.map("s + u", {s = self.sum or 0, u = drop.max_principal})
+    self.energy_error = math.max(self.energy_error, drop.energy_error)
+    self.solves = self.solves + drop.solves
+    if impact then
+      row.peaks, row.forces, row.durations = drop.peak.stress, impact.force, impact.duration
+      row.risks = drop.utilisation:max()
+      self.furthest_turn = math.max(self.furthest_turn, impact.turn)
+    end
+    drop:close()
+  end
+  if not impact then self.misses = self.misses + 1 end -- or it passes beside, for its spin
+  for name, list in pairs(self.rows) do list[#list + 1] = row[name] end
+  return true
+end
+
 --- Drops a part whose strength and density are known.
 function random_drops.analyse(part, given)
   options.object("random_drops", "part", part, "model")
@@ -68,44 +91,32 @@ function random_drops.analyse(part, given)
   if opts.onto and opts.onto.placed then
     core.raise "random_drops: the obstacle is below the centre of mass: leave out its place"
   end
-  local self = setmetatable({options = opts, mesh = part.mesh, drops = opts.drops, misses = 0}, random_drops)
+  local self = setmetatable({options = opts, mesh = part.mesh, drops = 0, misses = 0}, random_drops)
   local begin, modes, attitudes = core.seconds(), opts.modes, attitudes_of(opts)
   local misses, text, why = core.drop_misses(part, attitudes)
   if not misses then return nil, text, why end
-  local rows = {peaks = {}, forces = {}, durations = {}, directions = {}, risks = {}}
-  local exceeded, sum
+  self.rows = {peaks = {}, forces = {}, durations = {}, directions = {}, risks = {}}
   self.energy_error, self.solves, self.furthest_turn = 0, 0, 0
   for i, attitude in ipairs(attitudes) do
     local ok, message, details = core.report_progress("random drops", (i - 1) / opts.drops)
-    if not ok then return nil, message, details end
-    rows.peaks[i], rows.forces[i], rows.durations[i], rows.risks[i] = 0, 0, 0, 0
-    rows.directions[i] = attitude.down
-    local impact
-    if not misses[i] then
-      local drop
+    if ok then
       attitude.modes = modes
-      drop, message, details = part:drop(attitude)
-      if not drop then return nil, message, details end
-      if not modes then self.first_seconds = core.seconds() - begin end
-      modes, impact = drop.modes, drop.impacts[1]
-      exceeded = core.array.map("s + (u > 1)", {s = exceeded or 0, u = drop.utilisation})
-      sum = core.array.map("s + u", {s = sum or 0, u = drop.max_principal})
-      self.energy_error = math.max(self.energy_error, drop.energy_error)
-      self.solves = self.solves + drop.solves
-      if impact then
-        rows.peaks[i], rows.forces[i], rows.durations[i] = drop.peak.stress, impact.force, impact.duration
-        rows.risks[i] = drop.utilisation:max()
-        self.furthest_turn = math.max(self.furthest_turn, impact.turn)
-      end
-      drop:close()
+      ok, message, details = add(self, part, attitude, misses[i])
     end
-    if not impact then self.misses = self.misses + 1 end -- or it passes beside, for its spin
+    if not ok then
+      if details.status ~= "cancelled" or not self.exceeded then return nil, message, details end
+      self.stopped = "cancelled" -- those that are done are as random as all
+      break
+    end
+    self.first_seconds = self.first_seconds or not opts.modes and self.modes and core.seconds() - begin or nil
+    self.drops, modes = i, modes or self.modes
   end
-  core.report_progress("random drops", 1)
-  for name, list in pairs(rows) do self[name] = core.array.new(list) end
-  self.exceedance, self.mean_peak = exceeded / opts.drops, sum / opts.drops
+  if not self.stopped then core.report_progress("random drops", 1) end
+  for name, list in pairs(self.rows) do self[name] = core.array.new(list) end
+  self.exceedance, self.mean_peak = self.exceeded / self.drops, self.sum / self.drops
   self.modes = modes
   self.seconds = core.seconds() - begin
+  self.rows, self.exceeded, self.sum = nil, nil, nil
   return self
 end
 
@@ -154,7 +165,8 @@ function random_drops:__tostring()
   local p, low, high = self:failures()
   local place = self.exceedance:argmax()
   return table.concat({
-    ("%d drops from %g m: the part is overloaded in %s of them, by their number %s to %s (95 %%)"):format(
+    (self.stopped and ("stopped after %d of %d drops; "):format(self.drops, self.options.drops) or "")
+      .. ("%d drops from %g m: the part is overloaded in %s of them, by their number %s to %s (95 %%)"):format(
       self.drops, self.options.height, shown.percent(p), shown.percent(low), shown.percent(high))
       .. (self.misses > 0 and ("; %d of them miss it"):format(self.misses) or ""),
     ("  element %d most often, in %s of them; largest stress %.4g MPa, largest force %.4g N"):format(place,

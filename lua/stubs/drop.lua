@@ -11,7 +11,7 @@
 local bw = {}
 
 ---Drops a part in random attitudes on a rigid floor, edge or peg, in time, from one set of equations and modes. A part with supports or loads, or
----of a material without density or strength, raises.
+---of a material without density or strength, raises. Cancelled on the way, it returns the drops that are done.
 ---
 ---Errors: those of `model:drop`.
 ---
@@ -59,7 +59,8 @@ function bw.random_drops(part, options) end
 ---@field directions bw.Array (-, drops × 3, per drop) unit vector of the fall in the frame of the part
 ---@field energy_error number (-) the largest of all drops, as of `bw.Drop`
 ---@field furthest_turn number (rad) by which a normal turned in the part in a first impact, at most
----@field drops integer (count) of drops
+---@field drops integer (count) of drops that were done
+---@field stopped? "cancelled" where it was cancelled behind the first drop that hits: all figures are of the drops until then
 ---@field misses integer (count) of drops that miss the obstacle, such as a peg in a hole: they have no stress and do no harm
 ---@field solves integer (count) right-hand sides solved for
 ---@field seconds number (s) in all

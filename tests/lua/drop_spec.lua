@@ -137,6 +137,30 @@ describe("drop", function()
     for i = 1, 12 do assert.equal(drops.peaks[i], again.peaks[i]) end
   end)
 
+  it("at random keeps the drops that are done when it is cancelled", function()
+    local part, asked = box(), 0
+    local whole = assert(bw.random_drops(part, {drops = 4, samples = 2}))
+    local function stopped_at(count)
+      asked = 0
+      bw.progress(function(stage)
+        if stage == "random drops" then asked = asked + 1 end
+        return asked <= count
+      end)
+      local drops, message, details = bw.random_drops(part, {drops = 9, samples = 2})
+      bw.progress(nil)
+      return drops, message, details
+    end
+    local drops = assert(stopped_at(4))
+    assert.equal(4, drops.drops)
+    assert.equal("cancelled", drops.stopped)
+    for i = 1, 4 do assert.equal(whole.peaks[i], drops.peaks[i]) end
+    check.near(whole.mean_peak:sum(), drops.mean_peak:sum(), 0)
+    assert.truthy(tostring(drops):find("stopped after 4 of 9 drops", 1, true))
+    local none, _, details = stopped_at(0)
+    assert.is_nil(none)
+    assert.equal("cancelled", details.status)
+  end)
+
   it("at random falls on edges in any direction, and a peg in a hole does no harm", function()
     local part = box()
     local function drops_onto(surface)

@@ -289,6 +289,7 @@ local function run_many(opts, given, out)
   say("%s from %s in random attitudes: %s overload the part, with 95 %% confidence %s to %s of such drops.",
     model.count(drops.drops, "drop"), core.quantity(opts.height, "m"), shown.percent(p), shown.percent(low),
     shown.percent(high))
+  if drops.stopped then say("It was interrupted: %d of %d drops are done.", drops.drops, opts.drops) end
   if drops.misses > 0 then say("Of the drops, %d miss the obstacle and do no harm.", drops.misses) end
   say("That is the error of their number. The error of the mesh is unknown: one mesh.")
   if p > 0 then
@@ -306,7 +307,7 @@ local function run_many(opts, given, out)
   say("The balance of energy is kept to %.1e of the energy at the first touch.", drops.energy_error)
   state_assumptions(opts, given.onto, "modes that are left out and of the stress between samples", say)
   out:json {verdict = "unsure", value = p, quantity = "fraction of random drops that overload the part",
-    low = low, high = high, drops = drops.drops, seed = opts.seed, height_m = opts.height,
+    low = low, high = high, drops = drops.drops, stopped = drops.stopped, seed = opts.seed, height_m = opts.height,
     at_m = p > 0 and at or nil, largest_exceedance = drops.exceedance[element],
     largest_stress_pa = drops.peaks:max(), largest_force_n = drops.forces:max(),
     shortest_duration_s = shortest, misses = drops.misses, peg_m = opts.peg,
