@@ -7,31 +7,14 @@
 
 #include <string.h>
 
-/* The name of a region, if the comment behind the '#' gives one. */
-static bw_status read_comment(bwi_cursor *cursor, bwi_raw *raw) {
-  bwi_cursor line;
-  bwi_word word;
-  int64_t tag;
-  const unsigned char *after;
-  if (!bwi_next_line(cursor, &line) || !bwi_next_word(&line, &word) ||
-      !bwi_word_is(word, "region") || !bwi_next_word(&line, &word) ||
-      !bwi_parse_integer(word.at, word.at + word.length, &tag, &after) ||
-      after != word.at + word.length || tag < INT32_MIN || tag > INT32_MAX)
-    return BW_OK;
-  bwi_skip_blank(&line);
-  word = (bwi_word){line.at, bwi_left(&line)};
-  while (word.length && word.at[word.length - 1] <= ' ')
-    word.length--;
-  return word.length ? bwi_raw_name_region(raw, (int32_t)tag, word) : BW_OK;
-}
-
 /* The next word, of length 0 at the end; comments are read on the way. */
 static bw_status next_keyword(bwi_cursor *cursor, bwi_raw *raw, bwi_word *word) {
   while (bwi_next_word(cursor, word)) {
     if (*word->at != '#')
       return BW_OK;
     cursor->at = word->at + 1;
-    bw_status status = read_comment(cursor, raw);
+    bwi_cursor line;
+    bw_status status = bwi_next_line(cursor, &line) ? bwi_read_region_comment(&line, raw) : BW_OK;
     if (status != BW_OK)
       return status;
   }
@@ -151,10 +134,7 @@ done:
 
 bw_status bwi_medit_write(bw_writer *writer, const bw_mesh *mesh) {
   bw_writer_print(writer, "MeshVersionFormatted 2\nDimension 3\n");
-  for (int32_t i = 0; i < mesh->region_count; i++)
-    if (!strpbrk(mesh->regions[i].name.text, "\r\n"))
-      bw_writer_print(writer, "# region %d %s\n", (int)mesh->regions[i].tag,
-                      mesh->regions[i].name.text);
+  bwi_write_region_comments(writer, mesh);
   bw_writer_print(writer, "Vertices\n%d\n", (int)mesh->node_count);
   for (int32_t i = 0; i < mesh->node_count; i++) {
     for (size_t k = 0; k < 3; k++) {

@@ -46,6 +46,10 @@ void bwi_raw_clear(bwi_raw *raw);
 bw_status bwi_raw_point(bwi_raw *raw, const double point[3]);
 /* The name of a tag, cut to the bytes that a name may have. */
 bw_status bwi_raw_name_region(bwi_raw *raw, int32_t tag, bwi_word name);
+/* Names of regions in comments: takes the name that the rest of a line behind '#' may have, and
+ * writes a line for each. Names with a line break are left out. */
+bw_status bwi_read_region_comment(bwi_cursor *line, bwi_raw *raw);
+void bwi_write_region_comments(bw_writer *writer, const bw_mesh *mesh);
 /* Node numbers must lie in 0..point_count-1 by the time of bwi_raw_mesh, which relies on it. Order
  * of nodes as in bw_mesh. */
 bw_status bwi_raw_tet(bwi_raw *raw, int width, const int32_t *node, int32_t region);

@@ -3,7 +3,8 @@
  * attributes... [marker]"; NAME.ele: "elements nodes attributes", then "number nodes...
  * attributes...". Numbers start at 0 or at 1, as the first point does. Attributes become fields
  * "attribute_1", ...; the first attribute of elements, where whole, the region; point markers a
- * field "marker". '#' begins a comment.
+ * field "marker". '#' begins a comment; those
+ * before the first row of NAME.ele have the names of regions, "# region 3 insert".
  *
  * TetGen's order of the mid-edge nodes of a ten-node element is 23 03 01 12 13 02 (corners from
  * 0). */
@@ -172,10 +173,29 @@ done:
   return status;
 }
 
+/* Comments before the first row. */
+static bw_status read_names(bwi_cursor cursor, bwi_raw *raw) {
+  bwi_cursor line;
+  while (bwi_next_line(&cursor, &line)) {
+    bwi_skip_blank(&line);
+    if (line.at < line.end && *line.at != '#')
+      break;
+    if (line.at < line.end) {
+      line.at++;
+      bw_status status = bwi_read_region_comment(&line, raw);
+      if (status != BW_OK)
+        return status;
+    }
+  }
+  return BW_OK;
+}
+
 bw_status bwi_tetgen_read(bwi_cursor *node, bwi_cursor *ele, bwi_raw *raw, const char **format) {
   int64_t first = 1;
   *format = "TetGen";
   bw_status status = read_nodes(node, raw, &first);
+  if (status == BW_OK)
+    status = read_names(*ele, raw);
   return status == BW_OK ? read_elements(ele, raw, first) : status;
 }
 
@@ -197,6 +217,7 @@ static void write_elements(bw_writer *writer, const bw_mesh *mesh) {
   int width = mesh->nodes_per_element, place[10];
   for (int k = 0; k < 10; k++)
     place[width == 10 ? middle_from[k] : k] = k;
+  bwi_write_region_comments(writer, mesh);
   bw_writer_print(writer, "%d %d %d\n", (int)mesh->element_count, width, mesh->region ? 1 : 0);
   for (int32_t e = 0; e < mesh->element_count; e++) {
     bw_writer_integer(writer, (int64_t)e + 1);

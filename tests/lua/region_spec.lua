@@ -218,4 +218,19 @@ describe("regions of a mesh", function()
     assert.is_nil(mesh)
     assert.matches("region_names", message)
   end)
+
+  it("have their names, blanks and quotes too, in files of formats without names", function()
+    local box = bw.mesh.box {max = {1, 1, 1}, cells = {3, 1, 1}}
+    local tags, names = {}, {" left ", '"quoted"', "steel insert"}
+    for e = 1, box.element_count do tags[e] = (e - 1) * 3 // box.element_count + 1 end
+    local mesh, stem = assert(box:with_regions(tags, names)), os.tmpname()
+    for _, ending in ipairs {".mesh", ".ele", ".vtu"} do
+      assert(mesh:write(stem .. ending))
+      local read = assert(bw.mesh.read(stem .. ending))
+      for i, name in ipairs(names) do assert.equal(name, read.regions[i].name) end
+      os.remove(stem .. ending)
+    end
+    os.remove(stem .. ".node")
+    os.remove(stem)
+  end)
 end)
