@@ -64,8 +64,20 @@ local function basis_of(opts, mesh, friction, facets)
     friction = friction, friction_facets = facets})
 end
 
+-- What cuts through a part, in words.
+local function cut_words(part, covered)
+  local words, planes = {}, false
+  for _, support in ipairs(part.supports) do planes = planes or support.symmetry ~= nil end
+  if #part.bonds > 0 then words[#words + 1] = "bonds" end
+  if planes then words[#words + 1] = "planes of symmetry" end
+  if covered then words[#words + 1] = "contact" end
+  if part.cyclic_symmetry then words[#words + 1] = "cuts between sectors" end
+  return table.concat(words, " and ")
+end
+
 --- The basis of the pressures that may act on a part; sets the largest pressure of `opts`, and `cuts`, which take
---- no pressure; `covered`: by contact, or nil. Returns nil, message, details where no surface is left.
+--- no pressure, with `cut_words`; `covered`: by contact, or nil. Returns nil, message, details where no surface is
+--- left.
 function load_limits.basis(where, part, opts, covered)
   local mesh = part.mesh
   if opts.pressure and opts.contact then
@@ -78,7 +90,7 @@ function load_limits.basis(where, part, opts, covered)
   opts.hand = opts.hands and (opts.hand or opts.force / opts.pressure)
   opts.forbidden = opts.forbidden and selection_of(where, opts.forbidden, mesh)
   local cuts = core.cuts(part)
-  opts.cuts = cuts and covered and cuts:union(covered) or cuts or covered
+  opts.cuts, opts.cut_words = cuts and covered and cuts:union(covered) or cuts or covered, cut_words(part, covered)
   return basis_of(opts, mesh, opts.friction, opts.friction_facets)
 end
 
@@ -106,8 +118,8 @@ end
 
 --- What of the admissible loads belongs into a sentence about the answer; "" for pressure alone.
 function load_limits.describe(opts)
-  local cuts = opts.cuts and ("; no pressure on %s of bonds%s and planes of symmetry"):format(
-    core.quantity(opts.cuts.area, "m2"), opts.pairs and ", contact" or "") or ""
+  local cuts = opts.cuts and ("; no pressure on %s of %s"):format(core.quantity(opts.cuts.area, "m2"),
+    opts.cut_words) or ""
   local hands = cuts .. (opts.hands and ("; %d hand%s of %s"):format(opts.hands, opts.hands == 1 and "" or "s",
     core.quantity(opts.hand, "m2")) or "")
   if opts.friction == 0 then return hands end
