@@ -137,7 +137,6 @@ static bw_status take_compliance(bw_context *context, bw_contact_system *c) {
   int64_t n = c->count, *start = BW_NEW0(context, int64_t, n + 1);
   int32_t *node = NULL;
   double *force = NULL;
-  bwi_compliance compliance = {0};
   BW_TRY_MEMORY(start);
   for (int64_t k = 0; k < n; k++)
     start[k + 1] = start[k] + c->rows->start[c->row[k] + 1] - c->rows->start[c->row[k]];
@@ -153,10 +152,8 @@ static bw_status take_compliance(bw_context *context, bw_contact_system *c) {
   }
   bw_progress(context, "contact", 0);
   const bwi_nodal_columns columns = {(int)n, start, node, force};
-  BW_TRY(bwi_compliance_open(context, c->system, &compliance));
-  BW_TRY(bwi_compliance_of(context, &compliance, &columns, 0, c->s));
+  BW_TRY(bwi_compliance_of(context, c->system, &columns, 0, c->s));
 done:
-  bwi_compliance_close(&compliance);
   bw_free(start);
   bw_free(node);
   bw_free(force);

@@ -261,7 +261,8 @@ local function analyse(opts, out)
   if read.kind == "outline" then return model.mesh(read, opts, out) end
   local breaking
   breaking, message, details = model.try(bw.breaking_force, read.surface or read.mesh, {
-    material = read.made.default, force = opts.force, contact = opts.contact, error = opts.error, elements = opts.elements,
+    material = read.made.default, force = opts.force, contact = opts.contact,
+    error = opts.error, elements = opts.elements,
     max_elements = opts.error and math.max(MAX_ELEMENTS, opts.elements) or nil, modes = opts.modes,
     regions = opts.regions, fix = limits.fix, forbidden = limits.forbidden, friction = limits.friction,
     hands = limits.hands, length = opts.length, solver = model.solver(opts)})
