@@ -192,27 +192,12 @@ static bw_status check_options(bw_context *context, const bw_model *model,
   return BW_OK;
 }
 
-/* What joins the model must not deform it without a load, and by modes supports must be still. */
-static bw_status check_joints(bw_context *context, const bw_model *model,
-                              const bw_linear_transient_options *o) {
-  bw_status status = BW_OK;
-  bw_dof_map *apart = NULL;
-  static const char still[] = "motion by modes of a part with joints holds supports still: leave "
-                              "the displacement out";
+/* What joins the model must not deform it without a load. */
+static bw_status check_joints(bw_context *context, const bw_model *model) {
   if (model->cyclic)
     return bw_model_refuse_joints(context, model);
-  BW_TRY(bwi_model_refuse_preloads(context, model,
-                                   "motion in time does not know: bond the section without one"));
-  if (!o->modes)
-    goto done;
-  BW_TRY(bwi_points_refuse_motion(context, model, still));
-  BW_TRY(bwi_dof_map_apart(context, model, &apart));
-  if (apart->prescribed)
-    BW_TRY(bw_fail(context, BW_UNSUPPORTED,
-                   "a support prescribes a displacement that is not zero: %s", still));
-done:
-  bw_release(apart);
-  return status;
+  return bwi_model_refuse_preloads(context, model,
+                                   "motion in time does not know: bond the section without one");
 }
 
 static bw_status check_factors(bw_context *context, const bw_linear_transient *t,
@@ -544,7 +529,7 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
   bwi_blas_enter();
   BW_TRY(check_options(context, model, options));
   if (bw_model_joined(model))
-    BW_TRY(check_joints(context, model, options));
+    BW_TRY(check_joints(context, model));
   t = BW_NEW0(context, bw_linear_transient, 1);
   BW_TRY_MEMORY(t);
   bw_object_init(t, &transient_kind);

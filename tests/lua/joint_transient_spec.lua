@@ -156,7 +156,7 @@ describe("transients of joined models", function()
       for i = 1, 3 do -- fixed steps, half of them, and steps that adapt
         local given = {}
         for k, value in pairs(options) do given[k] = value end
-        if i == 2 then given.step = options.step / 2 elseif i == 3 then given.error = 1e-5 end
+        if i == 2 then given.step = options.step / 2 elseif i == 3 then given.error = 1e-3 end
         local run = assert(assert(part:transient(given)):run {time = 30 / w, probes = {tip = {1, 0, 0}}})
         off[i] = 0
         for k = 1, #run.time do
@@ -174,10 +174,13 @@ describe("transients of joined models", function()
   end)
 
   it("are the same by direct integration and by all modes", function()
-    for _, kind in ipairs {"rigid", "distributed"} do
+    for i, kind in ipairs {"rigid", "distributed", "rigid", "distributed"} do
       local part, tip = beam(true, {1, 1, 1})
+      local moves = i > 2 -- the support, and a component of the point
+      if moves then part:clear_supports():prescribe(part.mesh.boundary:below("x", 0), {1e-4, 0, 2e-4}) end
       part:couple {on = tip, kind = kind, at = {1.1, 0.02, 0.05}, mass = 2, inertia = {0.01, 0.02, 0.01},
-        force = {0, 0, 30}, moment = {5, 0, 0}, spring = {0, 3e5, 0}}
+        force = {0, 0, 30}, moment = {5, 0, 0}, spring = {0, moves and 0 or 3e5, 0},
+        displacement = {false, moves and 1e-4, false}}
         :attach {on = part.mesh.boundary:above("z", 0.05), mass = 3}
         :load {on = part.mesh.boundary:above("y", 0.1), force = {0, 100, 0}}
       local modes = assert(part:modes {count = 1000, tolerance = 1e-12})
@@ -186,19 +189,21 @@ describe("transients of joined models", function()
       local function history(t) return math.sin(0.3 * first * t) ^ 3 end
       local function displacement(by, count)
         local now = assert(part:transient {step = 10 / first / count, rho = 1, modes = by,
-          damping = {mass = 0.1 * first, stiffness = 0.01 / first}, loads = {history}, couplings = {history}})
+          damping = {mass = 0.1 * first, stiffness = not moves and 0.01 / first or nil}, loads = {history},
+          couplings = {history}, supports = history})
         for _ = 1, count do assert(now:step()) end
         return now.displacement, bw.array.new(now.reaction:column_sums())
       end
       local exact, held = displacement(modes, 6400)
       local off = {}
-      for i = 1, 2 do
-        local found, reaction = displacement(nil, 400 * i)
-        off[i] = check.largest(found - exact)
-        check.same(held, reaction, 3e-3)
+      for k = 1, 2 do
+        local found, reaction = displacement(nil, 400 * k)
+        off[k] = check.largest(found - exact)
+        check.same(held, reaction, 5e-3)
       end
       assert.is_true(off[1] < 1e-3 * check.largest(exact), ("%s: %g"):format(kind, off[1] / check.largest(exact)))
-      check.near(4, off[1] / off[2], 0.03)
+      -- nothing damps the shortest waves where supports move
+      check.near(4, off[1] / off[2], moves and 0.15 or 0.03)
     end
   end)
 
@@ -213,6 +218,11 @@ describe("transients of joined models", function()
       else
         part:couple {on = tip, kind = how, displacement = {0, 1e-4, -2e-4}, rotation = {0, 0, 0}}
       end
+      if how == "rigid" then -- by modes too
+        local modes = assert(part:modes {count = 20, tolerance = 1e-12})
+        found.modes = assert(assert(part:transient {step = 2e-5, supports = history, modes = modes})
+          :run {time = 2e-3, probes = {middle = {0.5, 0.1, 0.05}}})
+      end
       local now = assert(part:transient {step = 2e-5, supports = history, rho = 1})
       found[how] = assert(now:run {time = 2e-3, probes = {tip = {1, 0, 0}, middle = {0.5, 0.1, 0.05}}})
       found[how].root = bw.array.new(now.reaction:column_sums())
@@ -222,6 +232,7 @@ describe("transients of joined models", function()
       check.same(found.support.probes.middle[field], found.rigid.probes.middle[field], 1e-8)
     end
     check.same(found.support.energy.work, found.rigid.energy.work, 1e-8)
+    check.same(found.rigid.probes.middle.displacement, found.modes.probes.middle.displacement, 5e-3)
     -- the mean motion of the face; the face itself deforms
     check.same(found.support.probes.middle.displacement, found.distributed.probes.middle.displacement, 0.05)
   end)
@@ -313,11 +324,9 @@ describe("transients of joined models", function()
     end)
     part:clear_supports():attach {on = tip, spring = {1e6, 1e6, 1e6}}
     part:prescribe(part.mesh.boundary:below("x", 0), {1e-3, 0, 0})
-    check.fails("unsupported", "holds supports still", part:transient {step = 1e-3, modes = modes})
-    part:clear_supports():fix(part.mesh.boundary:below("x", 0))
-      :couple {on = tip, displacement = {1e-3, false, false}}
-    check.fails("unsupported", "coupling 1 has a prescribed motion", part:transient {step = 1e-3, modes = modes})
-    part:clear_supports():clear_couplings():clear_attachments():attach {on = tip, mass = 1}
+    check.fails("unsupported", "without a part of the stiffness", part:transient {step = 1e-3,
+      modes = assert(part:modes {count = 2}), damping = {stiffness = 1e-6}})
+    part:clear_supports():clear_attachments():attach {on = tip, mass = 1}
     check.fails("unconstrained", "rigid-body mode", part:transient {step = 1e-3, modes = modes})
     local halves = beam(true, {2, 1, 1})
     local of_halves = assert(halves:modes {count = 2})

@@ -78,11 +78,11 @@ typedef struct bw_linear_transient {
  * afterwards. initial + work = kinetic + strain + damped, but for what the scheme itself takes
  * away. Masses and springs of attachments and couplings are in all energies; prescribed motions of
  * remote points have the factor of the supports. With modes a joined model must not move freely.
- * BW_UNSUPPORTED for cyclic symmetry, for preloads, and with modes for prescribed displacements of
- * a joined model that are not 0. BW_INVALID for numbers outside their ranges, a material without
- * density and modes of another model, BW_UNSUPPORTED for temperature loads and other damping;
- * BW_MEMORY, before it is allocated, for a factor larger than what is free, BW_CONVERGENCE where
- * the first acceleration is not found; those of bw_dof_map_create and bw_system_factor. */
+ * BW_UNSUPPORTED for cyclic symmetry, for preloads, and with modes for supports that move a body
+ * that is free or has stiffness damping. BW_INVALID for numbers outside their ranges, a material
+ * without density and modes of another model, BW_UNSUPPORTED for temperature loads and other
+ * damping; BW_MEMORY, before it is allocated, for a factor larger than what is free, BW_CONVERGENCE
+ * where the first acceleration is not found; those of bw_dof_map_create and bw_system_factor. */
 BW_API bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
                                             bw_system *given,
                                             const bw_linear_transient_options *options,
