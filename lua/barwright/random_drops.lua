@@ -58,6 +58,33 @@ local function attitudes_of(opts)
   return attitudes
 end
 
+-- Of the time of a drop behind the first: what the first one takes, as long as no other is known.
+local FIRST = 20
+
+-- From here on, until it is closed, the progress is that of all drops: by the seconds of those that are done.
+local function open_progress(self)
+  local progress = {shown = 0}
+  local count, start = self.options.drops, core.seconds()
+  local function fraction_of()
+    local done, spent = self.drops, core.seconds() - start
+    if done == 0 then return 0 end
+    progress.first = progress.first or spent
+    local each = done > 1 and (spent - progress.first) / (done - 1) or progress.first / FIRST
+    progress.shown = math.max(progress.shown, math.min(0.99, spent / (spent + each * (count - done))))
+    return progress.shown
+  end
+  local before
+  before = core.progress(function(stage, fraction)
+    if stage ~= "random drops" then
+      stage = ("random drops; drop %d of %d, %s"):format(math.min(self.drops + 1, count), count, stage)
+    end
+    fraction = stage == "random drops" and fraction == 1 and 1 or fraction_of()
+    if before then return before(stage, fraction) end
+    core.report_progress(stage, fraction)
+  end)
+  return setmetatable(progress, {__close = function() core.progress(before) end})
+end
+
 -- Drops once more. True; or nil, a message, details, and nothing has changed.
 local function add(self, part, attitude, misses)
   local row, impact = {peaks = 0, forces = 0, durations = 0, risks = 0, directions = attitude.down}, nil
@@ -95,6 +122,7 @@ function random_drops.analyse(part, given)
   local begin, modes, attitudes = core.seconds(), opts.modes, attitudes_of(opts)
   local misses, text, why = core.drop_misses(part, attitudes)
   if not misses then return nil, text, why end
+  local _ <close> = open_progress(self)
   self.rows = {peaks = {}, forces = {}, durations = {}, directions = {}, risks = {}}
   self.energy_error, self.solves, self.furthest_turn = 0, 0, 0
   for i, attitude in ipairs(attitudes) do

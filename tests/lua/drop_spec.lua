@@ -141,8 +141,13 @@ describe("drop", function()
     local part, asked = box(), 0
     local whole = assert(bw.random_drops(part, {drops = 4, samples = 2}))
     local function stopped_at(count)
+      local last = 0
       asked = 0
-      bw.progress(function(stage)
+      bw.progress(function(stage, fraction)
+        if stage:find("random drops", 1, true) then
+          assert.is_true(fraction >= last and fraction < 1, stage)
+          last = fraction
+        end
         if stage == "random drops" then asked = asked + 1 end
         return asked <= count
       end)
