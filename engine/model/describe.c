@@ -62,8 +62,29 @@ static void describe_material(bwi_text *out, const bw_material *material, bool t
     bwi_text_add(out, ", strength not given");
 }
 
-/* A line for each material, with the volume and the mass of its elements where there are several;
- * one whose axes turn is one. */
+/* " of 'core', 'shell'": regions of a mesh that have elements of a material, the first eight. */
+static void name_regions(bwi_text *out, const bw_mesh *mesh, const bw_material *material,
+                         const bw_material *own) {
+  enum { SHOWN = 8 };
+  int32_t named = 0;
+  for (int32_t r = 0; r < mesh->region_count; r++) {
+    bool has = false;
+    for (int64_t e = 0; e < mesh->element_count && !has; e++)
+      has = mesh->region[e] == r && bw_material_unrotated(material, e) == own;
+    if (!has)
+      continue;
+    if (named == SHOWN) {
+      bwi_text_add(out, " and others");
+      return;
+    }
+    bwi_text_add(out, named++ ? ", '" : " of '");
+    bwi_text_add(out, mesh->regions[r].name.text);
+    bwi_text_add(out, "'");
+  }
+}
+
+/* A line for each material, with the regions, the volume and the mass of its elements where there
+ * are several; one whose axes turn is one. */
 static void describe_materials(bwi_text *out, const bw_model *model) {
   const bw_mesh *mesh = model->mesh;
   const bw_material *material = model->material;
@@ -78,7 +99,10 @@ static void describe_materials(bwi_text *out, const bw_model *model) {
       turned |= p->unrotated[k] == own && p->part[k] != own;
     if (met)
       continue;
-    bwi_text_add(out, "material: ");
+    bwi_text_add(out, "material");
+    if (mixed)
+      name_regions(out, mesh, material, own);
+    bwi_text_add(out, ": ");
     describe_material(out, own, turned);
     double volume = 0;
     for (int64_t e = 0; mixed && e < mesh->element_count; e++)

@@ -227,10 +227,10 @@ static int buckling_tostring(lua_State *L) {
   lbw_leave_or_raise(L, status);
   snprintf(
       text, sizeof text,
-      "%d load factors by %s, %.4g to %.4g, %s; the shapes' mesh makes them too large by about "
+      "%d load factor%s by %s, %.4g to %.4g, %s; the shapes' mesh makes them too large by about "
       "%.2g %% at most",
-      n, buckling->report.solver, buckling->factor[0], buckling->factor[n - 1], known,
-      100 * largest);
+      n, n == 1 ? "" : "s", buckling->report.solver, buckling->factor[0], buckling->factor[n - 1],
+      known, 100 * largest);
   lua_pushstring(L, text);
   return 1;
 }

@@ -54,6 +54,17 @@ describe("regions of a mesh", function()
     check.raises("whole number", plain.with_regions, plain, bw.array.zeros(plain.element_count, 1) + 0.5)
   end)
 
+  it("are named by print(model) with their material", function()
+    local mesh = bw.mesh.box {max = {1, 1, 1}, cells = {3, 1, 1}}
+    mesh = assert(mesh:split({max = {0.4, 1, 1}}, "left"))
+    mesh = assert(mesh:split({min = {0.6, 0, 0}, max = {1, 1, 1}}, "right"))
+    local steel = bw.material.steel
+    local text = tostring(bw.model {mesh = mesh,
+      materials = {left = steel, rest = bw.material.pla, right = steel}})
+    assert.truthy(text:find("\nmaterial of 'left', 'right': steel, ", 1, true), text)
+    assert.truthy(text:find("\nmaterial of 'rest': pla, ", 1, true), text)
+  end)
+
   it("are split off by a function, a formula, a box and a surface", function()
     local mesh = halves()
     local ways = {function(x) return x < 0.5 end, "x < 0.5", {max = {0.5, 1, 1}},
