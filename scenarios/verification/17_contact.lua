@@ -375,4 +375,28 @@ scenario("Loaded pin with friction (NAFEMS)", function(t)
     :near(0.73616515310581e-3, {relative = 0.02, source = source})
   expect(contact.static.stress:totable()[at][1], "stress there across the contact", "Pa")
     :near(-160.40053222751e6, {relative = 0.02, source = source})
+
+-- A bar without Poisson's ratio on springs, a gap away from a plane and pressed at its other end: the springs
+-- alone take the force that closes the gap, and then they stand beside E A / L.
+scenario("A bar that closes a gap, under many loads", function(t)
+  local L, W, H, k, gap, young = 0.1, 0.02, 0.015, 3e5, 1e-5, 2e9
+  local mesh = bw.mesh.box {max = {L, W, H}, cells = {6, 1, 1}, order = 2}
+  local left, right = mesh.boundary:below("x", 0), mesh.boundary:above("x", L)
+  local bar = bw.model {mesh = mesh, material = bw.material.isotropic {young = young, poisson = 0}}
+  bar:slide(mesh.boundary:below("y", 0)):slide(mesh.boundary:below("z", 0))
+  bar:attach {on = right, spring = {k, 0, 0}}
+  local contact = t:require(bar:contact_system {{on = left,
+    with = bw.rigid.plane {point = {-gap, 0, 0}, normal = {1, 0, 0}}}})
+  local rest = left | mesh.boundary:below("y", 0) | mesh.boundary:above("y", W) | mesh.boundary:below("z", 0)
+    | mesh.boundary:above("z", H)
+  local basis = bw.pressure_basis(mesh, {cuts = rest})
+  local stiffness = young * W * H / L
+  for _, times in ipairs {0.9, 3} do
+    local force, pressure = times * k * gap, {}
+    for j = 1, basis.count do pressure[j] = force / basis.areas:sum() end
+    local u = t:require(contact:solve(basis:force(bw.array.new(pressure))))
+    expect(-u:column(1):min(), ("displacement of the pressed end at %g k d"):format(times), "m")
+      :near(times < 1 and times * gap or (force + stiffness * gap) / (k + stiffness),
+        {relative = 1e-8, source = "bar and springs in parallel"})
+  end
 end)
