@@ -375,6 +375,7 @@ scenario("Loaded pin with friction (NAFEMS)", function(t)
     :near(0.73616515310581e-3, {relative = 0.02, source = source})
   expect(contact.static.stress:totable()[at][1], "stress there across the contact", "Pa")
     :near(-160.40053222751e6, {relative = 0.02, source = source})
+end)
 
 -- A bar without Poisson's ratio on springs, a gap away from a plane and pressed at its other end: the springs
 -- alone take the force that closes the gap, and then they stand beside E A / L.
