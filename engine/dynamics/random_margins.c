@@ -262,8 +262,7 @@ bw_status bw_harmonic_random_damage(bw_context *context, const bw_harmonic *harm
     int32_t most = i;
     rate[i] = -1;
     FOR_POINTS_AT(k, i, &m.points) {
-      BW_TRY(
-          bw_spectral_damage(context, curve, BW_DIRLIK, m.moment + 4 * (int64_t)k, &own));
+      BW_TRY(bw_spectral_damage(context, curve, BW_DIRLIK, m.moment + 4 * (int64_t)k, &own));
       most = own > rate[i] ? k : most;
       rate[i] = fmax(rate[i], own);
     }

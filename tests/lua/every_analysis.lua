@@ -40,7 +40,8 @@ glued:fix(halves.boundary:below("x", 0)):load {on = halves.boundary:above("x", 0
 show("bond", assert(glued:solve()).displacement)
 
 local skeleton = bw.skeleton.create {root = "a",
-  joints = {a = {0, 0.01, 0.005}, b = {0.04, 0.01, 0.005}, c = {0.08, 0.01, 0.005}}, bones = {{"a", "b", name = "root"}, {"b", "c", name = "arm"}}}
+  joints = {a = {0, 0.01, 0.005}, b = {0.04, 0.01, 0.005}, c = {0.08, 0.01, 0.005}},
+  bones = {{"a", "b", name = "root"}, {"b", "c", name = "arm"}}}
 local session = assert(bw.edit(part, {skeleton = skeleton}))
 assert(session:bone("arm"):scale {1, 1.2, 1.1})
 show("session", assert(session:solve()).von_mises)
