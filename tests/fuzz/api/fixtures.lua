@@ -124,8 +124,8 @@ end, function(p)
 end}
 makers.ContactSystem = {function()
   local mesh = bw.mesh.box {max = {0.1, 0.02, 0.01}, cells = {4, 1, 1}}
-  local part = bw.model {mesh = mesh, material = bw.material.pla}:fix(mesh.boundary:below(1, 0))
-  return assert(part:contact_system {{on = mesh.boundary:below(3, 0), with = bw.rigid.plane {normal = {0, 0, 1}}}})
+  local body = bw.model {mesh = mesh, material = bw.material.pla}:fix(mesh.boundary:below(1, 0))
+  return assert(body:contact_system {{on = mesh.boundary:below(3, 0), with = bw.rigid.plane {normal = {0, 0, 1}}}})
 end}
 makers.Deposition = {function()
   local mesh = bw.mesh.box {cells = {2, 2, 2}}
