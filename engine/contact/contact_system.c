@@ -38,6 +38,7 @@ static void contact_system_destroy(void *object) {
   bw_release(c->cuts);
   bw_release(c->system);
   bw_release(c->model);
+  bw_free(c);
 }
 
 static size_t contact_system_bytes(const void *object) {
