@@ -19,14 +19,9 @@ static const double coarse = 0.25; /* of the elastic displacement: penetration t
 
 static void contact_destroy(void *object) {
   bw_contact *contact = object;
-  for (int i = 0; i < contact->pair_count && contact->pair; i++) {
-    bw_release(contact->pair[i].on);
-    bw_release(contact->pair[i].with);
-    bw_release(contact->pair[i].against);
-  }
+  bwi_contact_pairs_release(contact->pair_count, contact->pair);
   bw_release(contact->model);
   bw_release(contact->solution);
-  bw_free(contact->pair);
   bw_free(contact->state);
   bw_release(contact->start);
   bw_free(contact->pressure);
@@ -431,11 +426,7 @@ bw_status bwi_contact_take_result(bw_context *context, bwi_contact_problem *c,
   out->gap = BW_NEW(context, double, nodes);
   BW_TRY_MEMORY(force && out->pair && out->state && out->pressure && out->gap);
   out->pair_count = c->rows.pair_count;
-  for (int i = 0; i < out->pair_count; i++)
-    out->pair[i] =
-        (bw_contact_pair){bw_retain(c->rows.pair[i].on),      bw_retain(c->rows.pair[i].with),
-                          bw_retain(c->rows.pair[i].against), c->rows.pair[i].interference,
-                          c->rows.pair[i].friction,           c->rows.pair[i].smooth};
+  bwi_contact_pairs_retain(out->pair_count, c->rows.pair, out->pair);
   BW_TRY(take_solution(context, c, out));
   BW_TRY(take_undetermined(context, c, out));
   take_pressure(c, force, out);

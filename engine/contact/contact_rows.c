@@ -140,6 +140,24 @@ static void number_corners(bwi_contact_rows *rows, int pair, int64_t first, int3
     }
 }
 
+void bwi_contact_pairs_retain(int pair_count, const bw_contact_pair *pair, bw_contact_pair *copy) {
+  for (int i = 0; i < pair_count; i++) {
+    copy[i] = pair[i];
+    bw_retain(pair[i].on);
+    bw_retain(pair[i].with);
+    bw_retain(pair[i].against);
+  }
+}
+
+void bwi_contact_pairs_release(int pair_count, bw_contact_pair *copy) {
+  for (int i = 0; i < pair_count && copy; i++) {
+    bw_release(copy[i].on);
+    bw_release(copy[i].with);
+    bw_release(copy[i].against);
+  }
+  bw_free(copy);
+}
+
 bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int pair_count,
                                   const bw_contact_pair *pair, bool finite,
                                   bwi_contact_rows *rows) {
@@ -483,4 +501,32 @@ void bwi_contact_rows_pair_force(const bwi_contact_rows *rows, int pair, bool ta
       for (int k = 0; k < 3; k++)
         force[3 * (int64_t)node[a] + k] += point->area * point->shape[a] * traction[k];
   }
+}
+
+bw_status bwi_contact_rows_compliance(bw_context *context, const bwi_contact_rows *rows,
+                                      bw_system *system, int count, const int32_t *row, int first,
+                                      double *s) {
+  bw_status status = BW_OK;
+  int64_t *start = BW_NEW0(context, int64_t, (int64_t)count + 1);
+  int32_t *node = NULL;
+  double *force = NULL;
+  BW_TRY_MEMORY(start);
+  for (int k = 0; k < count; k++)
+    start[k + 1] = start[k] + rows->start[row[k] + 1] - rows->start[row[k]];
+  node = BW_NEW(context, int32_t, start[count]);
+  force = BW_NEW(context, double, 3 * start[count]);
+  BW_TRY_MEMORY(node && force);
+  for (int k = 0; k < count; k++) {
+    int64_t from = rows->start[row[k]];
+    size_t entries = (size_t)(start[k + 1] - start[k]);
+    memcpy(node + start[k], rows->column + from, entries * sizeof *node);
+    memcpy(force + 3 * start[k], rows->value + 3 * from, 3 * entries * sizeof *force);
+  }
+  const bwi_nodal_columns columns = {count, start, node, force};
+  BW_TRY(bwi_compliance_of(context, system, &columns, first, s));
+done:
+  bw_free(start);
+  bw_free(node);
+  bw_free(force);
+  return status;
 }

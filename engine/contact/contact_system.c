@@ -15,7 +15,8 @@
 
 enum { MOST_CANDIDATES = 8000 /* a dense matrix */ };
 
-static const double held = 1e-8; /* of the compliance of a free surface: supports constrain it */
+static const double constrained =
+    1e-8; /* of the compliance of a free surface: supports constrain it */
 static const double rounding = 1e-12;  /* of the diagonal of the mesh */
 static const double redundant = 1e-11; /* of a candidate's compliance: what others leave of it */
 static const double no_gap = 1e-8; /* of the largest mean gap without contact: penetration that is
@@ -23,12 +24,7 @@ static const double no_gap = 1e-8; /* of the largest mean gap without contact: p
 
 static void contact_system_destroy(void *object) {
   bw_contact_system *c = object;
-  for (int i = 0; c->pair && i < c->pair_count; i++) {
-    bw_release(c->pair[i].on);
-    bw_release(c->pair[i].with);
-    bw_release(c->pair[i].against);
-  }
-  bw_free(c->pair);
+  bwi_contact_pairs_release(c->pair_count, c->pair);
   if (c->rows)
     bwi_contact_rows_clear(c->rows);
   bw_free(c->rows);
@@ -132,43 +128,14 @@ done:
 
 /* ---- candidates ------------------------------------------------------------------------------ */
 
-/* S of the candidates in `row`. */
-static bw_status take_compliance(bw_context *context, bw_contact_system *c) {
-  bw_status status = BW_OK;
-  int64_t n = c->count, *start = BW_NEW0(context, int64_t, n + 1);
-  int32_t *node = NULL;
-  double *force = NULL;
-  BW_TRY_MEMORY(start);
-  for (int64_t k = 0; k < n; k++)
-    start[k + 1] = start[k] + c->rows->start[c->row[k] + 1] - c->rows->start[c->row[k]];
-  node = BW_NEW(context, int32_t, start[n]);
-  force = BW_NEW(context, double, 3 * start[n]);
-  c->s = BW_NEW0(context, double, n *n);
-  BW_TRY_MEMORY(node && force && c->s);
-  for (int64_t k = 0; k < n; k++) {
-    int64_t from = c->rows->start[c->row[k]];
-    size_t entries = (size_t)(start[k + 1] - start[k]);
-    memcpy(node + start[k], c->rows->column + from, entries * sizeof *node);
-    memcpy(force + 3 * start[k], c->rows->value + 3 * from, 3 * entries * sizeof *force);
-  }
-  bw_progress(context, "contact", 0);
-  const bwi_nodal_columns columns = {(int)n, start, node, force};
-  BW_TRY(bwi_compliance_of(context, c->system, &columns, 0, c->s));
-done:
-  bw_free(start);
-  bw_free(node);
-  bw_free(force);
-  return status;
-}
-
 /* Leaves out candidates that supports keep from moving. */
-static void drop_held(bw_contact_system *c) {
+static void leave_out_constrained(bw_contact_system *c) {
   double young = bw_material_of(c->model->material, 0)->elasticity[0];
   int kept = 0, count = c->count;
   int32_t *place = c->row; /* of a kept one among all, which comes no later */
   for (int k = 0; k < count; k++) {
     double area = c->rows->area[c->row[k]];
-    if (!(c->s[(size_t)k * (size_t)count + (size_t)k] > held * area * sqrt(area) / young))
+    if (!(c->s[(size_t)k * (size_t)count + (size_t)k] > constrained * area * sqrt(area) / young))
       continue;
     for (int l = 0; l < count; l++) /* row k takes the place of row `kept` */
       c->s[(size_t)kept * (size_t)count + (size_t)l] = c->s[(size_t)k * (size_t)count + (size_t)l];
@@ -211,8 +178,11 @@ static bw_status find_candidates(bw_context *context, bw_contact_system *c) {
                    "the contact pairs have %d corners, and contact under many loads takes at most "
                    "%d: select fewer facets, or make the mesh coarser there",
                    c->count, (int)MOST_CANDIDATES));
-  BW_TRY(take_compliance(context, c));
-  drop_held(c);
+  c->s = BW_NEW(context, double, (int64_t)c->count * c->count);
+  BW_TRY_MEMORY(c->s);
+  bw_progress(context, "contact", 0);
+  BW_TRY(bwi_contact_rows_compliance(context, c->rows, c->system, c->count, c->row, 0, c->s));
+  leave_out_constrained(c);
   if (c->count == 0)
     BW_TRY(bw_fail(context, BW_INVALID,
                    "supports constrain all corners of the contact pairs: leave the pairs out"));
@@ -237,14 +207,8 @@ bw_status bw_contact_system_create(bw_context *context, const bw_model *model, i
   c->closed = true;
   c->pair = BW_NEW0(context, bw_contact_pair, pair_count);
   BW_TRY_MEMORY(c->pair);
-  for (; c->pair_count < pair_count; c->pair_count++) {
-    const bw_contact_pair *from = &pair[c->pair_count];
-    c->pair[c->pair_count] =
-        (bw_contact_pair){.on = bw_retain(from->on),
-                          .with = from->with ? bw_retain(from->with) : NULL,
-                          .against = from->against ? bw_retain(from->against) : NULL,
-                          .interference = from->interference};
-  }
+  c->pair_count = pair_count;
+  bwi_contact_pairs_retain(pair_count, pair, c->pair);
   if (model->bond_count + model->attachment_count + model->coupling_count > 0 || model->cyclic)
     BW_TRY(bw_joined_system(context, model, solver, &c->system));
   else
@@ -490,7 +454,7 @@ static void gather(one_state *s) {
 }
 
 /* Cholesky with pivots: leaves out members whose gap others decide, as at corners that supports
- * hold. */
+ * constrain. */
 static bw_status factor_pivoted(bw_context *context, one_state *s) {
   bw_status status = BW_OK;
   const size_t n = (size_t)s->count, all = (size_t)s->c->count;

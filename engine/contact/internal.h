@@ -66,6 +66,10 @@ typedef struct bwi_contact_rows {
   int32_t *column;   /* a node, */
   double *value;     /* (entries x 3) and what B has there */
 } bwi_contact_rows;
+/* Copies that retain what the pairs have, into `copy` (pair_count). */
+void bwi_contact_pairs_retain(int pair_count, const bw_contact_pair *pair, bw_contact_pair *copy);
+/* Frees such copies; nothing for NULL. */
+void bwi_contact_pairs_release(int pair_count, bw_contact_pair *copy);
 /* BW_INVALID for a selection of another mesh, BW_EMPTY for one without a facet. */
 bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int pair_count,
                                   const bw_contact_pair *pair, bool finite, bwi_contact_rows *rows);
@@ -74,6 +78,10 @@ void bwi_contact_rows_clear(bwi_contact_rows *rows);
  * their integrals with the hat functions, 0 along tangents. */
 bw_status bwi_contact_rows_linearise(bw_context *context, bwi_contact_rows *rows,
                                      const double *displacement, double *gap);
+/* S = B G B^T of the rows in `row` (count), as bwi_compliance_of. */
+bw_status bwi_contact_rows_compliance(bw_context *context, const bwi_contact_rows *rows,
+                                      bw_system *system, int count, const int32_t *row, int first,
+                                      double *s);
 /* gap (row_count) = B u. */
 void bwi_contact_rows_measure(const bwi_contact_rows *rows, const double *u, double *gap);
 /* force (node_count x 3) = B^T p for p (row_count). */

@@ -19,37 +19,18 @@ static const double held = 1e-8; /* of the compliance of a free surface: support
 /* S from row `first` on. */
 static bw_status take_compliance(bw_context *context, bwi_contact_problem *c, int first) {
   bw_status status = BW_OK;
-  int64_t n = c->row_count, entries = 0;
-  int64_t *start = BW_NEW0(context, int64_t, n + 1);
-  int32_t *node = NULL;
-  double *force = NULL, *larger = BW_NEW(context, double, n *n);
-  BW_TRY_MEMORY(start && larger);
-  for (int k = 0; k < n; k++)
-    start[k + 1] = start[k] + c->rows.start[c->row[k] + 1] - c->rows.start[c->row[k]];
-  entries = start[n];
-  node = BW_NEW(context, int32_t, entries);
-  force = BW_NEW(context, double, 3 * entries);
-  BW_TRY_MEMORY(node && force);
-  for (int k = 0; k < n; k++) {
-    int64_t from = c->rows.start[c->row[k]];
-    size_t count = (size_t)(start[k + 1] - start[k]);
-    memcpy(node + start[k], c->rows.column + from, count * sizeof *node);
-    memcpy(force + 3 * start[k], c->rows.value + 3 * from, 3 * count * sizeof *force);
-  }
+  int64_t n = c->row_count;
+  double *larger = BW_NEW(context, double, n *n);
+  BW_TRY_MEMORY(larger);
   for (int k = 0; k < first; k++)
     memcpy(larger + k * n, c->s + (int64_t)k * first, (size_t)first * sizeof *larger);
   bw_free(c->s);
   c->s = larger;
-  larger = NULL;
   bw_progress(context, "contact", (double)c->working / c->count);
-  const bwi_nodal_columns columns = {(int)n, start, node, force};
-  BW_TRY(bwi_compliance_of(context, c->system, &columns, first, c->s));
+  BW_TRY(
+      bwi_contact_rows_compliance(context, &c->rows, c->system, c->row_count, c->row, first, c->s));
   c->solves += (int)n - first;
 done:
-  bw_free(start);
-  bw_free(node);
-  bw_free(force);
-  bw_free(larger);
   return status;
 }
 

@@ -361,6 +361,23 @@ static void ring_of(void *data, const double unit[3], double out[3]) {
 
 static const double fit_radius[3] = {0.02, 0.03, 0.05}, fit_width = 0.004, fit_interference = 2e-5;
 
+/* The equations of many loads have the displacement of a contact without a load. */
+static void check_many_loads(bw_context *context, const bw_model *model,
+                             const bw_contact_pair *pair, const bw_contact *contact) {
+  bw_contact_system *many = NULL;
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *u = numbers(size), off = 0, largest = 0;
+  check_ok(context, bw_contact_system_create(context, model, 1, pair, NULL, NULL, &many));
+  check_ok(context, bw_contact_system_solve(context, many, 1, u, u, NULL));
+  for (int64_t i = 0; i < size; i++) {
+    off = fmax(off, fabs(u[i] - contact->solution->displacement[i]));
+    largest = fmax(largest, fabs(u[i]));
+  }
+  assert_true(off < 1e-7 * largest);
+  bw_release(many);
+  free(u);
+}
+
 /* A ring in a ring that is too small for it, in plane strain, of so many cells along the angle
  * (Lame; Timoshenko and Goodier 1970, section 28); the largest error of a pressure at a corner. */
 static double press_fit_error(bw_context *context, int inner, int outer, bool flat, bool smooth,
@@ -396,6 +413,7 @@ static double press_fit_error(bw_context *context, int inner, int outer, bool fl
   bw_contact_pair pair = {
       .on = face[0], .against = face[1], .interference = fit_interference, .smooth = smooth};
   check_ok(context, bw_contact_solve(context, model, 1, &pair, NULL, NULL, contact));
+  check_many_loads(context, model, &pair, *contact);
   double sum = (b * b + a * a) / (b * b - a * a) + (c * c + b * b) / (c * c - b * b);
   double exact = young / (1 - poisson * poisson) * fit_interference / (b * sum);
   for (int32_t f = 0; f < face[0]->facet_count; f++)
@@ -543,6 +561,35 @@ static void memory_failures(void **state) {
   check_memory(check_context(state), 0);
 }
 
+static void memory_failures_of_many_loads(void **state) {
+  bw_context *context = check_context(state);
+  block b = block_of(context, 2, 1, 1, 1);
+  bw_rigid_surface *with = NULL;
+  bw_contact_system *c = NULL;
+  bw_system *closed = NULL;
+  double *u = numbers(3 * (int64_t)b.mesh->node_count);
+  uint8_t touching[6];
+  check_ok(context, bw_model_fix(context, b.model, b.top));
+  check_ok(context, bw_rigid_plane(context, (double[3]){0}, axis[2], &with));
+  bw_contact_pair pair = {.on = b.foot, .with = with, .interference = 1e-6};
+  check_ok(context, bw_set_threads(context, 1));
+  check_allocations(context, c,
+                    bw_contact_system_create(context, b.model, 1, &pair, NULL, NULL, &c));
+  check_ok(context, bw_contact_system_create(context, b.model, 1, &pair, NULL, NULL, &c));
+  assert_int_equal(c->count, 6);
+  check_each_allocation(context, status, 0) {
+    memset(u, 0, 3 * (size_t)b.mesh->node_count * sizeof *u);
+    status = bw_contact_system_solve(context, c, 1, u, u, touching);
+  }
+  for (int k = 0; k < 6; k++)
+    assert_int_equal(touching[k], 1);
+  check_allocations(context, closed, bw_contact_system_in_state(context, c, touching, &closed));
+  bw_release(c);
+  bw_release(with);
+  free(u);
+  block_release(&b);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(patch),
                                      check_test(hertz_sphere),
@@ -558,6 +605,7 @@ int main(void) {
                                      check_test(falls),
                                      check_test(fixed_foot),
                                      check_test(facing),
-                                     check_test(memory_failures)};
+                                     check_test(memory_failures),
+                                     check_test(memory_failures_of_many_loads)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
