@@ -110,14 +110,14 @@ static const double independent = 1e-6;
 
 /* The part of the reaction at a node along the directions of the support `index`, where those of
  * all supports there are independent. False: it cannot be told, and is the whole. */
-static bool divide(const bw_model *model, const uint8_t *const *held, int index, int32_t node,
-                   double force[3]) {
+static bool divide(const bw_model *model, const uint8_t *const *constrained, int index,
+                   int32_t node, double force[3]) {
   double all[3][3], square[9], part[3];
   int count = directions_of(&model->support[index], all), own = count;
   bool alone = true;
   for (int s = 0; s < model->support_count; s++) {
     double next[3][3];
-    if (s == index || !held[s][node])
+    if (s == index || !constrained[s][node])
       continue;
     int more = directions_of(&model->support[s], next);
     alone = false;
@@ -151,23 +151,23 @@ static bw_status take_support(bw_context *context, traction_work *w, int index,
   const bw_model *model = w->result->model;
   int64_t nodes = w->mesh->node_count;
   uint8_t *mark = BW_NEW0(context, uint8_t, nodes * model->support_count);
-  const uint8_t **held = BW_NEW(context, const uint8_t *, model->support_count);
+  const uint8_t **constrained = BW_NEW(context, const uint8_t *, model->support_count);
   const bw_selection *on = model->support[index].on;
-  BW_TRY_MEMORY(mark && held);
+  BW_TRY_MEMORY(mark && constrained);
   BW_TRY(reserve(context, on, w));
   for (int s = 0; s < model->support_count; s++) {
-    held[s] = mark + s * nodes;
+    constrained[s] = mark + s * nodes;
     for (int32_t i = 0; i < model->support[s].on->node_count; i++)
       mark[s * nodes + model->support[s].on->node[i]] = 1;
   }
   for (int32_t i = 0; i < on->node_count; i++) {
     double *f = w->force + 3 * (int64_t)on->node[i];
     memcpy(f, w->result->reaction + 3 * (int64_t)on->node[i], 3 * sizeof *f);
-    sum->shared += !divide(model, held, index, on->node[i], f);
+    sum->shared += !divide(model, constrained, index, on->node[i], f);
   }
 done:
   bw_free(mark);
-  bw_free(held);
+  bw_free(constrained);
   return status;
 }
 
@@ -179,10 +179,11 @@ static bw_status check(bw_context *context, const bw_static *result, bw_joint_ki
   const struct {
     const char *name;
     int count;
-  } of[] = {[BW_JOINT_BOND] = {"bond", model->bond_count},
-            [BW_JOINT_ATTACHMENT] = {"attachment", model->attachment_count},
-            [BW_JOINT_COUPLING] = {"coupling", model->coupling_count},
-            [BW_JOINT_SUPPORT] = {"support", model->support_count}};
+    const void *force; /* NULL: not known, of a transient or a whole wheel */
+  } of[] = {[BW_JOINT_BOND] = {"bond", model->bond_count, result->joint_force},
+            [BW_JOINT_ATTACHMENT] = {"attachment", model->attachment_count, result->attachment},
+            [BW_JOINT_COUPLING] = {"coupling", model->coupling_count, result->coupling},
+            [BW_JOINT_SUPPORT] = {"support", model->support_count, result->reaction}};
   if (model->object.revision != result->revision)
     return bw_fail(context, BW_INVALID,
                    "the model has changed since this solution, and tractions need its joints and "
@@ -190,6 +191,11 @@ static bw_status check(bw_context *context, const bw_static *result, bw_joint_ki
   if (index < 0 || index >= of[kind].count)
     return bw_fail(context, BW_INVALID, "%s %d of a model with %d %s%s", of[kind].name, index + 1,
                    of[kind].count, of[kind].name, of[kind].count == 1 ? "" : "s");
+  if (!of[kind].force)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "this solution has no forces of %ss: it is an instant of a transient, or the "
+                   "whole of a sector. Solve its model",
+                   of[kind].name);
   const bw_selection *on = kind == BW_JOINT_BOND         ? model->bond[index].a
                            : kind == BW_JOINT_ATTACHMENT ? model->attachment[index].on
                            : kind == BW_JOINT_COUPLING   ? model->coupling[index].on
@@ -199,6 +205,12 @@ static bw_status check(bw_context *context, const bw_static *result, bw_joint_ki
                    "%s %d is on %d nodes without facets, and a traction needs an area: its force "
                    "alone is known",
                    of[kind].name, index + 1, on->node_count);
+  for (int32_t i = 0; kind == BW_JOINT_SUPPORT && model->cyclic && i < on->node_count; i++)
+    if (model->cyclic->partner[on->node[i]] >= 0)
+      return bw_fail(context, BW_UNSUPPORTED,
+                     "support %d meets a cut face of the sector, where the reaction is of two "
+                     "sectors: take the traction of the whole of this solution",
+                     index + 1);
   return BW_OK;
 }
 

@@ -175,7 +175,8 @@ function Static:interface_traction(a, b) end
 ---traction can be singular and grow without limit as elements become small. Values at nodes of side a outside of side b, whose
 ---facets are covered in part, can be far off: let a be the side that the other one covers.
 ---
----Errors: unsupported (it is on nodes without facets). A model that has changed since it was solved is refused.
+---Errors: unsupported (it is on nodes without facets; joints in an instant of a transient and in the whole of a sector; a support
+---that meets a cut of a sector: take that of the whole). A model that has changed since it was solved is refused.
 ---
 ---Source: docs/theory/joints.md.
 ---```lua

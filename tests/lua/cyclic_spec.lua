@@ -288,6 +288,11 @@ describe("cyclic symmetry", function()
           assert.is_true(math.abs(r - s) < 1e-7 * largest(b.reaction) * n)
         end
       end
+      local whole = assert(a:whole())
+      check.fails("unsupported", "no forces of bonds", whole:joint_traction {bond = 1})
+      check.fails("unsupported", "support 1 meets a cut face of the sector", a:joint_traction {support = 1})
+      check.near(assert(b:joint_traction {support = 1}).normal:max(),
+        assert(whole:joint_traction {support = 1}).normal:max(), 1e-6)
       for held = 0, 1 do
         local own = glued(sector(mesh, n), mesh)
         local other = glued(bw.model {mesh = all, material = bw.material.steel}, all)

@@ -279,6 +279,20 @@ describe("tractions of joints", function()
     assert.matches("on 3 nodes without facets, and a traction needs an area", message)
   end)
 
+  it("are not those of solutions without forces of joints", function()
+    local mesh, left, right = bar(1)
+    local tip = mesh.boundary:above("x", 2)
+    local part = bw.model {mesh = mesh, material = bw.material.steel}
+    part:fix(mesh.boundary:below("x", 0)):bond {a = left, b = right}
+    part:attach {on = tip, mass = 1}:couple {on = tip, at = {2.5, 0.2, 0.2}, force = {0, 0, 7}}
+    local instant = assert(part:transient {step = 1e-4}):static()
+    for _, kind in ipairs {"bond", "attachment", "coupling"} do
+      check.fails("unsupported", "this solution has no forces of " .. kind .. "s: it is an instant of a transient",
+        instant:joint_traction {[kind] = 1})
+    end
+    assert(instant:joint_traction {support = 1})
+  end)
+
   it("leave tractions between regions of joined models as they are", function()
     local mesh = assert(bar(2):split("x < 0.34", "root"))
     local boundary = mesh.boundary

@@ -66,7 +66,8 @@ typedef enum bw_joint_kind {
  * support constrains too, of which its part is left out, and those of a support at which the
  * reaction is of other supports too, and counts whole; sum->imbalance is 0. BW_INVALID for a model
  * that has changed since and one without this joint, BW_UNSUPPORTED for one on nodes without
- * facets (docs/theory/joints.md#tractions-of-joints). */
+ * facets, for joints in an instant of a transient and in the whole of a sector, and for supports
+ * that meet a cut of a sector (docs/theory/joints.md#tractions-of-joints). */
 BW_API bw_status bw_joint_traction(bw_context *context, const bw_static *result, bw_joint_kind kind,
                                    int index, double *traction, double *normal, double *shear,
                                    bw_interface_force *sum);
