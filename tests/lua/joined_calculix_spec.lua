@@ -45,6 +45,17 @@ local function run(part, options)
   return lines
 end
 
+-- Those of the first five modes.
+local function frequencies(part)
+  local found = {}
+  for _, line in ipairs(run(part, {modes = 5})) do
+    local number, value = line:match "^%s+(%d+)%s+(%d%.%d+E[+-]%d+)%s+%S+%s+%S+"
+    number = tonumber(number)
+    if number then found[number] = found[number] or math.sqrt(tonumber(value)) / (2 * math.pi) end
+  end
+  return found
+end
+
 -- The largest difference of displacements over the largest displacement.
 local function difference(part)
   local static, worst, largest, found = assert(part:solve()), 0, 0, 0
@@ -130,19 +141,33 @@ describe("joined models in CalculiX", function()
   end)
 
   it("vibrate with masses, inertia and springs", function()
-    -- light: CalculiX integrates the mass of C3D10 with fewer points, and differs by 1e-5 without joints
+    -- light: CalculiX integrates the mass of elements with fewer points, and differs without joints too
     local b = bar(2, true, bw.material.isotropic {young = 2e11, poisson = 0.3, density = 0.1})
     b.part:fix(b.root):bond {a = b.right, b = b.left, preload = 100}
     b.part:couple {on = b.far, kind = "rigid", at = {2.5, 1.2, 0.3}, mass = 300,
       inertia = {30, 40, 25, 3, 1, 2}}
     b.part:attach {on = b.top, mass = 500}:attach {on = b.side, spring = {1e9, 0, 1e9}}
-    local modes, found = assert(b.part:modes {count = 5}), {}
-    for _, line in ipairs(run(b.part, {modes = 5})) do
-      local number, value = line:match "^%s+(%d+)%s+(%d%.%d+E[+-]%d+)%s+%S+%s+%S+"
-      number = tonumber(number)
-      if number then found[number] = found[number] or math.sqrt(tonumber(value)) / (2 * math.pi) end
-    end
+    local modes, found = assert(b.part:modes {count = 5}), frequencies(b.part)
     for k = 1, 5 do check.near(modes.frequencies[k], found[k], 1e-6) end
+  end)
+
+  it("vibrate higher there by what the mass of elements lacks, bonded or in one piece", function()
+    for order, limits in ipairs {{1e-3, 6e-2}, {1e-6, 1e-4}} do
+      local box, parts = bw.mesh.box {max = {2, 0.5, 0.5}, cells = {8, 2, 2}, order = order}, {}
+      local halves = assert(box:split({max = {1, 0.5, 0.5}}, "left")):separated "left"
+      for i, mesh in ipairs {box, halves} do
+        parts[i] = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+      end
+      local cut = halves.boundary:plane({1, 0, 0}, {1, 0, 0}, 1e-9)
+      parts[2]:bond {a = cut:facing({1, 0, 0}, 0.1), b = cut:facing({-1, 0, 0}, 0.1)}
+      for _, part in ipairs(parts) do
+        local modes, found = assert(part:modes {count = 5, tolerance = 1e-10}), frequencies(part)
+        for k = 1, 5 do
+          local higher = found[k] / modes.frequencies[k] - 1
+          assert.is_true(higher > limits[1] and higher < 1.05 * limits[2], higher)
+        end
+      end
+    end
   end)
 
   it("come back as a mesh, without what is passed over", function()
