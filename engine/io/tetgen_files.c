@@ -3,8 +3,8 @@
  * attributes... [marker]"; NAME.ele: "elements nodes attributes", then "number nodes...
  * attributes...". Numbers start at 0 or at 1, as the first point does. Attributes become fields
  * "attribute_1", ...; the first attribute of elements, where whole, the region; point markers a
- * field "marker". '#' begins a comment; those
- * before the first row of NAME.ele have the names of regions, "# region 3 insert".
+ * field "marker". '#' begins a comment; those before the first row of NAME.ele have the names of
+ * regions, "# region 3 insert".
  *
  * TetGen's order of the mid-edge nodes of a ten-node element is 23 03 01 12 13 02 (corners from
  * 0). */

@@ -356,12 +356,9 @@ bw_status bw_model_cyclic(bw_context *context, bw_model *model, const bw_selecti
         context, BW_UNSUPPORTED,
         "the model has couplings: a sector of cyclic symmetry takes none; load the faces "
         "themselves");
-  for (int i = 0; i < model->bond_count; i++)
-    if (model->bond[i].preload != BW_NO_PRELOAD)
-      return bw_fail(context, BW_UNSUPPORTED,
-                     "bond %d has a preload: a sector of cyclic symmetry takes none; leave it out, "
-                     "or model the whole",
-                     i + 1);
+  BW_TRY(bwi_model_refuse_preloads(
+      context, model,
+      "a sector of cyclic symmetry does not take: leave the preload out, or model the whole"));
   made = BW_NEW0(context, bw_cyclic, 1);
   BW_TRY_MEMORY(made);
   bw_object_init(made, &cyclic_kind);
