@@ -74,15 +74,20 @@ function options.read(where, given, rules)
   if type(given) ~= "table" then
     raise(("%s: a table of options expected, got %s"):format(where, core.got(given)))
   end
-  local known = {}
+  local known, keys, values, out = {}, {}, {}, {}
   for key in pairs(rules) do known[#known + 1] = key end
-  local out = {}
   for key, value in pairs(given) do
-    local rule = rules[key]
+    if type(key) ~= "string" then
+      raise(("%s: named options expected, {name = value}, got a value at %s"):format(where, core.got(key)))
+    end
+    keys[#keys + 1], values[key] = key, value
+  end
+  -- of several mistakes the same one is reported in every run: the order of pairs is that of random hashes
+  table.sort(known)
+  table.sort(keys)
+  for _, key in ipairs(keys) do
+    local value, rule = values[key], rules[key]
     if not rule then
-      if type(key) ~= "string" then
-        raise(("%s: named options expected, {name = value}, got a value at %s"):format(where, core.got(key)))
-      end
       raise(("%s: unknown option '%s': %s"):format(where, key, core.suggestion(key, known)))
     end
     if not (rule.auto and value == "auto") then
@@ -90,7 +95,8 @@ function options.read(where, given, rules)
       out[key] = value
     end
   end
-  for key, rule in pairs(rules) do
+  for _, key in ipairs(known) do
+    local rule = rules[key]
     if out[key] == nil then
       if rule.needed then raise(("%s: option '%s' is missing"):format(where, key)) end
       out[key] = rule.default

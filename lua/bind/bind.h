@@ -270,7 +270,8 @@ typedef struct lbw_option {
   size_t offset;
 } lbw_option;
 /* Reads the table at `index` (nil and none: nothing) into a struct. Unknown keys raise and name
- * the known one that they resemble, or all. The list ends with a NULL key. */
+ * the known one that they resemble, or all; of several the first in the alphabet, of several wrong
+ * values the first in the list, in every run. The list ends with a NULL key. */
 void lbw_options(lua_State *L, int index, const char *function, const lbw_option *options,
                  void *into);
 /* Pushes options[key], or nil when there is no table; returns its type. */

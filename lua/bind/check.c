@@ -205,17 +205,47 @@ static void read_option(lua_State *L, const char *function, const lbw_option *op
   }
 }
 
+/* Whether the key on the top of the stack is of an option. */
+static bool is_known(lua_State *L, const lbw_option *option) {
+  if (lua_type(L, -1) != LUA_TSTRING)
+    return false;
+  while (option->key && strcmp(option->key, lua_tostring(L, -1)) != 0)
+    option++;
+  return option->key != NULL;
+}
+
+/* The wrong key is on the top of the stack. */
 static void unknown_option(lua_State *L, const char *function, const lbw_option *options) {
-  if (lua_type(L, -2) != LUA_TSTRING)
+  if (lua_type(L, -1) != LUA_TSTRING)
     lbw_error(L, "%s: named options expected, {name = value}, got a value at %s", function,
-              luaL_tolstring(L, -2, NULL));
+              luaL_tolstring(L, -1, NULL));
   const char *name[64];
   size_t count = 0;
   for (const lbw_option *option = options; option->key && count < 64; option++)
     name[count++] = option->key;
-  const char *wrong = lua_tostring(L, -2);
+  const char *wrong = lua_tostring(L, -1);
   lbw_error(L, "%s: unknown option '%s': %s", function, wrong,
             lbw_suggestion(L, wrong, name, count));
+}
+
+/* Raises for a key without a name, or for the first unknown one in the alphabet: the order of the
+ * table depends on the seed of Lua's hashes. */
+static void check_keys(lua_State *L, int index, const char *function, const lbw_option *options) {
+  lua_pushnil(L); /* the wrong key */
+  for (lua_pushnil(L); lua_next(L, index);) {
+    lua_pop(L, 1);
+    if (is_known(L, options))
+      continue;
+    if (lua_type(L, -1) != LUA_TSTRING)
+      unknown_option(L, function, options);
+    if (lua_isnil(L, -2) || strcmp(lua_tostring(L, -1), lua_tostring(L, -2)) < 0) {
+      lua_pushvalue(L, -1);
+      lua_replace(L, -3);
+    }
+  }
+  if (!lua_isnil(L, -1))
+    unknown_option(L, function, options);
+  lua_pop(L, 1);
 }
 
 void lbw_options(lua_State *L, int index, const char *function, const lbw_option *options,
@@ -225,14 +255,11 @@ void lbw_options(lua_State *L, int index, const char *function, const lbw_option
   if (!lua_istable(L, index))
     lbw_error(L, "%s: a table of options expected, got %s", function, lbw_got(L, index));
   index = lua_absindex(L, index);
-  for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
-    const lbw_option *option = options;
-    if (lua_type(L, -2) == LUA_TSTRING)
-      while (option->key && strcmp(option->key, lua_tostring(L, -2)) != 0)
-        option++;
-    if (lua_type(L, -2) != LUA_TSTRING || !option->key)
-      unknown_option(L, function, options);
-    read_option(L, function, option, (char *)into);
+  check_keys(L, index, function, options);
+  for (const lbw_option *option = options; option->key; option++) {
+    if (lbw_option_get(L, index, option->key) != LUA_TNIL)
+      read_option(L, function, option, (char *)into);
+    lua_pop(L, 1);
   }
 }
 

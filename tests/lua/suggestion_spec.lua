@@ -74,4 +74,18 @@ describe("A name that is not known", function()
       bw.grid.box {size = {1, 1, 1}, cells = {1, 1, 1}}:nodes {side = "xyz"}
     end)
   end)
+
+  it("is the first where several are wrong", function()
+    local options = require "barwright.options"
+    local wrong, rules = {}, {}
+    for i = 10, 49 do
+      wrong["zz" .. i], rules["zz" .. i] = "text", {type = "number", needed = true}
+    end
+    check.raises("unknown option 'zz10'", bw.model, wrong)
+    check.raises("unknown option 'zz10'", options.read, "f", wrong, {})
+    check.raises("option 'zz10': a number expected", options.read, "f", wrong, rules)
+    check.raises("option 'zz10' is missing", options.read, "f", {}, rules)
+    local heat = bw.heat {mesh = bw.mesh.box {cells = {1, 1, 1}}, material = bw.material.pla}
+    check.raises("option 'tolerance'", heat.solve, heat, {tolerance = "a", max_iterations = "b", error = "c"})
+  end)
 end)
