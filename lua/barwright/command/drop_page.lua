@@ -1,9 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The pages of `barwright drop`: a view of the part, and the sentences that the command says.
-local bw = require "barwright"
-local fine_boundary = require "barwright.fine_boundary"
+local body_page = require "barwright.body_page"
 local obstacle = require "barwright.obstacle"
-local report = require "barwright.report"
 
 local drop_page = {}
 
@@ -17,27 +15,16 @@ local function view_along(down)
 end
 
 -- words: {title =, answer = sentences, down = of a single drop}; fields: {name, unit, array over elements, scale}
--- each;
--- moved: displacements of nodes, or nil; drawn: lines and their name, or nil.
+-- each; moved: displacements of nodes, or nil; drawn: lines and their name, or nil.
 local function write(result, path, words, fields, moved, drawn)
-  local mesh = result.mesh
-  local surface, nodes, details = fine_boundary(mesh)
-  if not surface then return nil, nodes, details end
-  local data = report.data(surface)
+  local mesh, shown = result.mesh, {}
   for i, field in ipairs(fields) do
-    data.fields[i] = {name = field[1], unit = field[2],
-      values = report.floats(mesh:to_nodes(field[3], "max"):gather(nodes) * field[4])}
+    shown[i] = {name = field[1], unit = field[2], values = mesh:to_nodes(field[3], "max"), scale = field[4]}
   end
-  if moved then
-    data.displacements[1] = {name = "at the largest stress", kind = "load",
-      values = report.floats(moved:gather(nodes)), field = 0}
-  end
-  data.lines = drawn and report.lines(drawn.lines)
-  data.rigid = true -- lines do not follow the deformation
-  data.view = words.down and view_along(words.down) or data.view
-  return report.page(path, {title = words.title, answer = words.answer, data = data,
-    body = drawn and report.legend(drawn) or "", manifest = {version = bw.version(),
-      elements = mesh.element_count, modes = result.modes.count},
+  return body_page.write(path, mesh, {title = words.title, answer = words.answer, fields = shown,
+    displacements = moved and {{name = "at the largest stress", kind = "load", values = moved, field = 0}},
+    lines = drawn and drawn.lines, line_name = drawn and drawn.line_name, rigid = true,
+    view = words.down and function() return view_along(words.down) end, manifest = {modes = result.modes.count},
     picture = function(name) return result:picture(name, {title = words.title}) end})
 end
 

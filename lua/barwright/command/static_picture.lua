@@ -1,14 +1,12 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The picture and the page of `barwright statics`: arrows for the loads, the borders of the supports as lines, the
 -- edge of a finding, and a title with the answer.
-local bw = require "barwright"
+local body_page = require "barwright.body_page"
 local core = require "barwright.core"
 local distance = require("barwright.points").distance
-local fine_boundary = require "barwright.fine_boundary"
 local has_strength = require "barwright.has_strength"
 local model = require "barwright.command.model"
 local places = require "barwright.command.places"
-local report = require "barwright.report"
 local shown = require "barwright.shown"
 
 local static_picture = {}
@@ -126,25 +124,20 @@ end
 --- Writes the page: options as of static:picture (title, lines, line_name, arrows), and sentences above the view,
 --- which begins from where the picture is drawn.
 function static_picture.report(static, path, options, answer)
-  local surface, nodes, details = fine_boundary(static.mesh)
-  if not surface then return nil, nodes, details end
-  local data, moved = report.data(surface), static.displacement:gather(nodes)
-  data.fields[1] = {name = "von Mises stress", unit = "MPa",
-    values = report.floats(static.von_mises:gather(nodes) * 1e-6)}
-  data.fields[2] = {name = "displacement", unit = "mm", values = report.floats(moved:map "norm(a)" * 1e3)}
+  local moved = static.displacement
+  local fields = {{name = "von Mises stress", unit = "MPa", values = static.von_mises, scale = 1e-6},
+    {name = "displacement", unit = "mm", values = moved:map "norm(a)", scale = 1e3}}
   if static.material.parts and has_strength(static.material) then
-    data.fields[3] = {name = "of the strength", unit = "%",
-      values = report.floats(static.mesh:to_nodes(static.utilisation, "max"):gather(nodes) * 100)}
+    fields[3] = {name = "of the strength", unit = "%", values = static.mesh:to_nodes(static.utilisation, "max"),
+      scale = 100}
   end
-  data.displacements[1] = {name = "under its loads", kind = "load", values = report.floats(moved), field = 0,
-    arrows = bw.json.list(options.arrows)}
-  data.lines = report.lines(options.lines)
-  local view, message, why = core.picture_direction(surface, nil, {values = static.von_mises:gather(nodes),
-    displacement = moved, arrows = options.arrows})
-  if not view then return nil, message, why end
-  data.view = bw.json.list(view)
-  return report.page(path, {title = options.title, answer = answer, data = data, body = report.legend(options),
-    manifest = {version = bw.version(), material = static.material.name, elements = static.mesh.element_count},
+  return body_page.write(path, static.mesh, {title = options.title, answer = answer, fields = fields,
+    displacements = {{name = "under its loads", kind = "load", values = moved, field = 0,
+      arrows = options.arrows}},
+    lines = options.lines, line_name = options.line_name, view = function(surface, nodes)
+      return core.picture_direction(surface, nil, {values = static.von_mises:gather(nodes),
+        displacement = moved:gather(nodes), arrows = options.arrows})
+    end, manifest = {material = static.material.name},
     picture = function(name) return static:picture(name, options) end})
 end
 
