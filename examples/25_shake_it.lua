@@ -28,6 +28,17 @@ if folder then
   assert(tip:figure():write(folder .. "/tip.svg"))
   assert(response:animate(frequency, folder .. "/shaken.png", {pictures = 8, width = 500, height = 400}))
 end
+
+-- In time: a pulse of 1 g, half a sine, for one period of the tip. A page plays three periods.
+part:gravity {0, 0, -9.81}
+local period = 1 / frequency
+local transient = assert(part:transient {step = period / 40,
+  loads = {function(t) return t < period and math.sin(math.pi * t / period) or 0 end}})
+local motion = assert(transient:run {time = 3 * period, frames = 60, stress_every = 10})
+print(motion)
+if folder then assert(motion:report(folder .. "/motion.html")) end
+part:clear_loads()
+
 -- A sensor of 50 g on the tip, 20 mm above it: its mass rocks, and the frequency falls.
 part:couple {on = mesh.boundary:above("x", 0.2), kind = "rigid", at = {0.2, 0.02, 0.026}, mass = 0.05}
 local loaded = assert(part:harmonic {range = {10, 1500}, base = {0, 0, 9.81}, damping = {ratio = 0.02}})

@@ -1,6 +1,6 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// The report's 3D view: a surface that turns, coloured by a field, deformed by a displacement or a
-// swinging mode, with the arrows of the chosen load. Reads the page's #data; needs no network.
+// The report's 3D view: a surface that turns, coloured by a field, deformed by a displacement, a
+// swinging mode or a motion in time, with the arrows of the chosen load. Reads the page's #data; needs no network.
 import * as THREE from "three";
 import { Arrows } from "./arrows.mjs";
 import { colourMap } from "./colour.mjs";
@@ -20,16 +20,30 @@ const integers = (base64) => new Uint32Array(bytes(base64));
 const rest = floats(data.positions);
 const triangles = integers(data.triangles);
 const fields = (data.fields || []).map((f) => ({ ...f, values: floats(f.values) }));
-const motions = (data.displacements || []).map((d) => ({ ...d, values: floats(d.values) }));
+const motions = (data.displacements || []).map((d) => {
+  const values = floats(d.values);
+  let largest = 0;
+  for (let i = 0; i < values.length; i += 3) largest = Math.max(largest, Math.hypot(values[i], values[i + 1], values[i + 2]));
+  return { ...d, values, largest };
+});
+
+// Frame k of what has one for each instant of a motion in time; all that there is of what has a single one.
+function frame(values, k, length) {
+  return values.length > length ? values.subarray(k * length, (k + 1) * length) : values;
+}
 
 // ---- scene ---------------------------------------------------------------------------------------
 
 const colour = colourMap(data.colours);
 const { scene, camera, aim, start } = makeStage(document.getElementById("view"), (now) => {
-  if (state.playing) {
-    state.phase = Math.sin((now / 1000) * 2 * Math.PI * 0.7);
-    deform();
+  if (!state.playing) return;
+  const { times, seconds } = motions[state.motion] || {};
+  if (times) {
+    const k = frameAt(times, ((now - state.since) / 1000 / seconds) % 1);
+    return k === state.frame ? undefined : showFrame(k);
   }
+  state.phase = Math.sin((now / 1000) * 2 * Math.PI * 0.7);
+  deform();
 });
 const body = makeBody(new Float32Array(rest), triangles);
 const position = body.geometry.getAttribute("position");
@@ -37,6 +51,25 @@ scene.add(body);
 // Lines may reach beyond the body: an obstacle does.
 const seen = body.geometry.boundingBox.clone();
 for (const line of data.lines || []) for (const [x, y, z] of line) seen.expandByPoint(new THREE.Vector3(x, y, z));
+const extentAtRest = seen.getSize(new THREE.Vector3()).length();
+
+// Scale 1: the largest displacement is a tenth of the diagonal of the box. A motion in time is never drawn smaller than
+// it is, since it may carry the body away: the view has room for it.
+function factorOf(motion) {
+  if (motion.kind === "shape") return 1;
+  const factor = motion.largest > 0 ? (0.1 * extentAtRest) / motion.largest : 0;
+  return motion.times ? Math.max(1, factor) : factor;
+}
+const place = new THREE.Vector3();
+for (const motion of motions) {
+  motion.factor = factorOf(motion);
+  const { factor, times, values } = motion;
+  for (let i = 0; times && i < values.length; i += 3) {
+    const r = i % rest.length;
+    seen.expandByPoint(place.set(rest[r] + factor * values[i], rest[r + 1] + factor * values[i + 1],
+      rest[r + 2] + factor * values[i + 2]));
+  }
+}
 const size = aim(seen, data.view || [1, -1.4, 0.8]);
 
 const arrows = new Arrows(scene);
@@ -45,7 +78,7 @@ const edges = new Edges(scene, data.lines || [], rest, size);
 // ---- state and controls ----------------------------------------------------------------------------
 
 const byId = (id) => document.getElementById(id);
-const state = { field: 0, motion: 0, scale: 1, range: 1, playing: false, phase: 1 };
+const state = { field: 0, motion: 0, scale: 1, range: 1, playing: false, phase: 1, frame: 0, since: 0 };
 
 function fill(select, names) {
   for (const [i, name] of names.entries()) {
@@ -73,9 +106,9 @@ function extent(field) {
 function recolour() {
   const field = fields[state.field];
   if (!field) return paint(body);
-  const [low, full] = extent(field);
+  const [low, full] = (field.extent ??= extent(field));
   const high = low + (full - low) * state.range;
-  paint(body, field.values, low, high, colour);
+  paint(body, frame(field.values, state.frame, rest.length / 3), low, high, colour);
   byId("low").textContent = number(Math.abs(low) < 1e-6 * Math.abs(full) ? 0 : low);
   byId("high").textContent = `${state.range < 1 ? "≥ " : ""}${number(high)}`;
   byId("unit").textContent = field.unit || "";
@@ -86,19 +119,49 @@ function deform() {
   const p = position.array;
   if (!motion || state.scale === 0) p.set(rest);
   else {
-    let largest = 0;
-    for (let i = 0; i < motion.values.length; i += 3)
-      largest = Math.max(largest, Math.hypot(motion.values[i], motion.values[i + 1], motion.values[i + 2]));
-    // Slider 1: the largest motion is a tenth of the box's diagonal; another shape is there as it is.
-    const whole = motion.kind === "shape" ? 1 : largest > 0 ? (0.1 * size) / largest : 0;
-    const factor = state.scale * state.phase * whole;
-    for (let i = 0; i < p.length; i++) p[i] = rest[i] + factor * motion.values[i];
-    const shown = state.scale * whole;
+    const shown = state.scale * motion.factor;
+    const values = frame(motion.values, state.frame, rest.length);
+    for (let i = 0; i < p.length; i++) p[i] = rest[i] + state.phase * shown * values[i];
     byId("scaletext").textContent = motion.kind === "mode" ? "" : `× ${number(shown)}`;
   }
   position.needsUpdate = true;
   arrows.place(position.array);
   if (!data.rigid) edges.place(position.array);
+}
+
+// Each frame is shown until the next one, the last one for a mean interval.
+const shownTime = (times) => ((times[times.length - 1] - times[0]) * times.length) / Math.max(1, times.length - 1);
+
+// The frame of a part of the whole time.
+function frameAt(times, part) {
+  const now = times[0] + part * shownTime(times);
+  let k = 0;
+  while (k + 1 < times.length && times[k + 1] <= now) k++;
+  return k;
+}
+
+// Playing begins, or goes on at the frame that is shown.
+function play() {
+  state.playing = true;
+  const { times, seconds } = motions[state.motion] || {};
+  if (!times) return;
+  const part = times.length > 1 ? (times[state.frame] - times[0]) / shownTime(times) : 0;
+  state.since = performance.now() - 1000 * seconds * part;
+}
+
+function timeText(times) {
+  const last = times[times.length - 1];
+  const [factor, unit] = last < 1e-3 ? [1e6, "µs"] : last < 1 ? [1e3, "ms"] : [1, "s"];
+  return `${number(times[state.frame] * factor)} of ${number(last * factor)} ${unit}`;
+}
+
+function showFrame(k) {
+  state.frame = k;
+  const { times } = motions[state.motion];
+  byId("time").value = k;
+  byId("timetext").textContent = timeText(times);
+  recolour();
+  deform();
 }
 
 function showArrows() {
@@ -109,7 +172,7 @@ function showArrows() {
 function select(motion) {
   state.motion = motion;
   const chosen = motions[motion];
-  state.playing = !!chosen && chosen.kind === "mode";
+  state.playing = !!chosen && (chosen.kind === "mode" || !!chosen.times);
   byId("play").textContent = state.playing ? "Pause" : "Play";
   state.phase = 1;
   if (chosen && chosen.field !== undefined && chosen.field !== null) {
@@ -120,7 +183,13 @@ function select(motion) {
   byId("motion").value = motion;
   document.querySelectorAll("tr[data-motion]").forEach((row) =>
     row.classList.toggle("chosen", Number(row.dataset.motion) === motion));
-  deform();
+  byId("true").disabled = !chosen || chosen.kind === "mode";
+  byId("instant").hidden = !chosen?.times;
+  if (chosen?.times) {
+    byId("time").max = chosen.times.length - 1;
+    showFrame(0);
+    play();
+  } else deform();
   showArrows();
 }
 
@@ -133,12 +202,24 @@ byId("scale").addEventListener("input", (e) => {
   state.scale = Number(e.target.value);
   deform();
 });
+byId("true").addEventListener("click", () => {
+  const { factor } = motions[state.motion];
+  state.scale = factor > 0 ? 1 / factor : 1;
+  byId("scale").value = state.scale;
+  deform();
+});
+byId("time").addEventListener("input", (e) => {
+  state.playing = false;
+  byId("play").textContent = "Play";
+  showFrame(Number(e.target.value));
+});
 byId("range").addEventListener("input", (e) => {
   state.range = Math.max(0.02, Number(e.target.value));
   recolour();
 });
 byId("play").addEventListener("click", () => {
-  state.playing = !state.playing;
+  if (state.playing) state.playing = false;
+  else play();
   state.phase = 1;
   byId("play").textContent = state.playing ? "Pause" : "Play";
   deform();

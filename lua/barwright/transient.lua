@@ -5,6 +5,7 @@ local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local history = require "barwright.history"
 local options = require "barwright.options"
+local transient_frames = require "barwright.transient_frames"
 local writable = require "barwright.writable"
 
 local raise = core.raise
@@ -187,7 +188,7 @@ local function record(rows, body)
   end
 end
 
--- The largest von Mises stress at a node, and the state where it is largest of all.
+-- The largest von Mises stress at a node, and the state where it is largest of all. Gives the stress.
 local function record_stress(stress, body)
   local static, message, details = body:static()
   if not static then return nil, message, details end
@@ -201,7 +202,7 @@ local function record_stress(stress, body)
   end
   local before = stress.envelope
   stress.envelope = before and core.array.map("max(a, b)", {a = before, b = von_mises}) or von_mises
-  return true
+  return von_mises
 end
 
 -- A file of the series, and the .pvd that lists those that are there.
@@ -244,6 +245,7 @@ function transient:run(given)
     time = {type = "number", needed = true, above = 0},
     probes = {type = "any", default = {}},
     stress_every = {type = "integer", min = 1},
+    frames = {type = "integer", min = 2, max = 1000},
     write = {type = "string"},
     write_every = {type = "integer", min = 1, default = 1},
     each = {type = "function"},
@@ -268,6 +270,12 @@ function transient:run(given)
   if left > 1e8 then
     raise(("run: %.3g steps of %g s to %g s: at most 1e8 expected"):format(left, base or h, opts.time))
   end
+  local kept
+  if opts.frames then
+    local why, about
+    kept, why, about = transient_frames.new(self, opts.frames, first, opts.time)
+    if not kept then return nil, why, about end
+  end
   local from, begun, last = self.steps, false, self.steps + left
   local function is_there()
     if base then return self.time >= opts.time - 1e-9 * base end
@@ -282,10 +290,13 @@ function transient:run(given)
     end
     begun = true
     record(rows, self)
-    local done = self.steps - from
-    if opts.stress_every and done % opts.stress_every == 0 then
-      ok, message, details = record_stress(stress, self)
+    local done, is_frame = self.steps - from, kept and transient_frames.is_due(kept, self.time)
+    local von_mises
+    if opts.stress_every and (is_frame or done % opts.stress_every == 0) then
+      von_mises, message, details = record_stress(stress, self)
+      ok = von_mises ~= nil
     end
+    if ok and is_frame then transient_frames.keep(kept, self, von_mises) end
     if ok and series and done % opts.write_every == 0 then ok, message, details = write_state(series, self) end
     if not ok then return nil, message, details end
     if opts.each then opts.each(self) end
@@ -303,6 +314,7 @@ function transient:run(given)
     stress.time, stress.von_mises = core.array.new(stress.time), core.array.new(stress.von_mises)
     out.stress = stress
   end
+  out.frames = kept and transient_frames.finish(kept)
   return out
 end
 
@@ -339,6 +351,8 @@ function recording:write(path)
   end
   return core.write_file(path, table.concat(lines, "\n") .. "\n")
 end
+
+recording.report, recording.picture = transient_frames.report, transient_frames.picture
 
 function recording:__tostring()
   local n, e = #self.time, self.energy
@@ -392,4 +406,5 @@ end
 
 arguments.methods("model", model, nil, {transient = "options: options"})
 arguments.methods("linear_transient", transient, nil, {step = "", run = "options: options"})
-arguments.methods("recording", recording, recording, {write = "path: string"})
+arguments.methods("recording", recording, recording, {write = "path: string",
+  report = "path: string, options?: options", picture = "path: string, options?: options"})

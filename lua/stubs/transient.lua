@@ -96,7 +96,8 @@ function LinearTransient:run(options) end
 ---@class bw.TransientRunOptions
 ---@field time number (s) of the end, from the start of the transient; the last step ends there or behind. A time before the present one raises. Range: above 0.
 ---@field probes? table<string, bw.Vector> (m) points by name: the boundary node nearest to each is recorded
----@field stress_every? integer (count) steps from one evaluation of the von Mises stress to the next. Default: none.
+---@field stress_every? integer (count) steps from one evaluation of the von Mises stress to the next; it is evaluated at frames, too. Default: none.
+---@field frames? integer (count) states on the boundary that are kept for `report`, at instants evenly over the time: the first step that is not before each. 60 are usual. They take 32 bytes per node of the boundary and frame. Range: 2 to 1000. Default: none.
 ---@field write? string path of a `.pvd` file: states are written beside it as `.vtu`
 ---@field write_every? integer (count) steps from one file to the next. Default: 1.
 ---@field each? fun(now: bw.LinearTransient) called at the start and after each step
@@ -116,6 +117,7 @@ function LinearTransient:run(options) end
 ---@field stress? bw.RecordedStress where `stress_every` was given
 ---@field steps_per_period? number (count) steps per period of the motion until now, in the mean over its strain energy. None where steps adapt, for few steps of less than one period, for motions as a rigid body and with `modes`, which are exact for loads that are linear within a step.
 ---@field steps? bw.RecordedSteps where steps adapt
+---@field frames? bw.RecordedFrames where `frames` was given
 ---@field period_error? number (-) by which its periods are too long, estimated from `steps_per_period`; above 0.03 a warning names a shorter step
 local Recording = {}
 
@@ -127,6 +129,47 @@ local Recording = {}
 ---@return string? message
 ---@return bw.Details? details
 function Recording:write(path) end
+
+---Writes a page with the motion in time, which opens from disk: a 3D view that plays the frames, with their time and a factor on
+---the displacement. Colours show the von Mises stress where stresses were recorded, and the displacement. Without frames it raises.
+---
+---Errors: `io` where the file cannot be written.
+---```lua
+---local mesh = bw.mesh.box {max = {1, 0.1, 0.1}, cells = {4, 1, 1}}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:fix(mesh.boundary:below("x", 0)):gravity {0, 0, -9.81}
+---local recording = assert(assert(part:transient {step = 1e-4}):run {time = 0.01, frames = 60, stress_every = 1})
+---assert(recording:report "motion.html")
+---```
+---@param path string of the page
+---@param options? bw.RecordingReportOptions what it shows
+---@return true? written true
+---@return string? message
+---@return bw.Details? details
+function Recording:report(path, options) end
+
+---Draws the state with the largest von Mises stress, or where no stresses were recorded the frame with the largest displacement,
+---coloured by these. Without stresses and frames it raises.
+---
+---Errors: those of `bw.picture`.
+---@param path string of the PNG file
+---@param options? bw.PictureOptions how it is drawn
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
+function Recording:picture(path, options) end
+
+---What the page of a motion shows.
+---@class bw.RecordingReportOptions
+---@field title? string of the page. Default: "Motion in time"
+---@field seconds? number (s) in which the page plays the motion. Range: above 0. Default: 6
+
+---States on the boundary of the mesh, kept while a motion was followed.
+---@class bw.RecordedFrames
+---@field time bw.Array (s, n) of each frame
+---@field nodes bw.Array (index from 1, m) of the mesh, those of its boundary
+---@field displacement bw.Array[] (m, m × 3, per node of these) of each frame
+---@field von_mises? bw.Array[] (Pa, m) of each frame, where `stress_every` was given
 
 ---Steps that adapt.
 ---@class bw.RecordedSteps

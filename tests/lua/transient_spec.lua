@@ -342,4 +342,107 @@ describe("motion in time", function()
     assert.equal(mesh, transient.mesh)
     check.fails("io", "nowhere", transient:run {time = 3e-3, write = folder .. "nowhere/a.pvd"})
   end)
+
+  -- The states of a body followed step by step: {time =, displacement =, von_mises =} each.
+  local function states(transient, last)
+    local found = {}
+    while true do
+      found[#found + 1] = {time = transient.time, displacement = transient.displacement,
+        von_mises = assert(transient:static()).von_mises}
+      if transient.time >= last * (1 - 1e-9) then return found end
+      assert(transient:step())
+    end
+  end
+
+  -- What a page gives its view, numbers decoded.
+  local function data_of(path)
+    local data = assert(bw.json.decode(check.read(path):match 'id="data">(.-)</script>'))
+    local digits = {}
+    for i = 1, 64 do
+      digits[("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"):sub(i, i)] = i - 1
+    end
+    function data.number(text, i) -- a float32, from 1
+      local bytes = {}
+      for k = 4 * (i - 1), 4 * i - 1 do
+        local group = {text:byte(k // 3 * 4 + 1, k // 3 * 4 + 4)}
+        local bits = 0
+        for _, byte in ipairs(group) do bits = bits << 6 | (digits[string.char(byte)] or 0) end
+        bytes[#bytes + 1] = string.char(bits >> 8 * (2 - k % 3) & 255)
+      end
+      return (("<f"):unpack(table.concat(bytes)))
+    end
+    return data
+  end
+
+  it("keeps frames evenly over the time, with the values of its steps", function()
+    for _, how in ipairs {{}, {by_modes = true}, {error = 1e-3}, {joined = true}} do
+      local function start()
+        local part = bar(2)
+        if how.joined then
+          part:couple {on = part.mesh.boundary:above("x", 1), kind = "distributed", at = {1.1, 0.05, 0.04},
+            mass = 5}
+        end
+        return assert(part:transient {step = 2e-4, error = how.error,
+          modes = how.by_modes and assert(part:modes {count = 4}) or nil})
+      end
+      local all = states(start(), 8e-3)
+      local recording = assert(start():run {time = 8e-3, frames = 7, stress_every = 11})
+      local frames, i = recording.frames, 0
+      for k = 1, 7 do
+        repeat i = i + 1 until all[i].time >= (k - 1) * 8e-3 / 6 - 1e-9
+        assert.equal(all[i].time, frames.time[k])
+        for _, name in ipairs {"displacement", "von_mises"} do
+          assert.equal(0, check.largest(all[i][name]:gather(frames.nodes) - frames[name][k]), name)
+        end
+      end
+      assert.equal(7, #frames.time)
+      assert.is_true(check.largest(frames.displacement[7]) > 1e-5)
+      assert.equal(#frames.nodes, #frames.displacement[1])
+      -- What a frame shows is in the envelope.
+      for k = 1, 7 do
+        local over = frames.von_mises[k] - recording.stress.envelope:gather(frames.nodes)
+        assert.is_true(over:max() <= 0)
+      end
+      assert(recording:report(folder .. "motion.html", {title = "A <bar>", seconds = 4}))
+      local page = check.read(folder .. "motion.html")
+      assert.truthy(page:find("<title>A &lt;bar&gt;</title>", 1, true))
+      assert.truthy(page:find("The view plays them in 4 s, 500 times slower than the part moves.", 1, true))
+      assert.truthy(page:find("taken by the scheme", 1, true))
+      local data = data_of(folder .. "motion.html")
+      local motion = data.displacements[1]
+      assert.same(frames.time:totable(), motion.times)
+      assert.equal(4, motion.seconds)
+      assert.same({"von Mises stress", "displacement"}, {data.fields[1].name, data.fields[2].name})
+      local count = #frames.nodes
+      for _, at in ipairs {{1, 1}, {4, count // 2}, {7, count}} do
+        local k, node = at[1], at[2]
+        local place = (k - 1) * count + node
+        local u = frames.displacement[k][node]
+        check.near(u[3] + 1, data.number(motion.values, 3 * place) + 1, 1e-9)
+        check.near(frames.von_mises[k][node] + 1, data.number(data.fields[1].values, place) * 1e6 + 1, 1e-6)
+        check.near(1 + u:norm(), data.number(data.fields[2].values, place) * 1e-3 + 1, 1e-9)
+      end
+    end
+  end)
+
+  it("keeps all steps where there are fewer than frames, and none where it was not asked to", function()
+    local transient = assert(bar():transient {step = 1e-3})
+    local few = assert(transient:run {time = 4e-3, frames = 60})
+    assert.same(few.time:totable(), few.frames.time:totable())
+    assert.is_nil(few.frames.von_mises)
+    assert(few:report(folder .. "few.html"))
+    assert(few:picture(folder .. "few.png", {width = 200, height = 150}))
+    assert.same({"displacement"}, {data_of(folder .. "few.html").fields[1].name})
+    local still = assert(transient:run {time = 4e-3, frames = 5})
+    assert.equal(1, #still.frames.time)
+    assert(still:report(folder .. "still.html"))
+    local none = assert(transient:run {time = 6e-3})
+    assert.is_nil(none.frames)
+    check.raises("report: the recording has no frames", none.report, none, folder .. "none.html")
+    check.raises("neither stresses nor frames", none.picture, none, folder .. "none.png")
+    check.raises("option 'frames'", transient.run, transient, {time = 7e-3, frames = 1})
+    local stressed = assert(transient:run {time = 8e-3, stress_every = 1})
+    assert(stressed:picture(folder .. "stressed.png", {width = 200, height = 150}))
+    check.fails("io", "nowhere", few:report(folder .. "nowhere/few.html"))
+  end)
 end)

@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Makes the reports that tests/pages/run.mjs opens: FOLDER/report.html, FOLDER/session.html, FOLDER/pulled.html.
+-- Makes the reports that tests/pages/run.mjs opens: FOLDER/report.html, FOLDER/session.html,
+-- FOLDER/pulled.html, FOLDER/motion.html.
 local bw = require "barwright"
 local mesh = bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {20, 4, 2}}
 local part = bw.model {mesh = mesh, material = bw.material.pla}
@@ -24,3 +25,8 @@ local static = assert(pulled:solve())
 local static_picture = require "barwright.command.static_picture"
 assert(static_picture.report(static, arg[1] .. "/pulled.html",
   static_picture.options(static, "A bar", loads, {"min:x"}), "It is pulled."))
+
+-- The bar let go of a load that acts at once: 40 frames of 10 ms.
+local transient = assert(pulled:transient {step = 1e-4})
+local recording = assert(transient:run {time = 0.01, frames = 40, stress_every = 10})
+assert(recording:report(arg[1] .. "/motion.html", {title = "A bar under loads that act at once", seconds = 2}))

@@ -179,6 +179,33 @@ await test("the report of a session shows the shape as it was drawn, in its true
   assert(problems.length === 0, problems.join("; "));
 });
 
+await test("a motion in time plays, stops, shows any instant with its time, and its true scale", async () => {
+  await page.goto(`file://${folder}/motion.html`);
+  await page.waitForFunction(() => window.barwright);
+  const first = await state();
+  assert(first.playing, "a motion should play");
+  await until(async () => first.frame !== (await state()).frame, "the frame stands still");
+  await page.click("#play");
+  const stopped = (await state()).frame;
+  await page.waitForTimeout(300);
+  assert(!(await state()).playing && (await state()).frame === stopped, "Pause does not pause");
+  await page.click("#play");
+  await until(async () => (await state()).frame !== stopped, "Play does not go on");
+  await slide("time", 39);
+  const last = await state();
+  assert(!last.playing && last.frame === 39, `frame ${last.frame}`);
+  assert(/^10\.00 of 10\.00 ms$/.test(await page.textContent("#timetext")), await page.textContent("#timetext"));
+  const high = await page.textContent("#high");
+  if (process.env.BARWRIGHT_PICTURES)
+    await page.screenshot({ path: path.join(process.env.BARWRIGHT_PICTURES, "motion.png") });
+  await page.click("#true");
+  assert((await page.textContent("#scaletext")) === "× 1.000", await page.textContent("#scaletext"));
+  await slide("time", 0);
+  assert(/^0\.000 of/.test(await page.textContent("#timetext")), await page.textContent("#timetext"));
+  assert((await page.textContent("#high")) === high, "the range of colours changes in time");
+  assert(problems.length === 0, problems.join("; "));
+});
+
 // With BARWRIGHT_PICTURES=FOLDER pictures of the live view are left there, to be looked at.
 await study({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await site({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });

@@ -136,7 +136,7 @@ makers.HeatSolution = {function(p) return assert(p.Heat:solve()) end}
 makers.HeatTransient = {function(p) return assert(p.Heat:transient {initial = 300}) end}
 makers.LinearTransient = {function(p) return assert(p.Model:transient {step = 1e-4}) end}
 makers.Recording = {function(p)
-  return assert(p.LinearTransient:run {time = 3e-4, probes = {a = {0, 0, 0}}})
+  return assert(p.LinearTransient:run {time = 3e-4, probes = {a = {0, 0, 0}}, frames = 3})
 end}
 makers.Eigensolver = { -- none of several processes
   function() return bw.eigensolver.lanczos {} end,
