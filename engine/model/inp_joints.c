@@ -241,22 +241,34 @@ done:
   return status;
 }
 
-/* Whether a support or a rigid coupling moves one of these nodes. */
-static bool is_moved(const work *w, const bw_selection *on) {
-  for (int32_t i = 0; i < on->node_count; i++)
-    for (int k = 0; k < 3; k++)
-      if (w->dof_map->value[3 * (int64_t)on->node[i] + k] != 0)
-        return true;
-  for (int p = 0; p < w->model->coupling_count; p++) {
-    const bw_coupling *c = &w->model->coupling[p];
-    bool moved = false;
+/* Marks in `moved` (node_count) the nodes that a support, a rigid coupling or a shortening moves,
+ * and those that follow one of them in a bond. */
+static void find_moved(const work *w, uint8_t *moved) {
+  const bw_model *model = w->model;
+  for (int64_t i = 0; i < 3 * (int64_t)model->mesh->node_count; i++)
+    moved[i / 3] |= w->dof_map->value[i] != 0;
+  for (int p = 0; p < model->coupling_count; p++) {
+    const bw_coupling *c = &model->coupling[p];
+    bool moves = false;
     for (int k = 0; k < 6; k++)
-      moved |= c->point.kind == BW_RIGID && c->point.fixed[k] && c->point.displacement[k] != 0;
-    for (int32_t i = 0; moved && i < c->node_count; i++)
-      for (int32_t n = 0; n < on->node_count; n++)
-        if (on->node[n] == c->node[i])
-          return true;
+      moves |= c->point.kind == BW_RIGID && c->point.fixed[k] && c->point.displacement[k] != 0;
+    for (int32_t i = 0; moves && i < c->node_count; i++)
+      moved[c->node[i]] = 1;
   }
+  for (int b = 0; b < model->bond_count; b++) {
+    const bw_bond *bond = &model->bond[b];
+    for (int32_t i = 0; i < bond->node_count; i++) {
+      moved[bond->node[i]] |= bond->preload == BW_PRELOAD_SHORTENING;
+      for (int64_t e = bond->follows->start[i]; e < bond->follows->start[i + 1]; e++)
+        moved[bond->node[i]] |= moved[bond->follows->column[e]];
+    }
+  }
+}
+
+static bool has_mark(const bw_selection *on, const uint8_t *mark) {
+  for (int32_t i = 0; i < on->node_count; i++)
+    if (mark[on->node[i]])
+      return true;
   return false;
 }
 
@@ -313,6 +325,9 @@ bw_status bwi_inp_joints_make(bw_context *context, const bw_model *model, const 
   bw_status status = BW_OK;
   work w = {.context = context, .model = model, .dof_map = dof_map, .j = j, .one = -1};
   double gravity[3];
+  uint8_t *moved = BW_NEW0(context, uint8_t, model->mesh->node_count);
+  BW_TRY_MEMORY(moved);
+  find_moved(&w, moved);
   bwi_sum_gravity(model, gravity);
   for (int i = 0; i < model->coupling_count; i++)
     BW_TRY(add_coupling(&w, i, gravity, frequency, path, joined));
@@ -323,12 +338,14 @@ bw_status bwi_inp_joints_make(bw_context *context, const bw_model *model, const 
     if (frequency || !(attachment->mass > 0))
       BW_TRY(add_attachment(&w, attachment));
     if (!frequency && !(attachment->mass > 0) && attachment->on->facet_count > 0 &&
-        is_moved(&w, attachment->on))
+        has_mark(attachment->on, moved))
       bw_warn(context,
-              "%s: the spring of attachment %d is on nodes that supports or a rigid coupling "
-              "move, and CalculiX 2.20 leaves a part of its force out: its displacements differ",
+              "%s: the spring of attachment %d is on nodes that supports, a rigid coupling or a "
+              "shortening move, and CalculiX 2.20 leaves a part of its force out: its "
+              "displacements differ",
               path, i + 1);
   }
 done:
+  bw_free(moved);
   return status;
 }

@@ -140,6 +140,30 @@ describe("joined models in CalculiX", function()
     end
   end)
 
+  it("name springs of which CalculiX leaves a part out, across a bond too", function()
+    for case = 1, 4 do
+      local b = bar(1, false)
+      local strip = b.left:below("z", 0.3)
+      b.part:fix(b.root):attach {on = b.right, spring = {1e10, 0, 1e9}}:load {on = b.top, force = {0, 0, 1e4}}
+      b.part:bond {a = b.right, b = b.left, shortening = case == 1 and 2e-5 or nil,
+        preload = case == 4 and 3e4 or nil}
+      if case == 2 then b.part:prescribe(strip, {false, false, 1e-4}) end
+      if case == 3 then
+        b.part:couple {on = strip, kind = "rigid", displacement = {0, 0, 1e-4}, rotation = {0, 0, 0}}
+      end
+      if case == 4 then b.part:fix(b.far) end
+      bw.warnings()
+      local far = difference(b.part)
+      local warnings = table.concat(bw.warnings(), " ")
+      if case == 4 then
+        assert.is_true(far < 1e-6 and warnings == "", warnings)
+      else
+        assert.is_true(far > 1e-5, far)
+        assert.matches("attachment 1 is on nodes that supports, a rigid coupling or a shortening", warnings)
+      end
+    end
+  end)
+
   it("vibrate with masses, inertia and springs", function()
     -- light: CalculiX integrates the mass of elements with fewer points, and differs without joints too
     local b = bar(2, true, bw.material.isotropic {young = 2e11, poisson = 0.3, density = 0.1})
