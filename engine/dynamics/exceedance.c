@@ -17,6 +17,9 @@ enum { HALVINGS = 40, TERMS = 2000 };
 static const double pi = 3.14159265358979323846;
 /* Between points of the path, in units of the width of the saddle. */
 static const double spacing = 0.15;
+/* Components of y below this part of the mean square of another one, such as rounding, tell nothing
+ * of y . y_t: their sizes enter its mean at given y by the correlation alone, however small. */
+static const double negligible = 1e-8;
 
 /* What the path integrates, all with lambda_1 = 1. */
 typedef struct form {
@@ -144,7 +147,8 @@ static void fill_factors(int n, const double *velocity, const double *cross, dou
       double lj = f->lambda[j], vj = fmax(velocity[j * n + j] / unit, 0);
       double c = cross[j * n + i] / unit, square = fmin(c * c, fmin(lj * vi, li * vj));
       f->first[i] -= square;
-      f->second[i][j] = li > 0 && lj > 0 ? square * (li - lj) * (li - lj) / (li * lj) : 0;
+      f->second[i][j] =
+          fmin(li, lj) > negligible * fmax(li, lj) ? square * (li - lj) * (li - lj) / (li * lj) : 0;
     }
   }
 }

@@ -490,6 +490,7 @@ bw_status bwi_modes_up_to(bw_context *context, const bw_model *model, bw_system 
                           bw_modes **modes) {
   bw_status status = BW_OK;
   bw_modes_options ask;
+  double bound;
   bw_modes_options_default(&ask);
   ask.count = count ? count : FIRST_MODES;
   ask.solver = solver;
@@ -508,6 +509,14 @@ bw_status bwi_modes_up_to(bw_context *context, const bw_model *model, bw_system 
       break;
     bw_release(*modes);
     *modes = NULL;
+    if (ask.count == FIRST_MODES) {
+      BW_TRY(bwi_frequency_bound(context, model, &bound));
+      if (reach > bound)
+        BW_TRY(bw_fail(context, BW_INVALID,
+                       "all modes to %g Hz are needed, and this mesh has none above %g Hz: give "
+                       "lower frequencies, or a number of modes",
+                       reach, bound));
+    }
   }
 done:
   return status;

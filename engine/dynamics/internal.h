@@ -9,7 +9,11 @@
 double bwi_half_width(const bw_harmonic *harmonic, int k);
 /* Refuses models that no response by modes is computed of; `what` is "a harmonic response". */
 bw_status bwi_check_held_model(bw_context *context, const bw_model *model, const char *what);
-/* All modes up to `reach` (Hz), or `count` where that is above 0. *used gets the equations. */
+/* *bound (Hz): no mode of the model has a higher frequency; INFINITY where springs add stiffness.
+ */
+bw_status bwi_frequency_bound(bw_context *context, const bw_model *model, double *bound);
+/* All modes up to `reach` (Hz), or `count` where that is above 0. *used gets the equations.
+ * BW_INVALID for a reach beyond all modes that the mesh can have, where these are many. */
 bw_status bwi_modes_up_to(bw_context *context, const bw_model *model, bw_system *given,
                           const bw_eigensolver *solver, int count, double reach, bw_system **used,
                           bw_modes **modes);

@@ -37,11 +37,21 @@ local function make(response, first, width, made)
   return setmetatable(made, curve)
 end
 
+-- Whether the response has no limit at a natural frequency among or between the frequencies.
+local function unlimited(self, frequencies)
+  local low, high = frequencies:min(), frequencies:max()
+  for _, f in ipairs(self.damped and {} or self.modes.frequencies:totable()) do
+    if low <= f and f <= high then return true end
+  end
+  return false
+end
+
 local function of_coupling(self, opts)
   local response, at, details = self:at_coupling(opts.coupling, opts.frequencies)
   if not response then return nil, at, details end
   local function part(first, made)
     made.coupling, made.at, made.frequencies = opts.coupling, at, opts.frequencies
+    made.unlimited = unlimited(self, opts.frequencies)
     return make(response, first, 6, made)
   end
   return part(1, {unit = "m", rotation = part(4, {unit = "rad"})})
@@ -72,16 +82,23 @@ function harmonic:curve(given)
   local response, message, details = self:at_node(node, opts.frequencies)
   if not response then return nil, message, details end
   return make(response, 1, 3, {node = node, at = self.mesh.nodes:rows(node, node):totable()[1], unit = "m",
-    frequencies = opts.frequencies})
+    frequencies = opts.frequencies, unlimited = unlimited(self, opts.frequencies)})
+end
+
+local no_limit = "nothing damps the response, which has no limit at a natural frequency"
+
+local function peak(self, i)
+  local column = self.amplitude:column(i)
+  local at = column:argmax()
+  return self.frequencies[at], column[at]
 end
 
 --- The largest amplitude along an axis: its frequency (Hz) and amplitude (m, rad).
 function curve:peak(axis)
   for i, name in ipairs(axes) do
     if name == axis then
-      local column = self.amplitude:column(i)
-      local at = column:argmax()
-      return self.frequencies[at], column[at]
+      if self.unlimited then core.warn(no_limit .. ": the peak is that of the curve's frequencies alone") end
+      return peak(self, i)
     end
   end
   raise(("peak: \"x\", \"y\" or \"z\" expected, got %s"):format(core.got(axis)))
@@ -118,14 +135,14 @@ end
 function curve:__tostring()
   local parts = {}
   for i, name in ipairs(axes) do
-    local f, a = self:peak(name)
+    local f, a = peak(self, i)
     parts[i] = ("%s %s at %s Hz"):format(name, core.quantity(a, self.unit), shown.number(f))
   end
   local node, coupling = rawget(self, "node"), rawget(self, "coupling")
-  return ("%s of %s over %s, largest: %s; error of the mesh unknown"):format(
+  return ("%s of %s over %s, largest: %s%s; error of the mesh unknown"):format(
     self.unit == "m" and "displacement" or "rotation",
     node and "node " .. node or "the remote point of coupling " .. coupling,
-    frequencies(#self.frequencies), table.concat(parts, ", "))
+    frequencies(#self.frequencies), table.concat(parts, ", "), self.unlimited and "; " .. no_limit or "")
 end
 
 arguments.methods("harmonic_curve", curve, curve, {peak = "axis: string", write = "path: string", figure = ""})

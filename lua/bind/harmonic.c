@@ -287,11 +287,24 @@ static int harmonic_solves(lua_State *L) {
   return 1;
 }
 
+static bool is_damped(const bw_harmonic *h) {
+  bool damped = h->damping.ratio > 0 || h->damping.mass > 0 || h->damping.stiffness > 0 ||
+                h->damping.loss > 0;
+  for (int k = 0; k < h->modes->count; k++)
+    damped = damped || h->loss[k] > 0;
+  return damped;
+}
+
+static int harmonic_damped(lua_State *L) {
+  lua_pushboolean(L, is_damped(self(L)));
+  return 1;
+}
+
 static int harmonic_tostring(lua_State *L) {
   const bw_harmonic *h = (const bw_harmonic *)lbw_check(L, 1, &lbw_harmonic_class);
   int modes = h->modes->count;
   double largest = 0;
-  char text[300], error[80] = "unknown";
+  char text[400], error[80] = "unknown";
   for (int k = 0; k < h->frequency_count; k++)
     largest = fmax(largest, h->error[k]);
   if (isfinite(largest))
@@ -299,9 +312,10 @@ static int harmonic_tostring(lua_State *L) {
              h->modes->counted ? "at most" : "about", largest);
   snprintf(text, sizeof text,
            "harmonic response at %d frequencies, %.4g to %.4g Hz, by %d modes (%s) and %d residual "
-           "vectors; error of the equations %s; error of the mesh unknown",
+           "vectors%s; error of the equations %s; error of the mesh unknown",
            h->frequency_count, h->frequency[0], h->frequency[h->frequency_count - 1], modes,
-           h->modes->counted ? "counted: none is missing" : "not counted", h->count - modes, error);
+           h->modes->counted ? "counted: none is missing" : "not counted", h->count - modes,
+           is_damped(h) ? "" : "; without damping: at a natural frequency it has no limit", error);
   lua_pushstring(L, text);
   return 1;
 }
@@ -319,6 +333,7 @@ static const luaL_Reg methods[] = {{"displacement", harmonic_displacement},
 static const luaL_Reg properties[] = {{"frequencies", harmonic_frequencies},
                                       {"errors", harmonic_errors},
                                       {"losses", harmonic_losses},
+                                      {"damped", harmonic_damped},
                                       {"modes", harmonic_modes},
                                       {"mesh", harmonic_mesh},
                                       {"residual_vectors", harmonic_residual_vectors},

@@ -21,6 +21,7 @@
 ---@field errors bw.Array (-, n × 1) of the displacement at each frequency, over the displacement, both in energy: a bound on this mesh where the modes are counted
 ---@field modes bw.Modes the modes of its basis
 ---@field losses bw.Array (-, n × 1) loss factor of each mode: that of the damping, and those of regions by their parts of the mode's strain energy
+---@field damped boolean whether anything damps it; at a natural frequency an undamped response has no limit
 ---@field residual_vectors integer (count) of its basis
 ---@field solves integer (count) right-hand sides that residual vectors took
 ---@field mesh bw.Mesh of the model
@@ -197,13 +198,15 @@ function Harmonic:close() end
 ---@field unit "m"|"rad" of the amplitudes
 ---@field at number[] (m, 3) where it is
 ---@field frequencies bw.Array (Hz, n × 1) the frequencies
+---@field unlimited boolean whether the response is undamped and has a natural frequency in their range
 ---@field real bw.Array (m, n × 3) real part along x, y and z
 ---@field imaginary bw.Array (m, n × 3) imaginary part
 ---@field amplitude bw.Array (m, n × 3) the largest over a period
 ---@field phase bw.Array (degrees, n × 3) by which it is before the load; negative: behind
 local HarmonicCurve = {}
 
----The largest amplitude along an axis. The frequencies of a range meet the peaks of modes; those of a list may miss them.
+---The largest amplitude along an axis. The frequencies of a range meet the peaks of modes; those of a list may miss them. A warning
+---says where an undamped response has no limit.
 ---@param axis "x"|"y"|"z" the direction
 ---@return number frequency (Hz) where it is largest
 ---@return number amplitude (any) the largest, in m or rad

@@ -186,6 +186,34 @@ scenario("Response spectrum of a slender cantilever", function(t)
     :near(math.sqrt(tip), {relative = 0.01, source = source})
 end)
 
+-- A bar on a base that is accelerated along it, far below its first mode at c / 4 L = 12.5 kHz: its root has one
+-- component of stress, density times L times the acceleration, with the flat spectrum of that up to 100 Hz.
+scenario("Random vibration: exceedance and crossings of one component", function(t)
+  local length, base, top = 0.1, 1000, 100
+  local steel = bw.material.isotropic {young = 200e9, poisson = 0, density = 8000}
+  local mesh = bw.mesh.box {max = {length, 0.02, 0.02}, cells = {10, 2, 2}, order = 2}
+  local part = bw.model({mesh = mesh, material = steel}):fix(mesh.boundary:below("x", 0))
+  local response = t:require(part:harmonic {range = {0, top}, base = {base, 0, 0}, damping = {ratio = 0.01}})
+  local random = t:require(response:random {psd = {{0, 1 / top}, {top, 1 / top}}})
+  local deviation, level, duration = 8000 * length * base, 4, 0.1
+  local m = t:require(random:margins {duration = duration, strength = level * deviation})
+  local node = mesh.boundary:nearest({0, 0.01, 0.01}).nodes[1]
+  local normal = "normal distribution: erfc(R / (sigma 2^0.5))"
+  local rice = "Rice, Bell System Technical Journal 24 (1945)"
+  local rate = 2 * top / math.sqrt(3) * math.exp(-level ^ 2 / 2) -- through the strength and through minus that
+  expect(random.von_mises[node], "root mean square of von Mises stress", "Pa"):near(deviation,
+    {relative = 0.001, source = "closed form: density times length times acceleration"})
+  expect(m.margin, "margin at three deviations"):near(level / 3 - 1, {relative = 0.005,
+    source = "closed form: 4 / 3 - 1"})
+  expect(m.exceedance[node], "share of the time beyond the strength, four deviations"):near(6.334248e-5,
+    {relative = 0.005, source = normal})
+  expect(m.beyond, "share of the time beyond three deviations"):near(2.699796e-3,
+    {relative = 1e-5, source = normal})
+  expect(m.rate[node], "crossings of the strength, 1/s"):near(rate, {relative = 0.005, source = rice})
+  expect(m.first_passage[node], "bound of the probability within 0.1 s"):near(6.334248e-5 + rate * duration,
+    {relative = 0.005, source = "exceedance and rate of the above"})
+end)
+
 -- A rod without lateral contraction that lands on its end: Saint-Venant's wave runs to the far end and back.
 scenario("Saint-Venant: a rod that lands on its end", function(t)
   local length, side, speed, c = 0.1, 0.01, 2, 1000

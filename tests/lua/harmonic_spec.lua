@@ -206,6 +206,34 @@ describe("harmonic", function()
     assert(envelope:figure():write(folder .. "envelope.svg"))
   end)
 
+  it("says that an undamped response has no limit at a natural frequency", function()
+    local part = beam {0, 0, 10}
+    local response = assert(part:harmonic {range = {0, 2 * bending}})
+    assert.is_false(response.damped)
+    assert.truthy(tostring(response):find("without damping: at a natural frequency it has no limit", 1, true))
+    local curve = assert(response:curve {at = {L, b / 2, a / 2}})
+    assert.truthy(tostring(curve):find("nothing damps the response", 1, true))
+    bw.warnings()
+    curve:peak "z"
+    assert.truthy(bw.warnings()[1]:find("nothing damps the response", 1, true))
+    local below = assert(response:curve {at = {L, 0, 0}, frequencies = {0, 0.5 * bending}})
+    assert.is_false(below.unlimited)
+    local damped = assert(part:harmonic {range = {0, 2 * bending}, damping = {loss = 0.1}})
+    assert.is_true(damped.damped)
+    assert.is_nil(tostring(damped):find("damping", 1, true))
+    assert(damped:curve {at = {L, 0, 0}}):peak "z"
+    assert.same({}, bw.warnings())
+  end)
+
+  it("refuses a range beyond all modes of the mesh", function()
+    local part = beam {0, 0, 1}
+    local ok, message = pcall(part.harmonic, part, {range = {0, 1e12}})
+    assert.is_false(ok)
+    local bound = tonumber(message:match "none above (%S+) Hz")
+    local all = assert(part:modes {count = 3 * (part.mesh.node_count - 15)}).frequencies
+    assert.is_true(bound >= all:max() and bound < 6 * all:max(), message)
+  end)
+
   it("refuses misuse in a sentence", function()
     local part = beam {0, 0, 1}
     local response = assert(part:harmonic {frequencies = {10}})
