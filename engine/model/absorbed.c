@@ -93,10 +93,25 @@ static bw_status check_boundary(bw_context *context, const bw_model *model,
   return status;
 }
 
+/* Whether a load acts, or a support or a remote point moves. */
+static bool is_excited(const bw_model *model, const bw_dof_map *dof_map) {
+  bool excited = model->load_count > 0 || dof_map->prescribed;
+  for (int b = 0; b < model->bond_count; b++)
+    excited = excited || model->bond[b].preload != BW_NO_PRELOAD;
+  for (int p = 0; p < model->coupling_count; p++)
+    for (int k = 0; k < 6; k++) {
+      const bw_remote_point *point = &model->coupling[p].point;
+      excited = excited || point->load[k] != 0 || (point->fixed[k] && point->displacement[k] != 0);
+    }
+  return excited;
+}
+
 bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
                                   const bw_dof_map *dof_map) {
   bw_status status = BW_OK;
   double *force = NULL;
+  if (!is_excited(model, dof_map))
+    bw_warn(context, "no load acts and no support moves: the displacement is zero");
   if (model->support_count == 0)
     return BW_OK;
   BW_TRY(check_boundary(context, model, dof_map));

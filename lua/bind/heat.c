@@ -372,9 +372,10 @@ static int solution_tostring(lua_State *L) {
              lbw_quantity(s->highest_error, "K").text);
   snprintf(text, sizeof text,
            "temperatures from %.6g to %.6g K (%s); heat in %s, stored %s, balance %.1e W; %d "
-           "iterations",
+           "iteration%s",
            low, s->highest, error, lbw_quantity(s->throughput, "W").text,
-           lbw_quantity(s->stored, "W").text, s->imbalance, s->iterations);
+           lbw_quantity(s->stored, "W").text, s->imbalance, s->iterations,
+           s->iterations == 1 ? "" : "s");
   lua_pushstring(L, text);
   return 1;
 }

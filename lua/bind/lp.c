@@ -42,8 +42,8 @@ const bw_lp_solver *lbw_lp_option(lua_State *L, int index, const char *function)
 static int solver_tostring(lua_State *L) {
   const bw_lp_solver *solver = self(L);
   if (solver->max_iterations > 0)
-    lua_pushfstring(L, "linear programs by %s, %d iterations at most", solver->name,
-                    solver->max_iterations);
+    lua_pushfstring(L, "linear programs by %s, %d iteration%s at most", solver->name,
+                    solver->max_iterations, solver->max_iterations == 1 ? "" : "s");
   else
     lua_pushfstring(L, "linear programs by %s", solver->name);
   return 1;

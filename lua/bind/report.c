@@ -75,7 +75,8 @@ static int report_tostring(lua_State *L) {
   }
   const char *before = ": ";
   if (iterations > 0) {
-    snprintf(part, sizeof part, "%s%.0f iterations", before, iterations);
+    snprintf(part, sizeof part, "%s%.0f iteration%s", before, iterations,
+             iterations == 1 ? "" : "s");
     luaL_addstring(&text, part);
     before = ", ";
   }

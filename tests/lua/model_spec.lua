@@ -99,6 +99,18 @@ describe("a model", function()
     check.raises("the supports fix all", part.solve, part)
   end)
 
+  it("warns where nothing acts", function()
+    local mesh = bw.mesh.box {cells = {2, 2, 2}}
+    local part = bw.model {mesh = mesh, material = bw.material.pla}
+    part:fix(mesh.boundary:below("x", 0))
+    bw.warnings()
+    assert.equal(0, assert(part:solve()).displacement:max())
+    assert.same({"no load acts and no support moves: the displacement is zero"}, bw.warnings())
+    part:load {on = mesh.boundary:above("x", 1), force = {1, 0, 0}}
+    assert(part:solve())
+    assert.same({}, bw.warnings())
+  end)
+
   it("stretches as a bar does", function()
     local part, mesh = bar()
     part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {1e6, 0, 0}}

@@ -528,7 +528,8 @@ BW_API bw_status bw_dof_map_follow(bw_context *context, const bw_model *model,
 /* Whether the loads reach the body, before a static solution: BW_INVALID when the supports fix the
  * whole boundary at zero (unless temperatures or nodal forces act), or when a load acts on
  * supports only. A load of which a part of the area lies on supports is a warning with the
- * fraction; so is any where some prescribed displacement is not zero. */
+ * fraction; so is any where some prescribed displacement is not zero. A model on which nothing acts
+ * is a warning, too. */
 BW_API bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
                                          const bw_dof_map *dof_map);
 /* The rigid-body modes as *text, for messages: "3 rigid-body modes are unconstrained: ...". Release
