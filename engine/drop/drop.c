@@ -33,6 +33,7 @@ static void drop_destroy(void *object) {
   bw_drop *d = object;
   bw_release(d->model);
   bw_release(d->modes);
+  bw_release(d->fewer);
   bw_release(d->onto);
   double *all[] = {d->time,          d->force,     d->motion,      d->vibration,
                    d->strain,        d->potential, d->damped,      d->sample,
@@ -50,7 +51,8 @@ static size_t drop_bytes(const void *object) {
   if (d->stress)
     numbers +=
         (d->utilisation ? 2 : 1) * (size_t)mesh->element_count + 3 * (size_t)mesh->node_count;
-  return sizeof *d + (size_t)d->impact_count * sizeof *d->impact + numbers * sizeof(double);
+  return sizeof *d + (size_t)d->impact_count * sizeof *d->impact + numbers * sizeof(double) +
+         (d->fewer ? drop_bytes(d->fewer) : 0);
 }
 
 static const bw_kind drop_kind = {"drop", drop_destroy, drop_bytes};
@@ -409,7 +411,8 @@ static bw_status impact_of(bw_context *context, follow *f, history *h) {
   bwi_drop_motion start = {0};
   bwi_drop_rows rows = {0};
   bwi_drop_states states = {.capacity = 2 * run->options.samples, .stride = 1};
-  BW_TRY(bwi_drop_motion_create(context, run->modes, &run->options.damping, &start));
+  BW_TRY(bwi_drop_motion_create(context, run->modes, run->motion.modes, &run->options.damping,
+                                &start));
   bwi_drop_motion_copy(&run->motion, &start);
   BW_TRY(bwi_drop_touch_create(context, run, &run->touch));
   states.state = BW_NEW0(context, bwi_drop_state, states.capacity);
@@ -567,6 +570,8 @@ static bw_status make_result(bw_context *context, const bwi_drop_run *run, bw_dr
   BW_TRY_MEMORY(drop);
   bw_object_init(drop, &drop_kind);
   drop->model = bw_retain(model);
+  drop->modes = bw_retain(run->modes);
+  drop->mode_count = run->motion.modes;
   drop->peak_element = -1;
   drop->impact = BW_NEW0(context, bw_drop_impact, run->options.impacts);
   BW_TRY_MEMORY(drop->impact);
@@ -612,6 +617,28 @@ done:
   return status;
 }
 
+/* The drop of a body that is weighed and placed, with the `count` lowest of its modes. */
+static bw_status drop_with(bw_context *context, const bwi_drop_run *placed, int count,
+                           bw_drop **out) {
+  bw_status status = BW_OK;
+  bwi_drop_run run = *placed;
+  bw_drop *drop = NULL;
+  BW_TRY(bwi_drop_motion_create(context, run.modes, count, &run.options.damping, &run.motion));
+  BW_TRY(bwi_drop_points_create(context, &run));
+  BW_TRY(make_result(context, &run, &drop));
+  BW_TRY(begin(context, &run, drop));
+  run.slack = 1e-10 * run.points.radius;
+  run.margin = 2 * drop->speed * first_fraction / run.motion.omega[count - 1];
+  BW_TRY(follow_drop(context, &run, drop));
+  *out = drop;
+  drop = NULL;
+done:
+  bw_release(drop);
+  bwi_drop_motion_clear(&run.motion);
+  bwi_drop_points_clear(&run.points);
+  return status;
+}
+
 bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system *given,
                            const bw_drop_options *options, bw_system **system, bw_drop **out) {
   bw_status status = BW_OK;
@@ -628,14 +655,15 @@ bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system
   BW_TRY(bwi_drop_place(context, &run));
   BW_TRY(find_modes(context, &run, given, &run.system, &modes));
   run.modes = modes;
-  BW_TRY(bwi_drop_motion_create(context, modes, &run.options.damping, &run.motion));
-  BW_TRY(bwi_drop_points_create(context, &run));
-  BW_TRY(make_result(context, &run, &drop));
-  drop->modes = bw_retain(modes);
-  BW_TRY(begin(context, &run, drop));
-  run.slack = 1e-10 * run.points.radius;
-  run.margin = 2 * drop->speed * first_fraction / run.motion.omega[run.motion.modes - 1];
-  BW_TRY(follow_drop(context, &run, drop));
+  BW_TRY(drop_with(context, &run, modes->count, &drop));
+  if (run.options.fewer && modes->count > 1) {
+    status = drop_with(context, &run, modes->count / 2, &drop->fewer);
+    if (status != BW_OK && status != BW_CANCELLED && status != BW_MEMORY) {
+      bw_clear_failure(context); /* the drop itself is found */
+      status = BW_OK;
+    }
+    BW_TRY(status);
+  }
   if (system)
     *system = bw_retain(run.system);
   *out = drop;
@@ -644,7 +672,5 @@ done:
   bw_release(drop);
   bw_release(modes);
   bw_release(run.system);
-  bwi_drop_motion_clear(&run.motion);
-  bwi_drop_points_clear(&run.points);
   return status;
 }

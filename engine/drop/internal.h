@@ -21,7 +21,8 @@ typedef struct bwi_drop_motion {
   double step;             /* of `map` */
   double *map;             /* (modes x 4) of (q, q') over a step */
 } bwi_drop_motion;
-bw_status bwi_drop_motion_create(bw_context *context, const bw_modes *modes,
+/* With the `count` lowest modes. */
+bw_status bwi_drop_motion_create(bw_context *context, const bw_modes *modes, int count,
                                  const bw_damping *damping, bwi_drop_motion *motion);
 void bwi_drop_motion_clear(bwi_drop_motion *motion);
 /* The state of `from`, of the same body. */

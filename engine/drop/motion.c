@@ -5,10 +5,10 @@
 #include <math.h>
 #include <string.h>
 
-bw_status bwi_drop_motion_create(bw_context *context, const bw_modes *modes,
+bw_status bwi_drop_motion_create(bw_context *context, const bw_modes *modes, int count,
                                  const bw_damping *damping, bwi_drop_motion *m) {
   bw_status status = BW_OK;
-  m->modes = modes->count;
+  m->modes = count;
   m->omega = BW_NEW(context, double, m->modes);
   m->damping = BW_NEW(context, double, m->modes);
   m->q = BW_NEW0(context, double, m->modes);

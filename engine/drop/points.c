@@ -34,7 +34,7 @@ bw_status bwi_drop_points_create(bw_context *context, bwi_drop_run *run) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = run->model->mesh;
   bwi_drop_points *p = &run->points;
-  int m = run->modes->count;
+  int m = run->motion.modes;
   int32_t *place = BW_NEW0(context, int32_t, mesh->node_count);
   p->count = mesh->boundary_node_count;
   p->node = BW_NEW(context, int32_t, p->count);

@@ -10,7 +10,8 @@ static const bw_drop *self(lua_State *L) {
   return (const bw_drop *)lbw_check(L, 1, &lbw_drop_class);
 }
 
-/* {height, speed, gravity, down, spin, onto, damping, modes, impacts, time, tolerance, samples} */
+/* {height, speed, gravity, down, spin, onto, damping, modes, impacts, time, tolerance, samples,
+ * fewer} */
 static void read_options(lua_State *L, int index, bw_drop_options *options) {
   static const lbw_option list[] = {{"height", LBW_REAL, offsetof(bw_drop_options, height)},
                                     {"speed", LBW_REAL, offsetof(bw_drop_options, speed)},
@@ -24,6 +25,7 @@ static void read_options(lua_State *L, int index, bw_drop_options *options) {
                                     {"time", LBW_REAL, offsetof(bw_drop_options, time)},
                                     {"tolerance", LBW_REAL, offsetof(bw_drop_options, tolerance)},
                                     {"samples", LBW_INT, offsetof(bw_drop_options, samples)},
+                                    {"fewer", LBW_BOOLEAN, offsetof(bw_drop_options, fewer)},
                                     {NULL, LBW_OTHER, 0}};
   int top = lua_gettop(L);
   bw_drop_options_default(options);
@@ -160,6 +162,19 @@ static int drop_modes(lua_State *L) {
   return 1;
 }
 
+static int drop_mode_count(lua_State *L) {
+  lua_pushinteger(L, self(L)->mode_count);
+  return 1;
+}
+
+static int drop_fewer(lua_State *L) {
+  bw_drop *fewer = self(L)->fewer;
+  if (!fewer)
+    return 0;
+  lbw_push(L, &lbw_drop_class, fewer);
+  return 1;
+}
+
 static void set_number(lua_State *L, const char *key, double value) {
   lua_pushnumber(L, value);
   lua_setfield(L, -2, key);
@@ -212,6 +227,21 @@ static int drop_peak(lua_State *L) {
   return 1;
 }
 
+typedef struct fewer_text {
+  char text[40];
+} fewer_text;
+
+/* By how much a value differs with half of the modes. */
+static fewer_text fewer_differs(double value, double fewer) {
+  fewer_text out;
+  double larger = fmax(fabs(value), fabs(fewer)), smaller = fmin(fabs(value), fabs(fewer));
+  if (larger < 2 * smaller)
+    snprintf(out.text, sizeof out.text, "by %.2g %%", 100 * fabs(fewer / value - 1));
+  else
+    snprintf(out.text, sizeof out.text, "by a factor of %.2g", larger / smaller);
+  return out;
+}
+
 /* One line each: the drop, its first impact, the stress, the energy, what is assumed. */
 static int drop_tostring(lua_State *L) {
   const bw_drop *drop = (const bw_drop *)lbw_check(L, 1, &lbw_drop_class);
@@ -219,7 +249,7 @@ static int drop_tostring(lua_State *L) {
   int used = snprintf(text, sizeof text, "drop of %s at %s, %d impact%s to %s, %d modes",
                       lbw_quantity(drop->mass, "kg").text, lbw_quantity(drop->speed, "m/s").text,
                       drop->impact_count, drop->impact_count == 1 ? "" : "s",
-                      lbw_quantity(drop->time[drop->row_count - 1], "s").text, drop->modes->count);
+                      lbw_quantity(drop->time[drop->row_count - 1], "s").text, drop->mode_count);
 #define ADD(...) used += snprintf(text + used, sizeof text - (size_t)used, __VA_ARGS__)
   if (drop->impact_count > 0) {
     const bw_drop_impact *first = &drop->impact[0];
@@ -245,7 +275,22 @@ static int drop_tostring(lua_State *L) {
   }
   ADD("\n  energy %s at the first touch, kept to %.1e of it", lbw_quantity(drop->energy, "J").text,
       drop->error);
-  ADD("\n  error of duration, force, impulse and stress unknown: one mesh, one number of modes");
+  const bw_drop *fewer = drop->fewer;
+  if (fewer && fewer->impact_count > 0 && drop->impact_count > 0) {
+    const bw_drop_impact *one = drop->impact, *other = fewer->impact;
+    ADD("\n  with half of the modes the duration changes %s, the force %s, the impulse %s",
+        fewer_differs(one->duration, other->duration).text,
+        fewer_differs(one->force, other->force).text,
+        fewer_differs(one->impulse, other->impulse).text);
+    if (drop->peak_element >= 0)
+      ADD(", the stress %s", fewer_differs(drop->peak, fewer->peak).text);
+    ADD("; that is no bound of the error of %d modes; error of the mesh unknown", drop->mode_count);
+  } else
+    ADD("\n  error of duration, force, impulse and stress by mesh and modes unknown: one mesh, one "
+        "number of modes");
+  ADD("\n  free motion is exact between kicks of the contact; the duration is up to two steps of "
+      "%s too short",
+      lbw_quantity(drop->step, "s").text);
   if (drop->onto->kind != BW_RIGID_PLANE)
     ADD("\n  onto %s of radius %s; between nodes it goes %s deep at the first touch",
         drop->onto->kind == BW_RIGID_SPHERE ? "a peg" : "an edge",
@@ -285,6 +330,8 @@ static const luaL_Reg properties[] = {{"times", drop_times},
                                       {"obstacle_depth", drop_obstacle_depth},
                                       {"mesh", drop_mesh},
                                       {"modes", drop_modes},
+                                      {"mode_count", drop_mode_count},
+                                      {"fewer", drop_fewer},
                                       {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", drop_tostring}, {NULL, NULL}};
 static const luaL_Reg methods[] = {{NULL, NULL}};

@@ -121,6 +121,7 @@ function RandomDrops:picture(path, options) end
 ---@field time? number (s) at which it ends at the latest. Range: 0 or more. Default: 0, no limit
 ---@field tolerance? number (-) error of the energy over the kinetic energy at the first touch, for which steps are halved. Range: above 0. Default: 1e-3
 ---@field samples? integer (count) of the stress in each impact, at least; twice as many at most. Range: 0 to 100000. Default: 100; 0: no stress
+---@field fewer? boolean whether to drop it again with half of the modes: `fewer` of the drop, and in `print`. Default: false
 
 ---A drop. It does not change. Time is 0 at the first touch. `print` shows the first impact, the largest stress and the balance of
 ---energy, and says what is assumed.
@@ -157,6 +158,8 @@ function RandomDrops:picture(path, options) end
 ---@field solves integer (count) right-hand sides: half a solution for each node that touches or lies beside, whole ones for the stress
 ---@field mesh bw.Mesh of the part
 ---@field modes bw.Modes that were taken
+---@field mode_count integer (count) of the lowest of `modes` that were taken
+---@field fewer? bw.Drop the same with half of the modes: what changes has an error by the modes left out; that is no bound of it. nil without the option, and where it fails
 local Drop = {}
 
 ---One impact.

@@ -24,10 +24,34 @@ describe("drop", function()
     assert.near(drop.peak.stress, drop.sample_stresses:max(), 0)
     assert.near(drop.peak.stress, drop.max_principal:max(), 0)
     local text = tostring(drop)
-    for _, words in ipairs {"2 impacts", "impulse and stress unknown", "no friction", "no damping", "kept to"} do
+    for _, words in ipairs {"2 impacts", "by mesh and modes unknown", "free motion is exact", "no friction",
+      "no damping", "kept to"} do
       assert.truthy(text:find(words, 1, true), words)
     end
     assert.near(0, drop.impacts[1].place[1], 1e-12)
+  end)
+
+  it("shows what half of the modes change", function()
+    local part = bw.model {mesh = bw.mesh.box {max = {0.03, 0.02, 0.01}, cells = {6, 4, 2}, order = 2},
+      material = bw.material.pla}
+    local given = {down = {-1, -2, -3}, modes = assert(part:modes {count = 20}), samples = 20}
+    local plain = assert(part:drop(given))
+    assert.is_nil(plain.fewer)
+    given.fewer = true
+    local drop = assert(part:drop(given))
+    assert.equal(plain.peak.stress, drop.peak.stress)
+    assert.equal(20, drop.mode_count)
+    assert.equal(10, drop.fewer.mode_count)
+    given.fewer, given.modes = nil, assert(part:modes {count = 10})
+    local ten = assert(part:drop(given))
+    for _, name in ipairs {"duration", "force", "impulse"} do
+      check.near(ten.impacts[1][name], drop.fewer.impacts[1][name], 1e-6)
+    end
+    check.near(ten.peak.stress, drop.fewer.peak.stress, 1e-6)
+    local change = 100 * math.abs(drop.fewer.impacts[1].force / drop.impacts[1].force - 1)
+    local words = ("half of the modes the duration .*, the force by %.2g %%%%,"):format(change)
+    assert.truthy(tostring(drop):find(words))
+    assert.truthy(tostring(drop.fewer):find("10 modes", 1, true))
   end)
 
   it("is onto a peg or an edge below the centre of mass, or at a place", function()

@@ -29,6 +29,7 @@ typedef struct bw_drop_options {
   double tolerance; /* (-) error of the energy over the kinetic energy when it touches, for which
                        steps are halved; above 0; default 1e-3 */
   int samples; /* (count) of the stress in each impact, at least, 0 or more; default 100; 0: none */
+  bool fewer;  /* drop it again with half of the modes: `fewer` of the result; default false */
 } bw_drop_options;
 BW_API void bw_drop_options_default(bw_drop_options *options);
 
@@ -48,10 +49,15 @@ typedef struct bw_drop_impact {
 
 /* A drop. It does not change. The time is 0 when the body touches, and positions are those of the
  * mesh then. */
-typedef struct bw_drop {
+typedef struct bw_drop bw_drop;
+struct bw_drop {
   bw_object object;
   const bw_model *model;  /* retained */
   bw_modes *modes;        /* retained */
+  int mode_count;         /* (count) of the lowest of them that were taken */
+  bw_drop *fewer;         /* the same with half of them, whose changes show an error of the
+                             modes that are left out; NULL where none was asked for, and where it
+                             fails */
   bw_rigid_surface *onto; /* retained: the obstacle where the body of the mesh touches it */
   double depth;           /* (m) of the obstacle between nodes then: nodes alone touch */
   double mass;            /* (kg) */
@@ -85,7 +91,7 @@ typedef struct bw_drop {
   double step;          /* (s) the shortest */
   int64_t steps;        /* (count) of them, those that were repeated included */
   int solves;           /* right-hand sides, those that half a solution is enough for included */
-} bw_drop;
+};
 /* Drops a model's body, linear elastic about its motion as a rigid body, without friction. `given`
  * and *system as in bw_modes_of_model: the modes, the equations and their factor serve any number
  * of drops. A warning says when the normals turn so far in the body during an impact that the
