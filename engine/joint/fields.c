@@ -20,7 +20,7 @@ bw_status bwi_joined_fields_open(bw_context *context, const bw_model *model, bwi
   bw_status status = BW_OK;
   bwi_joined_equations *q = &e->equations;
   *e = (bwi_joined_fields){.model = model};
-  BW_TRY(bwi_joined_open(context, model, true, q));
+  BW_TRY(bwi_joined_open(context, model, true, NULL, q));
   e->mass = BW_NEW(context, double, q->pattern->block_count);
   e->x = BW_NEW(context, double, q->reduction.unknown_count);
   BW_TRY_MEMORY(e->mass && e->x);

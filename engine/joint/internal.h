@@ -120,14 +120,22 @@ bw_status bwi_eliminate(bw_context *context, bwi_reduction *r, int count, const 
 typedef struct bwi_joined_equations {
   bwi_reduction reduction;
   bw_block_pattern *pattern;
-  double *stiffness; /* with springs */
-  bw_operator *k;    /* T^T K T */
+  double *stiffness;          /* with springs */
+  bw_operator *k;             /* T^T K T */
+  const bw_operator *inverse; /* borrowed: of k, or NULL */
   int rigid_count;
   int32_t rigid_body;
 } bwi_joined_equations;
-/* Clear with bwi_joined_clear in any case; `locked` as bwi_reduction_open. */
+/* Clear with bwi_joined_clear in any case; `locked` as bwi_reduction_open. `known`: the stiffness
+ * of the model's bodies apart, or NULL. */
 bw_status bwi_joined_open(bw_context *context, const bw_model *model, bool locked,
-                          bwi_joined_equations *q);
+                          const bw_subdomain_stiffness *known, bwi_joined_equations *q);
+/* The static solution from open equations; `start` (s): when they were begun. */
+bw_status bwi_joined_static(bw_context *context, const bw_model *model,
+                            const bw_statics_options *options, const bwi_joined_equations *q,
+                            double start, bw_static **out);
+/* BW_UNSUPPORTED for options that joined models do not know. */
+bw_status bwi_joined_check_options(bw_context *context, const bw_statics_options *options);
 void bwi_joined_clear(bwi_joined_equations *q);
 /* T^T A T of values on the pattern, `block` 9 or 1 numbers for each of its blocks. */
 bw_status bwi_joined_operator(bw_context *context, const bwi_joined_equations *q,

@@ -9,6 +9,7 @@
 #include "base/dense.h"
 #include "eigen/modes.h"
 #include "joint/cyclic.h"
+#include "linear/matrix_factor.h"
 #include "statics/internal.h"
 
 void bwi_joined_clear(bwi_joined_equations *q) {
@@ -32,7 +33,7 @@ bw_status bwi_joined_operator(bw_context *context, const bwi_joined_equations *q
 }
 
 bw_status bwi_joined_open(bw_context *context, const bw_model *model, bool locked,
-                          bwi_joined_equations *q) {
+                          const bw_subdomain_stiffness *known, bwi_joined_equations *q) {
   bw_status status = BW_OK;
   bw_progress(context, "assembly", 0);
   const char *locking = bw_locking(model->mesh, model->material);
@@ -48,10 +49,16 @@ bw_status bwi_joined_open(bw_context *context, const bw_model *model, bool locke
     BW_TRY(bwi_bonded_rigid_modes(context, model, q->reduction.dof_map, locked, &q->rigid_count,
                                   &q->rigid_body));
   }
-  BW_TRY(bw_block_pattern_create(context, model->mesh, &q->pattern));
+  if (known)
+    q->pattern = bw_retain(known->pattern);
+  else
+    BW_TRY(bw_block_pattern_create(context, model->mesh, &q->pattern));
   q->stiffness = BW_NEW(context, double, 9 * q->pattern->block_count);
   BW_TRY_MEMORY(q->stiffness);
-  BW_TRY(bw_stiffness(context, q->pattern, model->mesh, model->material, q->stiffness));
+  if (known)
+    memcpy(q->stiffness, known->values, 9 * (size_t)q->pattern->block_count * sizeof *q->stiffness);
+  else
+    BW_TRY(bw_stiffness(context, q->pattern, model->mesh, model->material, q->stiffness));
   bwi_add_attachments(model, q->pattern, 9, q->stiffness);
   BW_TRY(bwi_joined_operator(context, q, q->stiffness, 9, "stiffness of the joined bodies", &q->k));
 done:
@@ -205,8 +212,8 @@ static bw_status solve(bw_context *context, const bwi_joined_equations *q, const
   BW_TRY(bw_sparse_matrix_apply(context, r->transposed, 1, rest, b));
   bwi_points_load(r, gravity, b);
   if (unknowns > 0)
-    status = bw_linear_solve(context, q->k, &(bw_linear_solve_options){.solver = solver}, 1, b, x,
-                             &result->report);
+    status = bwi_linear_solve_by(context, q->k, &(bw_linear_solve_options){.solver = solver},
+                                 q->inverse, 1, b, x, &result->report);
   if (status == BW_SINGULAR)
     status = bwi_joined_check_residual(context, -1);
   BW_TRY(status);
@@ -242,31 +249,45 @@ done:
   return status;
 }
 
-bw_status bw_joined_statics(bw_context *context, const bw_model *model,
-                            const bw_statics_options *options, bw_static **out) {
+bw_status bwi_joined_check_options(bw_context *context, const bw_statics_options *options) {
+  if (!options || !options->inertia_relief)
+    return BW_OK;
+  return bw_fail(context, BW_UNSUPPORTED,
+                 "inertia relief is for models without bonds, attachments, couplings and cyclic "
+                 "symmetry: leave it out, and hold what moves freely by supports or springs");
+}
+
+bw_status bwi_joined_static(bw_context *context, const bw_model *model,
+                            const bw_statics_options *options, const bwi_joined_equations *q,
+                            double start, bw_static **out) {
   bw_status status = BW_OK;
-  bwi_joined_equations q = {0};
   bw_static *result = NULL;
   bw_statics_options opts = options ? *options : (bw_statics_options){0};
-  double start = bw_seconds();
-  if (opts.inertia_relief)
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "inertia relief is for models without bonds, attachments, couplings and cyclic "
-                   "symmetry: leave it out, and hold what moves freely by supports or springs");
   opts.inertia_relief = true; /* balance is judged for the joined bodies */
-  BW_TRY(bwi_joined_open(context, model, false, &q));
-  if (q.rigid_count > 0)
-    BW_TRY(model->cyclic ? fail_free_sector(context, &q) : bwi_joined_fail_free(context, &q));
-  BW_TRY(bwi_static_begin(context, model, &opts, q.reduction.dof_map, &result));
-  BW_TRY(solve(context, &q, opts.solver, model, result));
+  if (q->rigid_count > 0)
+    BW_TRY(model->cyclic ? fail_free_sector(context, q) : bwi_joined_fail_free(context, q));
+  BW_TRY(bwi_static_begin(context, model, &opts, q->reduction.dof_map, &result));
+  BW_TRY(solve(context, q, opts.solver, model, result));
   result->report.residual = result->residual;
   result->report.seconds = bw_seconds() - start;
 done:
-  bwi_joined_clear(&q);
   if (status == BW_OK)
     *out = result;
   else
     bw_release(result);
+  return status;
+}
+
+bw_status bw_joined_statics(bw_context *context, const bw_model *model,
+                            const bw_statics_options *options, bw_static **out) {
+  bw_status status = BW_OK;
+  bwi_joined_equations q = {0};
+  double start = bw_seconds();
+  BW_TRY(bwi_joined_check_options(context, options));
+  BW_TRY(bwi_joined_open(context, model, false, NULL, &q));
+  BW_TRY(bwi_joined_static(context, model, options, &q, start, out));
+done:
+  bwi_joined_clear(&q);
   return status;
 }
 
@@ -327,7 +348,7 @@ bw_status bw_joined_modes(bw_context *context, const bw_model *model, const bw_m
   BW_TRY(check_density(context, model));
   if (model->cyclic)
     return bwi_cyclic_modes(context, model, &options, modes);
-  BW_TRY(bwi_joined_open(context, model, true, &q));
+  BW_TRY(bwi_joined_open(context, model, true, NULL, &q));
   mass = BW_NEW(context, double, q.pattern->block_count);
   BW_TRY_MEMORY(mass);
   BW_TRY(bw_mass(context, q.pattern, model->mesh, model->material, mass));

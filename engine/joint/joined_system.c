@@ -406,7 +406,7 @@ bw_status bw_joined_system(bw_context *context, const bw_model *model, const bw_
     BW_TRY(bw_fail(context, BW_UNSUPPORTED,
                    "a support prescribes a displacement that is not zero: many loads are solved "
                    "with fixed supports only"));
-  BW_TRY(bwi_joined_open(context, model, false, &s->q));
+  BW_TRY(bwi_joined_open(context, model, false, NULL, &s->q));
   BW_TRY(find_motions(context, model, s, dof_map));
   assembled = bw_seconds();
   BW_TRY(hold(context, s));

@@ -3,13 +3,15 @@
 #include "linear/matrix_factor.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "linear/pcg.h"
 #include "linear/vectors.h"
 
 typedef struct inverse {
-  bwi_factor *factor; /* or NULL */
-  double *diagonal;   /* its reciprocals, of `size` rows, or NULL */
+  bwi_factor *factor;   /* or NULL */
+  bwi_matrix_pair pair; /* what it is of, where it is to follow another matrix */
+  double *diagonal;     /* its reciprocals, of `size` rows, or NULL */
   int64_t size;
 } inverse;
 
@@ -18,6 +20,7 @@ static void inverse_destroy(void *data) {
   if (!m)
     return;
   bw_release(m->factor);
+  bwi_matrix_pair_clear(&m->pair);
   bw_free(m->diagonal);
   bw_free(m);
 }
@@ -115,6 +118,80 @@ done:
   inverse_destroy(m);
   bwi_matrix_pair_clear(&pair);
   bw_release(a);
+  return status;
+}
+
+/* ---- following another matrix ---------------------------------------------------------------- */
+
+/* Opens the matrix on the former pattern where its entries lie there, otherwise on its own. */
+static bw_status open_on(bw_context *context, const bw_sparse_matrix *matrix,
+                         const bwi_matrix_pair *former, bwi_matrix_pair *pair, bool *same) {
+  const bw_block_pattern *pattern = former->pattern;
+  *same = pattern && pattern->node_count == matrix->rows;
+  double *value = BW_NEW0(context, double, *same ? pattern->block_count : 0);
+  if (!value)
+    return BW_MEMORY;
+  for (int32_t i = 0; *same && i < matrix->rows; i++) {
+    int64_t at = pattern->start[i], end = pattern->start[i + 1];
+    for (int64_t e = matrix->start[i]; *same && e < matrix->start[i + 1] && matrix->column[e] <= i;
+         e++) {
+      while (at < end && pattern->column[at] < matrix->column[e])
+        at++;
+      *same = at < end && pattern->column[at] == matrix->column[e];
+      if (*same)
+        value[at] = matrix->value[e];
+    }
+  }
+  if (*same) {
+    *pair = (bwi_matrix_pair){.pattern = bw_retain(pattern), .k = value};
+    return BW_OK;
+  }
+  bw_free(value);
+  return bwi_matrix_pair_open(context, matrix, NULL, pair);
+}
+
+bw_status bwi_operator_inverse_follow(bw_context *context, const bw_sparse_matrix *matrix,
+                                      bw_operator **inverse_of, bwi_inverse_reuse *reused) {
+  static const char *advice = "a coarser mesh needs less";
+  bw_status status = BW_OK;
+  const inverse none = {0}, *former = *inverse_of ? (*inverse_of)->data : &none;
+  bw_operator *made = NULL;
+  bwi_symbolic *symbolic = NULL;
+  bool same;
+  inverse *m = BW_NEW0(context, inverse, 1);
+  BW_TRY_MEMORY(m);
+  m->size = matrix->rows;
+  *reused = BWI_REUSED_NONE;
+  BW_TRY(open_on(context, matrix, &former->pair, &m->pair, &same));
+  if (same && memcmp(former->pair.k, m->pair.k,
+                     (size_t)m->pair.pattern->block_count * sizeof *m->pair.k) == 0) {
+    *reused = BWI_REUSED_FACTOR;
+    inverse_destroy(m);
+    return BW_OK;
+  }
+  if (same)
+    symbolic = bw_retain(former->factor->symbolic);
+  bw_release(*inverse_of); /* before another factor takes memory */
+  *inverse_of = NULL;
+  if (symbolic) {
+    BW_TRY(bwi_matrix_pair_factor_again(context, &m->pair, 0, NULL,
+                                        "stiffness of the joined bodies", advice, symbolic,
+                                        &m->factor));
+    *reused = BWI_REUSED_ORDER;
+  } else
+    BW_TRY(bwi_matrix_pair_factor(context, &m->pair, 0, NULL, "stiffness of the joined bodies",
+                                  advice, &m->factor));
+  BW_TRY(
+      bw_operator_create(context, m->size, inverse_apply, m, inverse_destroy, "cholesky", &made));
+  m = NULL;
+  *inverse_of = made;
+done:
+  inverse_destroy(m);
+  bw_release(symbolic);
+  if (status != BW_OK) {
+    bw_release(*inverse_of);
+    *inverse_of = NULL;
+  }
   return status;
 }
 

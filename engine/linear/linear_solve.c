@@ -305,10 +305,17 @@ static void write_report(const linear_solve *s, double seconds, bw_solver_report
 bw_status bw_linear_solve(bw_context *context, const bw_operator *a,
                           const bw_linear_solve_options *given, int64_t count, const double *b,
                           double *x, bw_solver_report *report) {
+  return bwi_linear_solve_by(context, a, given, NULL, count, b, x, report);
+}
+
+bw_status bwi_linear_solve_by(bw_context *context, const bw_operator *a,
+                              const bw_linear_solve_options *given, const bw_operator *inverse,
+                              int64_t count, const double *b, double *x, bw_solver_report *report) {
   bw_status status = BW_OK;
   double start = bw_seconds();
   bw_linear_solve_options options = given ? *given : (bw_linear_solve_options){0};
-  linear_solve s = {.context = context, .a = a};
+  linear_solve s = {
+      .context = context, .a = a, .direct = inverse != NULL, .m = inverse, .tolerance = 1e-10};
   if (a->size > INT32_MAX)
     return bw_fail(context, BW_LIMIT, "%lld rows are more than the solver can count",
                    (long long)a->size);
@@ -316,7 +323,8 @@ bw_status bw_linear_solve(bw_context *context, const bw_operator *a,
   BW_TRY(check_finite(context, "guess", count, a->size, options.guess));
   if (a->matrix)
     BW_TRY(bwi_operator_check_symmetric(context, a, NULL));
-  BW_TRY(prepare(&s, &options));
+  if (!inverse)
+    BW_TRY(prepare(&s, &options));
   BW_TRY(solve_all(&s, count, b, x));
   if (report)
     write_report(&s, bw_seconds() - start, report);

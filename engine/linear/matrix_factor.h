@@ -41,4 +41,21 @@ const char *bwi_operator_word(const bw_operator *a);
 /* The factor of an operator of bw_operator_inverse, or NULL. */
 const bwi_factor *bwi_operator_factor(const bw_operator *a);
 
+/* What an inverse by a factor had in common with that of another matrix. */
+typedef enum bwi_inverse_reuse {
+  BWI_REUSED_NONE,
+  BWI_REUSED_ORDER,
+  BWI_REUSED_FACTOR
+} bwi_inverse_reuse;
+/* Makes *inverse (NULL: none yet) that of another matrix. Where the entries of the matrix lie in
+ * the pattern of the one before, the elimination order is kept, and where they are the same to the
+ * last bit, the factor. On failure *inverse is released and NULL. Those of bw_operator_inverse. */
+bw_status bwi_operator_inverse_follow(bw_context *context, const bw_sparse_matrix *matrix,
+                                      bw_operator **inverse, bwi_inverse_reuse *reused);
+/* bw_linear_solve, directly by an inverse of `a` in double precision that the caller has; NULL: as
+ * the options say. */
+bw_status bwi_linear_solve_by(bw_context *context, const bw_operator *a,
+                              const bw_linear_solve_options *options, const bw_operator *inverse,
+                              int64_t count, const double *b, double *x, bw_solver_report *report);
+
 #endif

@@ -52,7 +52,8 @@ bw_status bw_model_refuse_joints(bw_context *context, const bw_model *model) {
   return bw_fail(
       context, BW_UNSUPPORTED,
       "the model has %s: it gives static solutions, modes, load factors, harmonic responses, "
-      "response spectra, transients and the worst case; for other analyses, join the "
+      "response spectra, transients, the worst case and edit sessions; for other analyses, join "
+      "the "
       "bodies in one mesh, and leave masses, springs and remote points out",
       list);
 }

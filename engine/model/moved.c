@@ -129,13 +129,16 @@ done:
   return status;
 }
 
-static bw_status transfer_bond(transfer *t, const bw_bond *bond) {
+static bw_status transfer_bond(transfer *t, int number) {
   bw_status status = BW_OK;
+  const bw_bond *bond = &t->from->bond[number];
   const bw_selection *a, *b;
   BW_TRY(transfer_selection(t, bond->a, &a));
   BW_TRY(transfer_selection(t, bond->b, &b));
   BW_TRY(bw_model_preload(t->context, t->to, a, b, bond->asked_gap, bond->preload, bond->pull));
 done:
+  if (status == BW_GEOMETRY)
+    bw_detail_number(t->context, "bond", number + 1.0);
   return status;
 }
 
@@ -255,7 +258,7 @@ static bw_status transfer_model(bw_context *context, const bw_model *model, cons
   for (int i = 0; i < model->support_count; i++)
     BW_TRY(transfer_support(&t, &model->support[i]));
   for (int i = 0; i < model->bond_count; i++)
-    BW_TRY(transfer_bond(&t, &model->bond[i]));
+    BW_TRY(transfer_bond(&t, i));
   for (int i = 0; i < model->attachment_count; i++)
     BW_TRY(transfer_attachment(&t, &model->attachment[i]));
   for (int i = 0; i < model->coupling_count; i++)

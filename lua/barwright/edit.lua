@@ -100,8 +100,8 @@ local function begin(part, given)
   if opts.rotate_material and part.material.rotated_by_element then
     raise("edit: option 'rotate_material': the material axes of the part differ by element already")
   end
-  local ok, message, details = core.refuse_joints(part)
-  if not ok then return nil, message, details end
+  local message, details
+  if part.cyclic_symmetry then return core.refuse_joints(part) end
   local mesh, subdomains = part.mesh, opts.subdomains
   if subdomains and subdomains.mesh ~= mesh then
     raise("edit: option 'subdomains': subdomains of the part's mesh expected, got those of another")
@@ -165,9 +165,11 @@ local function commit(self, edit)
     local shape, message, details = edit_shape.repaired(state.topology, state.pose, self.opts)
     if not shape then return nil, message, details end
     state.topology, state.shape, state.note = shape.topology, shape, shape.how
-    if shape.topology.refilled and shape.topology ~= before.topology then
-      state.note = "refilled"
-      -- Loads that cannot be taken along (on single inner nodes) are in the way now, not at the solve.
+    local refilled = shape.topology.refilled and shape.topology ~= before.topology
+    if refilled then state.note = "refilled" end
+    -- Loads that cannot be taken along (on single inner nodes) and bonds that come apart are in the way now, not
+    -- at the solve.
+    if refilled or #self.source.bonds > 0 then
       local model
       model, message, details = edit_follow.model(state, self.source)
       if not model then return nil, message, details end

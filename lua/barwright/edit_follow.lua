@@ -1,14 +1,42 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The equations of a session. One incremental system follows the edits within a topology; another topology
 -- (a refilled mesh, other subdomains) needs another system, made at the shape it is needed for, and so does
--- another law that is not isotropic. What a
--- solve reused is reported in words.
+-- another law that is not isotropic. Parts with joints have a system of their own kind, that computes what the
+-- joints make of the stiffness at every shape. What a solve reused is reported in words.
 local core = require "barwright.core"
 local edit_material = require "barwright.edit_material"
 local edit_motion = require "barwright.edit_motion"
 local shown = require "barwright.shown"
 
 local edit_follow = {}
+
+-- ---- joints ---------------------------------------------------------------------------------------
+
+local function separated(bond, part_of_nodes)
+  return nil, ("after the edit the faces of bond %d are apart, or overlap, by more than the bond closes (%s): edit "
+    .. "bones that move both sides alike, make the edit smaller, or give the bond a larger 'gap'"):format(bond,
+    part_of_nodes),
+    {status = "geometry", bond = bond}
+end
+
+-- What keeps a part with bonds from being carried over to a shape.
+local function bond_refusal(message, details)
+  if not details.bond then return nil, message, details end
+  if details.distance or details.node then return separated(details.bond, "at all nodes, or around one") end
+  return nil, ("after the edit bond %d is none: %s"):format(details.bond, message), details
+end
+
+-- A node that followed side b and does not any more lets the faces come apart there.
+local function check_bonds(part, model)
+  local before = part.bonds
+  for i, bond in ipairs(model.bonds) do
+    local count = before[i].node_count
+    if bond.node_count < count then
+      return separated(i, ("at %d of the %d nodes of side a"):format(count - bond.node_count, count))
+    end
+  end
+  return model
+end
 
 --- A part given on the original mesh, with its supports and loads on the shape of a state, of the
 --- materials that regions have there. Where the
@@ -21,6 +49,8 @@ function edit_follow.model(state, part)
   else
     model, message, details = part:moved(shape.mesh)
   end
+  if not model then return bond_refusal(message, details) end
+  model, message, details = check_bonds(part, model)
   if not model then return nil, message, details end
   model, message, details = edit_material.apply(model, state.materials)
   if not model then return nil, message, details end
@@ -34,14 +64,15 @@ function edit_follow.model(state, part)
 end
 
 local function make(owner, state, model)
-  local system, message, details = core.incremental_system(model, state.topology.subdomains,
-    state.shape.rotate_material)
+  local joined = core.is_joined(model)
+  local new = joined and core.joined_incremental_system or core.incremental_system
+  local system, message, details = new(model, state.topology.subdomains, state.shape.rotate_material)
   if not system then return nil, message, details end
   local memory
   memory, message, details = edit_motion.begin(state.shape)
   if not memory then return nil, message, details end
   local former = owner.following
-  owner.following = {topology = state.topology, system = system, model = model, memory = memory,
+  owner.following = {topology = state.topology, system = system, model = model, memory = memory, joined = joined,
     near = setmetatable({}, {__mode = "k"})}
   if former then former.system:close() end
   return owner.following
@@ -59,7 +90,8 @@ end
 
 -- Whether the equations there are can be brought to a model of a state.
 local function can_follow(record, state, model)
-  return record and record.topology == state.topology and record.system:follows(model)
+  return record and record.topology == state.topology and record.joined == core.is_joined(model)
+    and record.system:follows(model)
 end
 
 --- Brings the session's equations to a state: {system, model, reuse = nil when they are new}. A fork
@@ -84,6 +116,11 @@ core.classes.static.properties.reused = function(static) return reused[static] e
 
 -- What solved the equations, in words.
 local function way(reuse)
+  if reuse.joined then
+    if reuse.solver == "pcg" then return ("conjugate gradients on the joined equations, %d iterations"):format(
+      reuse.iterations) end
+    return reuse.full and "the factor of the joined equations recomputed" or "the factor of the joined equations"
+  end
   if reuse.preconditioner == "two_level" then
     return ("two-level PCG in place of a factor, %d iterations"):format(reuse.iterations)
   end
@@ -130,7 +167,7 @@ function edit_follow.solve(session, state, given, part)
   local near = record.near[case] or {}
   record.near[case] = {result.displacement, table.unpack(near, 1, solutions - 1)}
   if not before then complete_new(reuse, state.topology.subdomains.stiffness_subdomain_count) end
-  reuse.mesh = state.note or "posed"
+  reuse.mesh, reuse.joined = state.note or "posed", record.joined
   reused[result] = reuse
   return result
 end

@@ -71,7 +71,8 @@ function edit_report.write(session, state, result, path, given)
     title = opts.title or "Edit session",
     answer = answer(session, result),
     manifest = opts.manifest or {version = core.version},
-    body = table_of_bones(session) .. table_of_edits(session),
+    body = table_of_bones(session) .. table_of_edits(session)
+      .. "<p>The last solution reused: " .. html.escape(tostring(result.reused)) .. ".</p>\n",
     data = data,
     picture = function(name) return result:picture(name) end,
   })

@@ -297,6 +297,12 @@ function optimise.run(session, given)
     options.object("optimise", ("cases[%d]"):format(i), part, "model")
     parts[#parts + 1] = part
   end
+  for _, part in ipairs(parts) do
+    if core.is_joined(part) then
+      return nil, "optimise: the slopes of stresses are known of parts without bonds, attachments and couplings: "
+        .. "scale bones by edits", {status = "unsupported"}
+    end
+  end
   local skeleton = session.skeleton
   self.only = opts.bones and unknowns.bones(skeleton, opts.bones, "bones")
   local kept_bones

@@ -171,13 +171,13 @@ int lbw_cached(lua_State *L, const char *key, lua_CFunction compute);
 extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_selection_class,
     lbw_material_class, lbw_model_class, lbw_static_class, lbw_modes_class, lbw_system_class,
     lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_subdomains_class,
-    lbw_incremental_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
-    lbw_plane_mesh_class, lbw_mesh_motion_class, lbw_flow_class, lbw_plate_class, lbw_grid_class,
-    lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class, lbw_lock_class,
-    lbw_temporary_class, lbw_solver_class, lbw_lp_solver_class, lbw_eigensolver_class,
-    lbw_sparse_matrix_class, lbw_operator_class, lbw_eigenpairs_class, lbw_heat_class,
-    lbw_heat_solution_class, lbw_heat_transient_class, lbw_buckling_class, lbw_harmonic_class,
-    lbw_response_spectrum_class, lbw_linear_transient_class, lbw_contact_class,
+    lbw_incremental_system_class, lbw_joined_incremental_class, lbw_live_server_class,
+    lbw_outline_class, lbw_sheet_class, lbw_plane_mesh_class, lbw_mesh_motion_class, lbw_flow_class,
+    lbw_plate_class, lbw_grid_class, lbw_embedding_class, lbw_job_class, lbw_canvas_class,
+    lbw_database_class, lbw_lock_class, lbw_temporary_class, lbw_solver_class, lbw_lp_solver_class,
+    lbw_eigensolver_class, lbw_sparse_matrix_class, lbw_operator_class, lbw_eigenpairs_class,
+    lbw_heat_class, lbw_heat_solution_class, lbw_heat_transient_class, lbw_buckling_class,
+    lbw_harmonic_class, lbw_response_spectrum_class, lbw_linear_transient_class, lbw_contact_class,
     lbw_contact_system_class, lbw_deposition_class, lbw_rigid_surface_class, lbw_drop_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */

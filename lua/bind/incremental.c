@@ -199,7 +199,7 @@ void lbw_read_guess(lua_State *L, int index, const char *function, int64_t nodes
   options->guess = field;
 }
 
-static void read_options(lua_State *L, int index, const char *function,
+static void read_options(lua_State *L, int index, const char *function, int64_t nodes,
                          bw_incremental_options *incremental, bw_statics_options *statics) {
   struct opts {
     bw_incremental_options incremental;
@@ -221,7 +221,7 @@ static void read_options(lua_State *L, int index, const char *function,
   opts.statics = (bw_statics_options){.tolerance = 1e-6};
   lbw_options(L, index, function, list, &opts);
   opts.incremental.solver = lbw_solver_option(L, index, function);
-  lbw_read_guess(L, index, function, self(L)->system->mesh->node_count, &opts.incremental);
+  lbw_read_guess(L, index, function, nodes, &opts.incremental);
   *incremental = opts.incremental;
   *statics = opts.statics;
 }
@@ -234,7 +234,7 @@ static int incremental_statics(lua_State *L) {
   bw_incremental_options options;
   bw_statics_options statics;
   lua_settop(L, 4);
-  read_options(L, 3, "solve", &options, &statics);
+  read_options(L, 3, "solve", incremental->system->mesh->node_count, &options, &statics);
   lbw_box *box = lbw_box_new(L, &lbw_static_class);
   bw_reuse reuse;
   begin_reuse(L, 4, &reuse);
@@ -253,7 +253,7 @@ static int incremental_solve(lua_State *L) {
   bw_statics_options statics;
   int64_t rows;
   lua_settop(L, 4);
-  read_options(L, 3, "solve", &options, &statics);
+  read_options(L, 3, "solve", incremental->system->mesh->node_count, &options, &statics);
   double *force = lbw_to_doubles(L, 2, "force", 3, &rows);
   lbw_check_rows(L, 2, "force", rows, incremental->system->mesh->node_count, "node");
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 3)->data;
@@ -334,8 +334,99 @@ static const luaL_Reg meta[] = {{"__tostring", incremental_tostring}, {NULL, NUL
 const lbw_class lbw_incremental_system_class = {"incremental_system", methods, properties, meta,
                                                 NULL};
 
+/* ---- joined models --------------------------------------------------------------------------- */
+
+static bw_joined_incremental *joined_self(lua_State *L) {
+  return (bw_joined_incremental *)lbw_check(L, 1, &lbw_joined_incremental_class);
+}
+
+/* joined_incremental_system(model, subdomains, rotate_material): as incremental_system, of a joined model
+ */
+static int core_joined_incremental(lua_State *L) {
+  const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
+  const bw_subdomains *subdomains = (const bw_subdomains *)lbw_check(L, 2, &lbw_subdomains_class);
+  lbw_argument_check(L,
+                     subdomains->mesh->node_count == model->mesh->node_count &&
+                         subdomains->mesh->element_count == model->mesh->element_count,
+                     2, "subdomains of the model's mesh expected");
+  lbw_box *box = lbw_box_new(L, &lbw_joined_incremental_class);
+  bw_joined_incremental *joined = NULL;
+  bool rotate_material = lua_toboolean(L, 3);
+  bw_status status = bw_joined_incremental_create(
+      lbw_enter(L), model, rotate_material, subdomains->stiffness.count,
+      subdomains->stiffness.of_element, subdomains->stiffness.of_node, &joined);
+  return lbw_leave_object(L, box, joined, status);
+}
+
+/* joined:update(model, motion): reuse */
+static int joined_update(lua_State *L) {
+  lbw_box *box = lbw_check_box(L, 1, &lbw_joined_incremental_class);
+  bw_joined_incremental *joined = joined_self(L);
+  const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
+  bw_subdomain_motion *motion =
+      lbw_read_motion(L, 3, bw_joined_incremental_stiffness(joined)->subdomain_count);
+  bw_reuse reuse;
+  begin_reuse(L, 0, &reuse);
+  bw_status status = bw_joined_incremental_update(lbw_enter(L), joined, model, motion, &reuse);
+  return leave_with_reuse(L, status, &reuse, box, 1);
+}
+
+/* joined:follows(model): whether the model's material can be followed by an update */
+static int joined_follows(lua_State *L) {
+  const bw_joined_incremental *joined = joined_self(L);
+  const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
+  lbw_argument_check(
+      L, model->mesh->element_count == bw_joined_incremental_mesh(joined)->element_count, 2,
+      "a model of the same topology expected");
+  lua_pushboolean(
+      L, bw_subdomain_stiffness_follows(bw_joined_incremental_stiffness(joined), model->material));
+  return 1;
+}
+
+/* joined:statics(model, options, reuse or nil): static, reuse */
+static int joined_statics(lua_State *L) {
+  lbw_box *own = lbw_check_box(L, 1, &lbw_joined_incremental_class);
+  bw_joined_incremental *joined = joined_self(L);
+  const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
+  bw_incremental_options options;
+  bw_statics_options statics;
+  lua_settop(L, 4);
+  read_options(L, 3, "solve", model->mesh->node_count, &options, &statics);
+  statics.solver = options.solver;
+  lbw_box *box = lbw_box_new(L, &lbw_static_class);
+  bw_reuse reuse;
+  begin_reuse(L, 4, &reuse);
+  bw_static *result = NULL;
+  bw_status status = bw_joined_incremental_statics(lbw_enter(L), joined, model, &statics,
+                                                   options.check, &result, &reuse);
+  lbw_box_fill(L, box, result);
+  return leave_with_reuse(L, status, &reuse, own, 2);
+}
+
+LBW_PUSH(joined_subdomain_count,
+         lua_pushinteger(L, bw_joined_incremental_stiffness(joined_self(L))->subdomain_count))
+
+static int joined_tostring(lua_State *L) {
+  const bw_joined_incremental *joined = joined_self(L);
+  lua_pushfstring(L, "incremental system of a joined model, %d nodes in %d subdomains",
+                  (int)bw_joined_incremental_mesh(joined)->node_count,
+                  (int)bw_joined_incremental_stiffness(joined)->subdomain_count);
+  return 1;
+}
+
+static const luaL_Reg joined_methods[] = {{"update", joined_update},
+                                          {"statics", joined_statics},
+                                          {"follows", joined_follows},
+                                          {NULL, NULL}};
+static const luaL_Reg joined_properties[] = {{"subdomain_count", joined_subdomain_count},
+                                             {NULL, NULL}};
+static const luaL_Reg joined_meta[] = {{"__tostring", joined_tostring}, {NULL, NULL}};
+const lbw_class lbw_joined_incremental_class = {"joined_incremental_system", joined_methods,
+                                                joined_properties, joined_meta, NULL};
+
 void lbw_open_incremental(lua_State *L) {
   lbw_class_register(L, &lbw_incremental_system_class);
+  lbw_class_register(L, &lbw_joined_incremental_class);
   lua_getfield(L, -1, "tables");
   luaL_newmetatable(L, "barwright.reuse");
   lua_setfield(L, -2, "reuse");
@@ -346,4 +437,6 @@ void lbw_open_incremental(lua_State *L) {
   lua_setfield(L, -2, "set_material");
   lua_pushcfunction(L, core_incremental_system);
   lua_setfield(L, -2, "incremental_system");
+  lua_pushcfunction(L, core_joined_incremental);
+  lua_setfield(L, -2, "joined_incremental_system");
 }

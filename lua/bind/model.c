@@ -903,6 +903,12 @@ static const luaL_Reg properties[] = {{"mesh", model_mesh},
 static const luaL_Reg meta[] = {{"__tostring", model_tostring}, {NULL, NULL}};
 const lbw_class lbw_model_class = {"model", methods, properties, meta, NULL};
 
+/* is_joined(model): whether it has bonds, attachments, couplings or is a sector */
+static int core_is_joined(lua_State *L) {
+  lua_pushboolean(L, bw_model_joined((const bw_model *)lbw_check(L, 1, &lbw_model_class)));
+  return 1;
+}
+
 /* refuse_joints(model): true for a model without bonds, attachments, couplings and sectors */
 static int core_refuse_joints(lua_State *L) {
   const bw_model *model = self(L);
@@ -943,6 +949,8 @@ void lbw_open_model(lua_State *L) {
   lua_setfield(L, -2, "model");
   lua_pushcfunction(L, core_refuse_joints);
   lua_setfield(L, -2, "refuse_joints");
+  lua_pushcfunction(L, core_is_joined);
+  lua_setfield(L, -2, "is_joined");
   lua_pushcfunction(L, core_joined_system);
   lua_setfield(L, -2, "joined_system");
   lua_pushcfunction(L, core_cuts);

@@ -17,8 +17,8 @@ local edit_module = {}
 ---Begins an edit session on a part: its mesh is cut into subdomains along a skeleton.
 ---
 ---Errors: geometry (no skeleton can be extracted, or the skeleton lies far outside of the part), limit (the extraction took too
----long), singular (the equations of the weights have no solution), io (the journal cannot be written), unsupported (the part has
----bonds, attachments, couplings or a cyclic symmetry).
+---long), singular (the equations of the weights have no solution), io (the journal cannot be written), unsupported (the part has a
+---cyclic symmetry).
 ---
 ---Source: Y. Xie and others, Agile structural analysis for fabrication-aware shape editing (2015); docs/theory/edit.md.
 ---```lua
@@ -90,6 +90,10 @@ function edit_module.begin(script, session) end
 
 ---A part that is posed and thickened by its skeleton. Edits return something true; where one fails the session is as it was. Supports
 ---and loads go with the surface; those that are added to the part later count from the next solution. `print` lists the last edits.
+---
+---Bonds, attachments and couplings go with the surface too, and remote points keep their place. An edit that takes the faces of a bond
+---apart is refused. Each solution then recomputes the factor of the joined equations; the stiffness of subdomains is reused. `optimise`
+---refuses such parts.
 ---```lua
 ---local mesh = bw.mesh.box {min = {0, -0.01, -0.01}, max = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
 ---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
@@ -288,7 +292,7 @@ function Session:optimise(options) end
 ---The equations of the session, updated to the current shape, and the model that they belong to.
 ---
 ---Errors: those of `solve`.
----@return bw.IncrementalSystem? system the equations
+---@return (bw.IncrementalSystem|bw.JoinedIncrementalSystem)? system the equations
 ---@return bw.Model|string model of the current shape, or the message
 ---@return bw.Details? details
 function Session:synchronise() end

@@ -36,6 +36,51 @@ function IncrementalSystem:update(model, motion) end
 ---@return boolean follows whether it can
 function IncrementalSystem:follows(model) end
 
+---The equations of a part with bonds, attachments or couplings, cut into subdomains; `update` changes them.
+---`session:synchronise()` gives them. The stiffness of the bodies apart is updated subdomain by subdomain. The factor of the joined
+---equations is recomputed where they changed, in the former elimination order where their pattern did not.
+---```lua
+---local mesh = bw.mesh.box {min = {0, -0.01, -0.01}, max = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
+---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
+---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0)):gravity {0, 0, -9.81}
+---local session = assert(bw.edit(part:attach {on = mesh.boundary:above("x", 0.1), mass = 1}, {skeleton = skeleton}))
+---local system, model = assert(session:synchronise())
+---print(system.subdomain_count, assert(system:statics(model)).displacement:column(3):min())
+---```
+---@class bw.JoinedIncrementalSystem
+---@field subdomain_count integer (count) of stiffness subdomains
+local JoinedIncrementalSystem = {}
+
+---Updates the equations to an edited shape, of which regions may be of another material and joints may be others.
+---
+---Errors: unsupported (a material that is not followed, or a cyclic symmetry), memory.
+---@param model bw.Model of the edited shape
+---@param motion bw.Array|number[][] (-, subdomain_count × 19, per stiffness subdomain) how each of them lies against the shape that the system was made at, as of `subdomains:motion`
+---@return bw.Reuse? reused what was reused
+---@return string? message
+---@return bw.Details? details
+function JoinedIncrementalSystem:update(model, motion) end
+
+---Whether an update can bring the equations to a model's material: as of `bw.IncrementalSystem:follows`.
+---@param model bw.Model of the edited shape
+---@return boolean follows whether it can
+function JoinedIncrementalSystem:follows(model) end
+
+---The static solution of the model that the equations were last updated to. Of the options `solver` (of sparse matrices; left out:
+---the kept factor), `check` (of the displacement) and `balance_tolerance` count; the others serve parts without joints.
+---
+---Errors: those of `part:solve` of such a part, internal (with `check`: the displacement differs by more than 1e-8).
+---@param model bw.Model of the edited shape
+---@param options? bw.IncrementalSolveOptions how it is solved
+---@param reused? bw.Reuse of an update, to be completed. Default: a new one
+---@return bw.Static? static the solution
+---@return bw.Reuse|string reused what was reused, or the message
+---@return bw.Details? details
+function JoinedIncrementalSystem:statics(model, options, reused) end
+
+---Releases the equations at once.
+function JoinedIncrementalSystem:close() end
+
 ---How equations that follow edits are solved.
 ---@class bw.IncrementalSolveOptions
 ---@field solver? bw.Solver|"auto" `bw.solver.cholesky` updates the factor where edits touched it, with `full` or by CHOLMOD all of it; `bw.solver.pcg` has the two-level preconditioner, for elements of order 2, or a factor: that of the former shape, as it is. Default: "auto", by predicted cost

@@ -95,6 +95,7 @@ local Static = {}
 ---@field seconds_factor number (s) for the factor
 ---@field seconds_solve number (s) for the solution
 ---@field mesh "posed"|"relaxed"|"refilled" how the mesh of the edited shape was made
+---@field joined boolean whether the part has bonds, attachments or couplings: its factor is recomputed whole
 ---@field difference_stiffness? number (-) with `check`: largest difference to the stiffness from scratch
 ---@field difference_solution? number (-) with `check`: largest difference to the solution from scratch
 

@@ -7,6 +7,7 @@
 #include "barwright/analysis.h"
 #include "barwright/buckling.h"
 #include "barwright/eigen.h"
+#include "barwright/incremental.h"
 #include "barwright/statics.h"
 
 #ifdef __cplusplus
@@ -52,6 +53,39 @@ BW_API bw_status bw_joined_buckling(bw_context *context, const bw_static *soluti
  * bw_joined_statics. */
 BW_API bw_status bw_joined_system(bw_context *context, const bw_model *model,
                                   const bw_solver *solver, bw_system **system);
+
+/* The equations of a joined body cut into subdomains, updated through edits of its shape. Mutable:
+ * one owner, one thread at a time. The stiffness of the bodies apart follows the edits subdomain by
+ * subdomain. T and T^T K T are of the shape and the joints as they are: the factor is recomputed
+ * where an entry of T^T K T changed, in the former elimination order where its pattern did not. An
+ * object: bw_retain, bw_release. */
+typedef struct bw_joined_incremental bw_joined_incremental;
+/* `subdomain_count` subdomains by element, element_subdomain (index, element_count), and by node,
+ * node_subdomain (index, node_count), and `rotate_material` as bw_incremental_system_create takes
+ * them; the caller's reference. Those of bw_subdomain_stiffness_create; BW_UNSUPPORTED for a
+ * sector. */
+BW_API bw_status bw_joined_incremental_create(bw_context *context, const bw_model *model,
+                                              bool rotate_material, int32_t subdomain_count,
+                                              const int32_t *element_subdomain,
+                                              const int32_t *node_subdomain,
+                                              bw_joined_incremental **joined);
+/* The mesh that was last followed; borrowed. */
+BW_API const bw_mesh *bw_joined_incremental_mesh(const bw_joined_incremental *joined);
+/* The stiffness of the bodies apart on it; borrowed. */
+BW_API const bw_subdomain_stiffness *
+bw_joined_incremental_stiffness(const bw_joined_incremental *joined);
+/* Follow an edit, as bw_incremental_system_update; the joints of the edited model may be others. */
+BW_API bw_status bw_joined_incremental_update(bw_context *context, bw_joined_incremental *joined,
+                                              const bw_model *model,
+                                              const bw_subdomain_motion *motion, bw_reuse *reuse);
+/* The static solution of the model that was last synchronised, as bw_joined_statics: by the kept
+ * factor, or where options->solver is given, by that. BW_INVALID for another model. With `check`,
+ * the displacement is compared with that of bw_joined_statics: BW_INTERNAL where they differ by
+ * more than 1e-8 of the largest. Completes *reuse. */
+BW_API bw_status bw_joined_incremental_statics(bw_context *context, bw_joined_incremental *joined,
+                                               const bw_model *model,
+                                               const bw_statics_options *options, bool check,
+                                               bw_static **result, bw_reuse *reuse);
 
 /* What exerts a traction. */
 typedef enum bw_joint_kind {
