@@ -12,11 +12,10 @@ local edit_follow = {}
 
 -- ---- joints ---------------------------------------------------------------------------------------
 
-local function separated(bond, part_of_nodes)
-  return nil, ("after the edit the faces of bond %d are apart, or overlap, by more than the bond closes (%s): edit "
-    .. "bones that move both sides alike, make the edit smaller, or give the bond a larger 'gap'"):format(bond,
-    part_of_nodes),
-    {status = "geometry", bond = bond}
+local function separated(bond, where)
+  return nil, ("after the edit the faces of bond %d are apart, or overlap, by more than the bond closes (%s): "
+    .. "edit bones that move both sides alike, make the edit smaller, or give the bond a larger 'gap'")
+    :format(bond, where), {status = "geometry", bond = bond}
 end
 
 -- What keeps a part with bonds from being carried over to a shape.
