@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Linear complementarity by principal pivoting in blocks (Judice and Pires 1994), with free
- * unknowns on springs (docs/theory/contact.md). */
+/* Linear complementarity by principal pivoting in blocks (Judice and Pires 1994), or where that
+ * goes round, by an active set that lowers the energy (Lawson and Hanson 1974), with free unknowns
+ * on springs (docs/theory/contact.md). */
 #include <math.h>
 #include <string.h>
 
@@ -9,7 +10,9 @@
 #include "contact/internal.h"
 #include "linear/blas.h"
 
-enum { CHANCES = 10 /* changes in blocks that do not lower the number of wrong candidates */ };
+enum {
+  CHANCES = 10 /* changes in blocks that do not lower the number of wrong candidates, in a row */
+};
 
 /* Of the largest diagonal entry: redundant candidates are singular. */
 static const double shift = 1e-13;
@@ -22,6 +25,7 @@ typedef struct pivoting {
   double *factor;  /* (count x count) of S_AA */
   double *reduced; /* ((motions + 1) x count) L^-1 of the columns of E_A, then of q_A */
   double *matrix;  /* (motions x motions) */
+  double *from;    /* (count) pressures, none negative, from which the energy falls */
 } pivoting;
 
 /* p and a on the active set. */
@@ -86,6 +90,78 @@ static bw_status solve_active(bw_context *context, pivoting *v) {
   return BW_OK;
 }
 
+static double largest_pressure(const bwi_complementarity *problem) {
+  double largest = 0;
+  for (int i = 0; i < problem->count; i++)
+    largest = fmax(largest, fabs(problem->p[i]));
+  return largest;
+}
+
+static bool is_wrong(const bwi_complementarity *problem, int i, double largest) {
+  return problem->active[i] ? problem->p[i] < -rounding * largest
+                            : problem->w[i] < -problem->slack[i];
+}
+
+static void change(bwi_complementarity *problem, int i) {
+  problem->active[i] = !problem->active[i];
+  problem->changes++;
+}
+
+/* Pressures go from `from` towards those of the active set until the first of them is none, which
+ * leaves it. Whether one did. */
+static bool leave_first(pivoting *v) {
+  bwi_complementarity *problem = v->problem;
+  double part = 1, largest = largest_pressure(problem);
+  int first = -1;
+  for (int i = 0; i < problem->count; i++) {
+    if (!problem->active[i] || !is_wrong(problem, i, largest))
+      continue;
+    double to = v->from[i] / (v->from[i] - problem->p[i]);
+    if (first < 0 || to < part) {
+      part = to;
+      first = i;
+    }
+  }
+  for (int i = 0; i < problem->count; i++)
+    v->from[i] = fmax(0, v->from[i] + part * (problem->p[i] - v->from[i]));
+  if (first < 0)
+    return false;
+  v->from[first] = 0;
+  change(problem, first);
+  return true;
+}
+
+/* Pivoting one candidate at a time, from the pressures at hand that are not negative: the deepest
+ * one enters, and each step lowers the energy, so that no active set comes back. */
+static bw_status descend(bw_context *context, pivoting *v) {
+  bw_status status = BW_OK;
+  bwi_complementarity *problem = v->problem;
+  int count = problem->count;
+  for (int i = 0; i < count; i++) {
+    v->from[i] = problem->active[i] ? fmax(problem->p[i], 0) : 0;
+    problem->active[i] = v->from[i] > 0;
+  }
+  for (int64_t step = 0;; step++) {
+    int deepest = -1;
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(solve_active(context, v));
+    if (step > 100 + 20 * (int64_t)count)
+      BW_TRY(bw_fail(context, BW_CONVERGENCE,
+                     "rounding keeps the active set of contact changing, of %d candidates", count));
+    if (leave_first(v))
+      continue;
+    for (int i = 0; i < count; i++)
+      if (!problem->active[i] && is_wrong(problem, i, 0) &&
+          (deepest < 0 || problem->w[i] < problem->w[deepest]))
+        deepest = i;
+    if (deepest < 0)
+      break;
+    change(problem, deepest);
+  }
+done:
+  return status;
+}
+
 bw_status bwi_complementarity_solve(bw_context *context, bwi_complementarity *problem) {
   bw_status status = BW_OK;
   int count = problem->count, m = problem->motions, best = count + 1, chances = CHANCES;
@@ -94,39 +170,28 @@ bw_status bwi_complementarity_solve(bw_context *context, bwi_complementarity *pr
   v.factor = BW_NEW(context, double, (int64_t)count *count);
   v.reduced = BW_NEW(context, double, (int64_t)(m + 1) * count);
   v.matrix = BW_NEW(context, double, (int64_t)m *m);
+  v.from = BW_NEW(context, double, count);
   bwi_blas_enter();
-  BW_TRY_MEMORY(v.member && v.factor && v.reduced && v.matrix);
-  for (int64_t step = 0;; step++) {
-    int wrong = 0, last = -1;
-    double largest = 0;
+  BW_TRY_MEMORY(v.member && v.factor && v.reduced && v.matrix && v.from);
+  for (;;) {
+    int wrong = 0;
     BW_TRY(bw_check_cancel(context));
     BW_TRY(solve_active(context, &v));
+    double largest = largest_pressure(problem);
     for (int i = 0; i < count; i++)
-      largest = fmax(largest, fabs(problem->p[i]));
-    for (int i = 0; i < count; i++)
-      if (problem->active[i] ? problem->p[i] < -rounding * largest
-                             : problem->w[i] < -problem->slack[i]) {
-        wrong++;
-        last = i;
-      }
+      wrong += is_wrong(problem, i, largest);
     if (wrong == 0)
       break;
-    if (step > 100 + 20 * (int64_t)count)
-      BW_TRY(bw_fail(context, BW_CONVERGENCE,
-                     "the active set of contact does not come to an end: %d of %d candidates keep "
-                     "changing",
-                     wrong, count));
-    bool all = wrong < best || chances-- > 0;
     if (wrong < best) {
       best = wrong;
       chances = CHANCES;
+    } else if (chances-- == 0) {
+      BW_TRY(descend(context, &v));
+      break;
     }
     for (int i = 0; i < count; i++)
-      if ((all || i == last) && (problem->active[i] ? problem->p[i] < -rounding * largest
-                                                    : problem->w[i] < -problem->slack[i])) {
-        problem->active[i] = !problem->active[i];
-        problem->changes++;
-      }
+      if (is_wrong(problem, i, largest))
+        change(problem, i);
   }
   for (int i = 0; i < count; i++)
     problem->p[i] = fmax(problem->p[i], 0);
@@ -136,5 +201,6 @@ done:
   bw_free(v.factor);
   bw_free(v.reduced);
   bw_free(v.matrix);
+  bw_free(v.from);
   return status;
 }

@@ -280,42 +280,22 @@ done:
   return status;
 }
 
-/* Takes candidates whose gap is negative into the working set of n: all of them, or the deepest
- * alone, for which those without pressure leave it. Whether there are any. */
-static bool grow(const bw_contact_system *c, touch *t, double slack, bool one, int *n) {
-  int deepest = -1, kept = 0;
-  double most = slack;
+/* Takes candidates whose gap is negative into the working set of n. Whether there are any. */
+static bool grow(const bw_contact_system *c, touch *t, double slack, int *n) {
+  int before = *n;
   for (int k = 0; k < c->count; k++) {
-    double depth = -t->w[k] / c->rows->area[c->row[k]];
-    if (t->inside[k] || !(depth > most))
+    if (t->inside[k] || !(-t->w[k] / c->rows->area[c->row[k]] > slack))
       continue;
-    deepest = k;
-    if (one) {
-      most = depth;
-      continue;
-    }
     t->inside[k] = 1;
     t->active[*n] = 1;
     t->member[(*n)++] = k;
   }
-  if (!one || deepest < 0)
-    return deepest >= 0;
-  for (int i = 0; i < *n; i++) {
-    t->inside[t->member[i]] = t->active[i];
-    if (t->active[i])
-      t->member[kept++] = t->member[i];
-  }
-  memset(t->active, 1, (size_t)kept + 1);
-  t->inside[deepest] = 1;
-  t->member[kept] = deepest;
-  *n = kept + 1;
-  return true;
+  return *n > before;
 }
 
 /* Pressures p of gaps q, on a working set: it begins with the gaps that are negative, and grows by
- * those that the pressures make so; `one` at a time is slow, and lowers the energy each time, so
- * that it ends. BW_CONVERGENCE where pivoting takes too many steps. */
-static bw_status close_all(bw_context *context, const bw_contact_system *c, bool one, touch *t) {
+ * those that the pressures make so. */
+static bw_status close_gaps(bw_context *context, const bw_contact_system *c, touch *t) {
   bw_status status = BW_OK;
   const size_t all = (size_t)c->count;
   double largest = 0, none = 0;
@@ -325,7 +305,7 @@ static bw_status close_all(bw_context *context, const bw_contact_system *c, bool
   for (int k = 0; k < c->count; k++)
     largest = fmax(largest, fabs(t->q[k]) / c->rows->area[c->row[k]]);
   memcpy(t->w, t->q, all * sizeof *t->w);
-  while (grow(c, t, no_gap * largest, one, &n)) {
+  while (grow(c, t, no_gap * largest, &n)) {
     for (int i = 0; i < n; i++) {
       const double *row = c->s + (size_t)t->member[i] * all;
       for (int j = 0; j < n; j++)
@@ -355,11 +335,6 @@ static bw_status close_all(bw_context *context, const bw_contact_system *c, bool
   }
 done:
   return status;
-}
-
-static bw_status close_gaps(bw_context *context, const bw_contact_system *c, touch *t) {
-  bw_status status = close_all(context, c, false, t);
-  return status == BW_CONVERGENCE ? close_all(context, c, true, t) : status;
 }
 
 bw_status bw_contact_system_solve(bw_context *context, const bw_contact_system *c, int count,
