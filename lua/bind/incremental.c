@@ -340,7 +340,8 @@ static bw_joined_incremental *joined_self(lua_State *L) {
   return (bw_joined_incremental *)lbw_check(L, 1, &lbw_joined_incremental_class);
 }
 
-/* joined_incremental_system(model, subdomains, rotate_material): as incremental_system, of a joined model
+/* joined_incremental_system(model, subdomains, rotate_material): as incremental_system, of a joined
+ * model
  */
 static int core_joined_incremental(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
