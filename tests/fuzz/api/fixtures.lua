@@ -234,6 +234,10 @@ makers.Bone = {
   function(p) return p.Session:bone "upper" end,
 }
 makers.IncrementalSystem = {function(p) return (assert(p.Session:synchronise())) end}
+makers.JoinedIncrementalSystem = {function(p)
+  local joined = part(p.Mesh, bw.material.pla):attach {on = p.Mesh.boundary:above(3, 0.1), mass = 0.1}
+  return (assert(assert(bw.edit(joined, {skeleton = p.Skeleton})):synchronise()))
+end}
 makers.Optimisation = {function(p)
   local session = assert(bw.edit(p.Model, {skeleton = p.Skeleton}))
   return assert(session:optimise {von_mises = 1e12, move_supports = true})
@@ -318,8 +322,9 @@ makers.Expectation = {function(p) return p.expect(5, "a force", "N") end, functi
 makers.Test = {function(p) return p.test end}
 
 -- Changed by their methods: made again after so many uses.
-local lives = {Model = 60, Session = 40, Bone = 40, IncrementalSystem = 40, LiveServer = 40, SteadySheet = 40,
-  LargeDeflectionSheet = 40, TransientSheet = 40, Sheet = 40, Metallophone = 40, Plate = 40, Bridge = 60,
+local lives = {Model = 60, Session = 40, Bone = 40, IncrementalSystem = 40, JoinedIncrementalSystem = 40,
+  LiveServer = 40, SteadySheet = 40, LargeDeflectionSheet = 40, TransientSheet = 40, Sheet = 40,
+  Metallophone = 40, Plate = 40, Bridge = 60,
   Flow = 40, ThermalFlow = 40, FlowBody = 40, BodyState = 40, Heat = 40,
   HeatTransient = 40, MeshMotion = 40, Solid = 60, SolidTransient = 40,
   Canvas = 40, Study = 60, Trials = 100, Trial = 40, ReuseStatistics = 40, Results = 60}
