@@ -72,7 +72,7 @@ end)
 scenario("column under the worst admissible load", function(t)
   local part, foot = bar(L, side, {40, 2, 2})
   local worst = t:require(bw.worst_buckling(part:fix(foot), {force = 1, contact = side * side}))
-  expect(worst.force, "force", "N"):near(engesser(2 * L, I, kA), {relative = 0.006, source = "Euler, Engesser"})
+  expect(worst.force, "force", "N"):near(engesser(2 * L, I, kA), {relative = 0.005, source = "Euler, Engesser"})
   expect(worst.counted, "counted"):equals(true)
   local along = 0
   for _, arrow in ipairs(worst:arrows()) do along = along + arrow.force[1] end
@@ -83,7 +83,7 @@ scenario("free bar under the worst admissible load", function(t)
   local part = bar(L, side, {40, 2, 2})
   local worst = t:require(bw.worst_buckling(part, {force = 2, contact = 2 * side * side}))
   expect(worst.force / 2, "force on each end", "N")
-    :near(engesser(L, I, kA), {relative = 0.006, source = "Euler, Engesser: pinned ends"})
+    :near(engesser(L, I, kA), {relative = 0.005, source = "Euler, Engesser: pinned ends"})
 end)
 
 scenario("column under tension: negative factors", function(t)
@@ -91,7 +91,7 @@ scenario("column under tension: negative factors", function(t)
   part:fix(foot):load {on = head, force = {1, 0, 0}}
   local load = engesser(2 * L, I, kA)
   local buckling = t:require(part:buckling {count = 2})
-  compare(buckling, {-load, -load}, 0.006, "Euler, Engesser")
+  compare(buckling, {-load, -load}, 0.005, "Euler, Engesser")
   expect(buckling.factor == nil, "no positive factor"):equals(true)
 end)
 
@@ -114,7 +114,7 @@ scenario("column, half of its head loaded", function(t)
   local part, foot, head = bar(L, side, {48, 2, 2})
   part:fix(foot):load {on = head:above("y", side / 2), force = {-1, 0, 0}}
   local load = engesser(2 * L, I, kA)
-  compare(t:require(part:buckling {count = 2}), {load, load}, 0.006, "Euler, Engesser")
+  compare(t:require(part:buckling {count = 2}), {load, load}, 0.005, "Euler, Engesser")
 end)
 
 scenario("tube, clamped and free, by its half", function(t)
@@ -133,25 +133,40 @@ scenario("tube, clamped and free, by its half", function(t)
 end)
 
 scenario("square plate, simply supported, compressed along one side", function(t)
-  local a, h = 1, 0.01
-  local mesh = bw.mesh.box {max = {a, a, h}, cells = {20, 20, 1}, order = 2}
+  -- Its half. The sides are supported at the mid-plane alone: supports over the thickness hold back contraction
+  -- and compress the edge that turns, which lowers the first load by 1.4 %. Along the sides the displacement is
+  -- that of uniform compression (hard support): free sides twist, which lowers it by 1.2 %.
+  local a, h, n = 1, 0.02, 30
+  local mesh = bw.mesh.box {min = {0, 0, -h / 2}, max = {a, a / 2, h / 2}, cells = {n, n // 2, 1}, order = 2}
   local part = bw.model {mesh = mesh, material = steel}
   local left, right = mesh.boundary:below("x", 0), mesh.boundary:above("x", a)
-  local near, off = mesh.boundary:below("y", 0), mesh.boundary:above("y", a)
-  part:prescribe(left:union(right):union(near):union(off), {false, false, 0})
-  part:prescribe(mesh.boundary:near({0, 0, 0}, 1e-6):node_set(), {0, 0, false})
-  part:prescribe(mesh.boundary:near({0, a, 0}, 1e-6):node_set(), {0, false, false})
+  local ends, near = left:union(right), mesh.boundary:below("y", 0)
+  part:slide(mesh.boundary:above("y", a / 2), {0, 1, 0})
+  part:prescribe(ends:union(near):plane({0, 0, 0}, {0, 0, 1}):node_set(), {false, false, 0})
+  local strain = 1 / (E * h * a / 2)
+  for i = 0, 2 * n do
+    local x = a * i / (2 * n)
+    part:prescribe(near:plane({x, 0, 0}, {1, 0, 0}):node_set(), {-strain * x, false, false})
+    if i <= n then
+      part:prescribe(ends:plane({0, x, 0}, {0, 1, 0}):node_set(), {false, nu * strain * (x - a / 2), false})
+    end
+  end
   part:load {on = right, force = {-1, 0, 0}}:load {on = left, force = {1, 0, 0}}
-  local D = E * h ^ 3 / (12 * (1 - nu ^ 2))
-  local buckling = t:require(part:buckling {count = 2})
-  compare(buckling, {4 * pi ^ 2 * D / a, 6.25 * pi ^ 2 * D / a}, 0.015,
-    "Timoshenko and Gere, Theory of Elastic Stability; thin plates")
+  local D, kGh = E * h ^ 3 / (12 * (1 - nu ^ 2)), 5 / 6 * G * h
+  local function load(m) -- of m half-waves along x and one along y: exact in Mindlin's theory
+    local square = pi ^ 2 * (m ^ 2 + 1) / a ^ 2
+    return a / 2 * D * square ^ 2 / (m * pi / a) ^ 2 / (1 + D * square / kGh)
+  end
+  compare(t:require(part:buckling {count = 2}), {load(1), load(2)}, 0.005,
+    "Timoshenko and Gere, Theory of Elastic Stability; shear: Mindlin 1951")
 end)
 
 scenario("cylinder, axially compressed, axisymmetric half-wave", function(t)
-  local R, h = 1, 0.01
+  -- The reference is of thin shells. The stress is lower by 0.8 h / R of it, for h from R / 100 to R / 400 and on
+  -- a mesh twice as fine; half of that is transverse shear.
+  local R, h = 1, 0.0025
   local length = pi * sqrt(R * h) / (12 * (1 - nu ^ 2)) ^ 0.25
-  local wedge = pi / 90
+  local wedge = pi / 180
   local grid = grids.mapped({2, 1, 24}, 2, function(u, v, w)
     local r = R + h * (u - 0.5)
     return {r * cos(wedge * v), r * sin(wedge * v), length * w}
@@ -163,7 +178,7 @@ scenario("cylinder, axially compressed, axisymmetric half-wave", function(t)
   local stress = static:reaction_on(grid:face(3, 0))[3] / (wedge * R * h)
   local classical = E * h / (R * sqrt(3 * (1 - nu ^ 2)))
   expect(t:require(static:buckling {count = 1}).factor * stress, "stress", "Pa")
-    :near(classical, {relative = 0.01, source = "Lorenz, Timoshenko; thin shells"})
+    :near(classical, {relative = 0.005, source = "Lorenz, Timoshenko; thin shells"})
 end)
 
 scenario("narrow cantilever, lateral-torsional", function(t)
