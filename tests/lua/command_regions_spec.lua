@@ -51,6 +51,11 @@ describe("commands on several materials", function()
     assert.same(object.frequencies_hz, same.frequencies_hz)
   end)
 
+  it("offer REGION=NAME only where they take it", function()
+    local _, out = check.run("worst " .. folder .. "bar.msh --unit m --material steel")
+    assert.truthy(out:find("All of it is steel: the regions are rest, grip.\n", 1, true), out)
+  end)
+
   it("take mass, stiffness and strength of each region from files of every format", function()
     local static = solved {1000, 0, 0}
     for _, ending in ipairs {"msh", "vtu", "mesh", "inp"} do

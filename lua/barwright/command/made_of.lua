@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- What a part is made of: one material, or one for each region of its mesh. Commands pass on
--- {default = material or nil, named = list of {region, material}}.
+-- {default = material or nil, named = list of {region, material}, by_region = whether it takes REGION=NAME}.
 local bw = require "barwright"
 local core = require "barwright.core"
 local has_strength = require "barwright.has_strength"
@@ -75,8 +75,9 @@ end
 
 --- The materials that the options name, or nil and a sentence.
 function made_of.read(opts)
-  local made, known = {named = {}}, {}
-  for _, text in ipairs(type(opts.material) == "table" and opts.material or {opts.material}) do
+  local by_region = type(opts.material) == "table"
+  local made, known = {named = {}, by_region = by_region}, {}
+  for _, text in ipairs(by_region and opts.material or {opts.material}) do
     local region, name = text:match "^(.*)=([^=]*)$"
     name = name or text
     known[name] = known[name] or bw.material.named(name)
@@ -215,8 +216,8 @@ function made_of.report(made, mesh, out)
   out:json {regions = names, material = name_of(made, mesh)}
   if #made.named == 0 then
     if #names > 1 then
-      out:say("All of it is %s: %s, and --material REGION=NAME gives each its own.", made.default.name,
-        region_list(mesh))
+      out:say("All of it is %s: %s%s.", made.default.name, region_list(mesh),
+        made.by_region and ", and --material REGION=NAME gives each its own" or "")
     end
     return
   end
