@@ -211,7 +211,7 @@ function mesh_module.box(options) end
 local Mesh = {}
 
 ---Writes the mesh to a file, whose ending decides the format: .vtu, .pvtu, .msh, .mesh, .node or .ele (both files are
----written), or .inp (nodes and elements only). A .pvtu file names pieces of at most 100000 elements, which are written
+---written), or .inp (nodes, elements and regions). A .pvtu file names pieces of at most 100000 elements, which are written
 ---beside it (NAME_0.vtu, NAME_1.vtu, ...): less memory for a large mesh, and ParaView reads them in parallel.
 ---
 ---Errors: io (the file cannot be written).

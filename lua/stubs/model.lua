@@ -500,13 +500,13 @@ function Model:buckling(options) end
 ---local transient = assert(part:transient {step = 1e-4, loads = {{{0, 0}, {1e-3, 1}}}})
 ---print(assert(transient:run {time = 0.01, probes = {tip = {1, 0, 0}}, stress_every = 5}))
 ---```
----Displacements are small, loads keep their directions. The part must not change afterwards. A part with bonds, attachments or
----couplings needs `modes`, and something that holds it.
+---Displacements are small, loads keep their directions. The part must not change afterwards. It may have bonds, attachments and
+---couplings, and moves freely where nothing constrains it; with `modes`, a part with joints must be constrained.
 ---
----Errors: `memory` for a factor larger than what is free; `unsupported` for temperature loads, and for joints without `modes`, with
----preloads or with prescribed displacements; `unconstrained` for a part with joints that can move freely; `convergence` where the first
----acceleration is not found; `io` and `format` for a history in a file; `geometry` for an inverted element. Histories that are
----none, a material without density and modes of another part raise.
+---Errors: `memory` for a factor larger than what is free; `unsupported` for temperature loads, preloads, and with `modes` for
+---`error` and for supports that move where the part is free or damped by stiffness; `unconstrained` for joints with `modes` where
+---the part can move freely; `convergence` where the first acceleration is not found; `io` and `format` for a history in a file;
+---`geometry` for an inverted element. Histories that are none, a material without density and modes of another part raise.
 ---
 ---Source: J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993); docs/theory/transient.md.
 ---@param options bw.TransientOptions step, damping, start and histories
@@ -603,16 +603,16 @@ function Model:response_spectrum(options) end
 ---@field stiffness? number (s) b of it. Range: 0 or more. Default: 0
 ---@field loss? number|table<string, number> (-) loss factor h of the stiffness (1 + i h) K, or one by the name of each region, 0 where it has none; not in time. Range: 0 or more. Default: 0
 
----The part falls on a rigid plane and is followed in time: free fall, impacts, bounces. It is linear elastic about its motion as a
----rigid body. Its modes and the compliance that they leave out carry the contact, without friction. The mesh shows its attitude
----when it touches; positions and times count from then. The model keeps the equations, and `modes` of a former drop
----serve the next: a drop then takes solutions for nodes that touch or lie beside, eight or more at once.
+---The part falls on a rigid floor, edge or peg and is followed in time: free fall, impacts, bounces. It is linear elastic about
+---its motion as a rigid body. Its modes and the compliance that they leave out carry the contact, without friction. The mesh
+---shows its attitude when it touches; positions and times count from then. The model keeps the equations, and `modes` of a former
+---drop serve the next: a drop then takes solutions for nodes that touch or lie beside, eight or more at once.
 ---
 ---A warning says when the part turns by more than 0.1 rad while it touches, and when the energy is not kept.
 ---
----Errors: limit (more than 2000 nodes touch in one impact, or an impact without end), unsupported (bonds, attachments, a surface
----that is no plane, other damping), convergence and singular (the forces of contact are not found); those of `modes`. A part with
----supports or loads, without density or of several bodies raises.
+---Errors: limit (more than 2000 nodes touch in one impact, or an impact without end), unsupported (bonds, attachments, couplings,
+---a surface with `inside`, damping by mass or a loss factor), convergence and singular (the forces of contact are not found);
+---those of `modes`. A part with supports or loads, without density or of several bodies raises.
 ---
 ---Source: docs/theory/drop.md.
 ---```lua

@@ -134,7 +134,7 @@ BW_API bw_status bw_mesh_read(bw_context *context, const char *path, bw_mesh_fil
 BW_API bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned char *bytes,
                                size_t count, bw_mesh_file *file);
 /* By the ending: .vtu (appended raw, zlib), .pvtu (pieces NAME_0.vtu, NAME_1.vtu, ... beside it),
- * .msh (4.1 binary), .mesh, .node or .ele (writes both), .inp (nodes and elements only). Fields go
+ * .msh (4.1 binary), .mesh, .node or .ele (writes both), .inp (nodes, elements, regions). Fields go
  * where the format has a place (.vtu, .pvtu, .msh); a field whose rows do not fit the mesh is
  * BW_INVALID, as is another ending. */
 BW_API bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *path,
