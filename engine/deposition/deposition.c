@@ -296,7 +296,8 @@ static bw_status shrink(bw_context *context, const bw_deposition_options *option
   BW_TRY(bw_array_create(context, BW_F64, hot->mesh->node_count, 1, &change));
   for (int32_t i = 0; i < hot->mesh->node_count; i++)
     ((double *)change->data)[i] = options->change[hot->node[i]];
-  BW_TRY(bw_model_temperature(context, hot->model, change, NULL));
+  bw_load load = {.kind = BW_LOAD_TEMPERATURE, .nodal = change, .by_material = true};
+  BW_TRY(bwi_model_add_load(context, hot->model, &load));
   BW_TRY(bw_model_force_vector(context, hot->model, nodal));
   BW_TRY(bw_model_thermal_stress(context, hot->model, NULL, own));
   for (int64_t i = 0; i < hot->mesh->node_count; i++)
@@ -422,6 +423,19 @@ static bw_status check_material(bw_context *context, const bw_material *laid,
   return BW_OK;
 }
 
+/* Of the whole body: single layers may well be of a material that does not expand. */
+static bw_status check_expansion(bw_context *context, const bw_model *model, const double *change) {
+  bw_array *whole = NULL;
+  int32_t count = model->mesh->node_count;
+  bw_status status = bw_array_create(context, BW_F64, count, 1, &whole);
+  if (status != BW_OK)
+    return status;
+  memcpy(whole->data, change, (size_t)count * sizeof *change);
+  status = bwi_check_expansion(context, model->mesh, model->material, whole);
+  bw_release(whole);
+  return status;
+}
+
 static bw_status check_options(bw_context *context, const bw_mesh *mesh,
                                const bw_deposition_options *options) {
   bw_status status = check_count(context, mesh, options->layer_count);
@@ -465,6 +479,7 @@ bw_status bw_deposit(bw_context *context, const bw_model *model,
   BW_TRY_MEMORY(keep);
   BW_TRY(check_model(context, model));
   BW_TRY(check_options(context, mesh, options));
+  BW_TRY(check_expansion(context, model, options->change));
   BW_TRY(start(context, model, &d));
   work = BW_NEW0(context, int32_t,
                  mesh->element_count > options->layer_count ? mesh->element_count
@@ -480,10 +495,7 @@ bw_status bw_deposit(bw_context *context, const bw_model *model,
     BW_TRY(lay(context, options, layer, keep, d, &size));
   }
   if (size == 0)
-    BW_TRY(
-        bw_fail(context, BW_INVALID,
-                "nothing shrinks: no element has both a coefficient of expansion and a change of "
-                "temperature"));
+    BW_TRY(bw_fail(context, BW_INVALID, "nothing shrinks: the change of temperature is zero"));
   if (d->postponed_volume > 0.01 * bw_mesh_volume(mesh))
     bw_warn(context,
             "%lld elements, %.2g %% of the volume, were laid later than asked for: nothing beneath "

@@ -25,6 +25,7 @@ typedef struct entry {
   bw_value toughness;     /* Pa m^1/2; none where no published value fits the material */
   bw_value conductivity;  /* W/(m K), alike in all directions; none likewise */
   bw_value heat_capacity; /* J/(kg K) */
+  bw_value expansion;     /* 1/K, alike in all directions; none likewise */
 } entry;
 
 #define PAPER "worst-case structural analysis (2013), section 6: three-point bending"
@@ -49,7 +50,8 @@ static const entry library[] = {
                    "Cambridge University Engineering Department, Materials Data Book (2003): low "
                    "carbon steels, 41 to 82; S235 yields before it fractures in plane strain"},
      .conductivity = {53.3, 0, "carbon steel at 20 degrees C, EN 1993-1-2, 3.4.1.3"},
-     .heat_capacity = {440, 0, "carbon steel at 20 degrees C, EN 1993-1-2, 3.4.1.2"}},
+     .heat_capacity = {440, 0, "carbon steel at 20 degrees C, EN 1993-1-2, 3.4.1.2"},
+     .expansion = {12e-6, 0, "up to 100 degrees C, " EC3}},
     {.name = "aluminium",
      .isotropic = true,
      .young = {{70e9, 0, EC9}},
@@ -60,7 +62,8 @@ static const entry library[] = {
                    "6061-T6 across the rolling direction, supplier's data by ASM; scatter of "
                    "aluminium alloys, 22 to 35, Materials Data Book (2003)"},
      .conductivity = {167, 0, "6061-T6, supplier's data by ASM"},
-     .heat_capacity = {896, 0, "6061-T6, supplier's data by ASM"}},
+     .heat_capacity = {896, 0, "6061-T6, supplier's data by ASM"},
+     .expansion = {23e-6, 0, EC9}},
     {.name = "pla",
      .isotropic = true,
      .young = {{3.6e9, 0, "NatureWorks Ingeo 4043D data sheet, the resin, ASTM D882"}},
@@ -126,13 +129,13 @@ const char *bw_material_library_name(int i) {
 static bw_status make(bw_context *context, const entry *e, bw_material **material) {
   bw_status status;
   if (e->isotropic) {
-    bw_isotropic constants = {e->name,
-                              e->young[0].mean,
-                              e->poisson.mean,
-                              e->density.mean,
-                              e->strength[0].mean,
-                              e->toughness.mean,
-                              0};
+    bw_isotropic constants = {.name = e->name,
+                              .young = e->young[0].mean,
+                              .poisson = e->poisson.mean,
+                              .density = e->density.mean,
+                              .strength = e->strength[0].mean,
+                              .toughness = e->toughness.mean,
+                              .expansion = e->expansion.mean};
     status = bw_material_isotropic(context, &constants, material);
   } else {
     double nu = e->poisson.mean;
@@ -140,7 +143,8 @@ static bw_status make(bw_context *context, const entry *e, bw_material **materia
                                 .poisson = {nu, 0, nu},  /* nu23, -, nu12 */
                                 .poisson_t = {0, nu, 0}, /* nu13 */
                                 .density = e->density.mean,
-                                .toughness = e->toughness.mean};
+                                .toughness = e->toughness.mean,
+                                .expansion = e->expansion.mean};
     for (int i = 0; i < 3; i++) {
       constants.young[i] = e->young[i].mean;
       constants.strength[i] = e->strength[i].mean;

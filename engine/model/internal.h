@@ -309,6 +309,10 @@ bw_status bwi_material_carry_by_region(bw_context *context, const bw_material *m
 bool bwi_model_expands(const bw_model *model);
 /* The coefficient of expansion (1/K) that a load of temperature has in an element. */
 double bwi_expansion(const bw_model *model, const bw_load *load, int64_t element);
+/* BW_INVALID where the temperature changes and no element expands; a warning for each region that
+ * does not beside others that do. change (K, node_count x 1). */
+bw_status bwi_check_expansion(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                              const bw_array *change);
 /* Adds to `stress` (Voigt) what free expansion would not have at a point of an element. */
 void bwi_thermal_stress_at(const bw_model *model, int32_t element, const double at[4],
                            double stress[6]);

@@ -98,11 +98,13 @@ bw_status bw_model_set_material(bw_context *context, bw_model *model, int32_t re
                    model->mesh->region_count);
   bw_status status = bwi_material_region_changed(context, model->mesh, model->material, region,
                                                  material, &changed);
-  if (status != BW_OK)
-    return status;
+  for (int i = 0; status == BW_OK && i < model->load_count; i++)
+    if (model->load[i].kind == BW_LOAD_TEMPERATURE && model->load[i].by_material)
+      status = bwi_check_expansion(context, model->mesh, changed, model->load[i].nodal);
   const bw_material *before = model->material;
   model->material = changed;
-  status = measure_gravity(context, model);
+  if (status == BW_OK)
+    status = measure_gravity(context, model);
   if (status != BW_OK) {
     model->material = before;
     bw_release(changed);
@@ -570,6 +572,8 @@ bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_ar
   if (!isfinite(load.expansion))
     return bw_fail(context, BW_INVALID, "the coefficient of expansion is not a finite number");
   bw_status status = check_nodal(context, model, change, 1, "change of temperature");
+  if (status == BW_OK && load.by_material)
+    status = bwi_check_expansion(context, model->mesh, model->material, change);
   return status != BW_OK ? status : bwi_model_add_load(context, model, &load);
 }
 

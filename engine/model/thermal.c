@@ -2,6 +2,7 @@
 /* Thermal expansion: sigma = C : (epsilon - alpha dT 1), with the change of temperature dT between
  * the nodes by the element's shape functions. The second part moves to the loads,
  * f_a = integral (C : alpha dT 1) grad N_a, and is taken off the stress afterwards. */
+#include <stdio.h>
 #include <string.h>
 
 #include "model/internal.h"
@@ -15,6 +16,57 @@ bool bwi_model_expands(const bw_model *model) {
 
 double bwi_expansion(const bw_model *model, const bw_load *load, int64_t element) {
   return load->by_material ? bw_material_of(model->material, element)->expansion : load->expansion;
+}
+
+/* "the material pla of region 'low'" */
+static void name_inert(const bw_mesh *mesh, const bw_material *material, int32_t element,
+                       char *name, size_t size) {
+  const char *own = bw_material_of(material, element)->name;
+  int used = snprintf(name, size, "the material%s%s", own[0] ? " " : "", own);
+  if (mesh->region && used > 0 && (size_t)used < size)
+    snprintf(name + used, size - (size_t)used, " of region '%s'",
+             mesh->regions[mesh->region[element]].name.text);
+}
+
+/* Regions that do not expand beside others that do may be meant so: a warning. */
+bw_status bwi_check_expansion(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                              const bw_array *change) {
+  bw_status status = BW_OK;
+  int32_t region_count = mesh->region ? mesh->region_count : 1;
+  int32_t *inert = BW_NEW(context, int32_t, region_count); /* the first such element, or -1 */
+  BW_TRY_MEMORY(inert);
+  for (int32_t r = 0; r < region_count; r++)
+    inert[r] = -1;
+  bool expands = false;
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    const int32_t *node = mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
+    bool changes = false;
+    for (int a = 0; a < mesh->nodes_per_element; a++)
+      changes |= bw_array_get(change, node[a], 0) != 0;
+    int32_t *first = &inert[mesh->region ? mesh->region[e] : 0];
+    if (changes && bw_material_of(material, e)->expansion != 0)
+      expands = true;
+    else if (changes && *first < 0)
+      *first = e;
+  }
+  for (int32_t r = 0; r < region_count; r++) {
+    char name[2 * sizeof(bw_name) + 32];
+    if (inert[r] < 0)
+      continue;
+    name_inert(mesh, material, inert[r], name, sizeof name);
+    if (!expands)
+      BW_TRY(bw_fail(context, BW_INVALID,
+                     "nothing expands where the temperature changes: %s has no coefficient of "
+                     "expansion; give expansion (1/K)",
+                     name));
+    bw_warn(context,
+            "%s has no coefficient of expansion: the change of temperature has no effect there; "
+            "give expansion (1/K)",
+            name);
+  }
+done:
+  bw_free(inert);
+  return status;
 }
 
 /* C : alpha 1, the stress per kelvin that free expansion would not have. */

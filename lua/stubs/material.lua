@@ -100,7 +100,7 @@ function material_module.names() end
 ---@field density number? (kg/m3) nil where it is not known
 ---@field strength number|bw.Vector|nil (Pa) tensile strengths; nil where they are not known
 ---@field toughness number? (Pa m^0.5) fracture toughness K_Ic; nil where it is not known
----@field expansion number? (1/K) coefficient of linear expansion; nil where it is none
+---@field expansion number? (1/K) coefficient of linear expansion; nil where it is none. `steel` has that of EN 1993-1-1, 3.2.6, `aluminium` that of EN 1999-1-1, 3.2.5
 ---@field parts bw.Material[]? of a model with several materials: each of them once. Density, strength and toughness are then the least of them, and moduli are nil. nil where there is one material
 ---@field conductivity number|bw.Vector|nil (W/(m K)) thermal conductivity, along the axes of an orthotropic material; of a table its first row; nil where it is not known
 ---@field heat_capacity number? (J/(kg K)) per mass; nil where it is not known

@@ -332,8 +332,9 @@ function Model:load(options) end
 ---@field nodal? bw.Array (N, node_count × 3, per node) forces at nodes
 
 ---Adds thermal expansion, the same in all directions. Without a coefficient each element expands as its material does.
+---Regions whose material has none warn beside others that expand; where none expands it raises.
 ---@param change number|bw.Array (K, node_count × 1, per node) change of temperature; one number for all nodes
----@param expansion? number (1/K) coefficient of linear expansion of all elements. Default: that of each element's material, 0 where it has none
+---@param expansion? number (1/K) coefficient of linear expansion of all elements. Default: that of each element's material
 ---@return bw.Model self
 function Model:temperature(change, expansion) end
 

@@ -76,6 +76,16 @@ describe("edit sessions with materials by region", function()
     assert.equals("steel", session.part.material.parts[2] and session.part.material.parts[2].name)
   end)
 
+  it("refuse a material that does not expand where the temperature changes", function()
+    local mesh = check.beam({16, 2, 4}, 2)
+    local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below(1, 0))
+    local session = assert(bw.edit(part:temperature(10), {skeleton = bodies.beam_skeleton()}))
+    check.raises("the material soft has no coefficient of expansion", session.set_material, session, soft)
+    assert(session:set_material(bw.material.aluminium))
+    local result = assert(session:solve(factor))
+    assert.is_true((result.displacement - fresh(session)):norm() / result.displacement:norm() < 1e-9)
+  end)
+
   it("give the same bits back and forth, and undo", function()
     local session = beam(both(soft, bw.material.steel))
     local before = assert(session:solve(factor)).displacement

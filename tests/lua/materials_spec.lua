@@ -124,6 +124,19 @@ describe("materials by region", function()
     check.near(10 * (1e-4 + 1e-5), static.displacement:column(1):max(), 1e-12)
   end)
 
+  it("expands a part of the library's steel, and refuses a change of temperature on what does not expand", function()
+    local mesh = bw.mesh.box {}
+    local part = bw.model {mesh = mesh, material = bw.material.steel}:fix(mesh.boundary:below("x", 0))
+    part:temperature(100)
+    assert.is_true(assert(part:solve()).displacement:column(1):max() > 1e-3)
+    local inert = bw.model {mesh = bar(1), materials = {low = bw.material.pla, high = bw.material.pla}}
+    check.raises("the material pla of region 'low' has no coefficient of expansion", inert.temperature, inert, 100)
+    inert:fix(inert.mesh.boundary:below("x", 0))
+    check.raises("the material pla of region 'low' has no coefficient of expansion", inert.deposit, inert,
+      {layers = 2, change = -100})
+    inert:temperature(100, 68e-6)
+  end)
+
   it("balances a free body by its mass", function()
     local part = model(bar(1))
     local mesh = part.mesh

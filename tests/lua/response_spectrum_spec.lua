@@ -172,7 +172,7 @@ describe("response_spectrum", function()
     local free = bw.model {mesh = part.mesh, material = steel}
     check.fails("unconstrained", "a response spectrum of a body that can move freely",
       free:response_spectrum {points = points, direction = {1, 0, 0}})
-    part:temperature(10)
+    part:temperature(10, 1e-5)
     check.fails("unsupported", "a temperature, which a response spectrum does not know",
       part:response_spectrum {points = points, direction = {1, 0, 0}})
   end)

@@ -271,7 +271,7 @@ static void refusals(void **state) {
   const double prescribed[3] = {1e-3, 0, 0};
   const bool fixed[3] = {true, true, true};
   check_ok(context, bw_model_create(context, mesh, material, &cold));
-  check_fails(context, BW_INVALID, "nothing shrinks", deposit(context, cold, 2, &d));
+  check_fails(context, BW_INVALID, "nothing expands", deposit(context, cold, 2, &d));
   check_ok(context, bw_select_all(context, mesh, &all));
   check_ok(context, bw_model_pressure(context, model, all, 1));
   check_fails(context, BW_INVALID, "1 load", deposit(context, model, 2, &d));

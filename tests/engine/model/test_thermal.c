@@ -119,5 +119,52 @@ static void test_prescribed_field(void **state) {
   bw_release(material);
 }
 
+/* Of two regions one expands, then none: a warning and an error name region and material. */
+static void test_without_expansion(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *plain = bar(context, 1), *mesh = NULL;
+  bw_material *still = metal(context), *steel = NULL, *mixed = NULL;
+  bw_model *model = NULL, *inert = NULL;
+  bw_array *change = NULL;
+  bw_mesh_region named[2] = {{.tag = 1, .name = {"core"}}, {.tag = 2, .name = {"skin"}}};
+  int32_t *of_element = BW_NEW0(context, int32_t, plain->element_count);
+  of_element[0] = 1;
+  check_ok(context,
+           bw_mesh_with_regions(context, plain, &(bw_mesh_regions){2, named, of_element}, &mesh));
+  check_ok(context, bw_material_named(context, "steel", &steel));
+  check_ok(context,
+           bw_material_by_region(context, mesh, (const bw_material *[]){steel, still}, &mixed));
+  check_ok(context, bw_model_create(context, mesh, mixed, &model));
+  check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 1, &change));
+  memset(change->data, 0, (size_t)mesh->node_count * sizeof(double));
+  bw_clear_warnings(context);
+  check_ok(context, bw_model_create(context, mesh, still, &inert));
+  check_ok(context, bw_model_temperature(context, inert, change, NULL)); /* nothing changes */
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    ((double *)change->data)[i] = 100;
+  check_fails(context, BW_INVALID, "the material metal of region 'core' has no coefficient",
+              bw_model_temperature(context, inert, change, NULL));
+  check_ok(context, bw_model_temperature(context, inert, change, &(double){0}));
+  assert_null(bw_warning_at(context, 0));
+  check_ok(context, bw_model_temperature(context, model, change, NULL));
+  assert_non_null(bw_warning_at(context, 0));
+  assert_non_null(strstr(bw_warning_at(context, 0), "the material metal of region 'skin' has no"));
+  assert_null(bw_warning_at(context, 1));
+  check_fails(context, BW_INVALID, "the material metal of region 'core' has no coefficient",
+              bw_model_set_material(context, model, -1, still));
+  assert_true(bw_material_of(model->material, 1)->expansion == 12e-6);
+  check_ok(context, bw_model_set_material(context, model, -1, steel));
+  bw_clear_warnings(context);
+  bw_free(of_element);
+  bw_release(change);
+  bw_release(inert);
+  bw_release(model);
+  bw_release(mixed);
+  bw_release(steel);
+  bw_release(still);
+  bw_release(mesh);
+  bw_release(plain);
+}
+
 check_main(check_test(test_free_expansion), check_test(test_clamped),
-           check_test(test_prescribed_field))
+           check_test(test_prescribed_field), check_test(test_without_expansion))
