@@ -101,6 +101,24 @@ static void stress_of_fields(const peaks *p, int64_t e, tensors *t) {
   bound_tensors(t);
 }
 
+void bwi_mean_stress_weights(const bw_mesh *mesh, const bw_material *material, int64_t element,
+                             double weight[6][10][3]) {
+  peaks p = {.mesh = mesh, .material = material};
+  const double *elasticity = bw_material_elasticity(material, element);
+  double mean[10][3];
+  bwi_rule_make(mesh->order, BWI_CURVED_DEGREE, &p.rule);
+  memset(weight, 0, 6 * sizeof *weight);
+  for (int a = mean_gradient(&p, element, mean); a < mesh->nodes_per_element; a++)
+    for (int k = 0; k < 3; k++) {
+      double grad[9] = {0}, strain[6], stress[6];
+      memcpy(grad + 3 * k, mean[a], sizeof mean[a]);
+      bwi_strain_of(grad, strain);
+      bwi_multiply6(elasticity, strain, stress);
+      for (int i = 0; i < 6; i++)
+        weight[i][a][k] = stress[i];
+    }
+}
+
 static void tensor_of(const tensors *t, int field, double stress[6]) {
   for (int i = 0; i < 6; i++)
     stress[i] = t->value[i][field];

@@ -16,4 +16,9 @@ bw_status bwi_stress_peaks(bw_context *context, const bw_mesh *mesh, const bw_ma
                            const double *displacement, double *stress, double *utilisation,
                            double largest[BWI_PEAK_FIELDS], int32_t where[BWI_PEAK_FIELDS]);
 
+/* The mean stress of one element, which bwi_stress_peaks takes, by the displacement of its nodes:
+ * stress i is the sum of weight[i][a][k] (Pa/m) times the component k of node a. */
+void bwi_mean_stress_weights(const bw_mesh *mesh, const bw_material *material, int64_t element,
+                             double weight[6][10][3]);
+
 #endif

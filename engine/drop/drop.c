@@ -35,9 +35,9 @@ static void drop_destroy(void *object) {
   bw_release(d->modes);
   bw_release(d->fewer);
   bw_release(d->onto);
-  double *all[] = {d->time,          d->force,     d->motion,      d->vibration,
-                   d->strain,        d->potential, d->damped,      d->sample,
-                   d->sample_stress, d->stress,    d->utilisation, d->displacement};
+  double *all[] = {d->time,        d->force,       d->motion,      d->vibration,     d->strain,
+                   d->potential,   d->damped,      d->sample,      d->sample_stress, d->stress,
+                   d->utilisation, d->peak_stress, d->displacement};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     bw_free(all[i]);
   bw_free(d->impact);
@@ -47,7 +47,7 @@ static void drop_destroy(void *object) {
 static size_t drop_bytes(const void *object) {
   const bw_drop *d = object;
   const bw_mesh *mesh = d->model->mesh;
-  size_t numbers = (size_t)d->row_count * WIDTH + 2 * (size_t)d->sample_count;
+  size_t numbers = (size_t)d->row_count * WIDTH + 3 * (size_t)d->sample_count;
   if (d->stress)
     numbers +=
         (d->utilisation ? 2 : 1) * (size_t)mesh->element_count + 3 * (size_t)mesh->node_count;
@@ -557,6 +557,7 @@ static bw_status follow_drop(bw_context *context, bwi_drop_run *run, bw_drop *dr
   BW_TRY(take_history(context, &h, drop));
   memcpy(drop->velocity, run->motion.velocity, sizeof drop->velocity);
   bwi_drop_spin(&run->motion, drop->spin);
+  BW_TRY(bwi_drop_peak_history(context, run, drop));
   drop->solves = run->solves;
 done:
   bw_free(h.row);
@@ -627,6 +628,8 @@ static bw_status drop_with(bw_context *context, const bwi_drop_run *placed, int 
   BW_TRY(bwi_drop_points_create(context, &run));
   BW_TRY(make_result(context, &run, &drop));
   BW_TRY(begin(context, &run, drop));
+  run.sampled = BW_NEW0(context, bwi_drop_sampled, run.options.impacts);
+  BW_TRY_MEMORY(run.sampled);
   run.slack = 1e-10 * run.points.radius;
   run.margin = 2 * drop->speed * first_fraction / run.motion.omega[count - 1];
   BW_TRY(follow_drop(context, &run, drop));
@@ -636,6 +639,7 @@ done:
   bw_release(drop);
   bwi_drop_motion_clear(&run.motion);
   bwi_drop_points_clear(&run.points);
+  bwi_drop_sampled_clear(&run);
   return status;
 }
 

@@ -80,6 +80,8 @@ typedef struct bwi_drop_run {
   bwi_drop_points points;
   bwi_drop_motion motion;
   bwi_drop_touch touch;
+  struct bwi_drop_sampled *sampled; /* (options.impacts) */
+  int sampled_count;
   int solves;
 } bwi_drop_run;
 
@@ -172,8 +174,18 @@ typedef struct bwi_drop_states {
 bw_status bwi_drop_states_take(bw_context *context, const bwi_drop_run *run,
                                bwi_drop_states *states);
 void bwi_drop_states_empty(bwi_drop_states *states);
-/* Adds the stresses of the states to the result. */
-bw_status bwi_drop_states_stress(bw_context *context, bwi_drop_run *run,
-                                 const bwi_drop_states *states, bw_drop *drop);
+/* The states of one impact whose stresses are in the result, and the forces of size 1. */
+typedef struct bwi_drop_sampled {
+  bwi_drop_states states;
+  int count;      /* candidates */
+  int32_t *point; /* (count) */
+  double *push;   /* (count x 3) */
+} bwi_drop_sampled;
+/* Adds the stresses of the states to the result, and moves the states to `sampled` of the run. */
+bw_status bwi_drop_states_stress(bw_context *context, bwi_drop_run *run, bwi_drop_states *states,
+                                 bw_drop *drop);
+/* The stress of the element of the peak in all states, once no other can have the peak. */
+bw_status bwi_drop_peak_history(bw_context *context, bwi_drop_run *run, bw_drop *drop);
+void bwi_drop_sampled_clear(bwi_drop_run *run);
 
 #endif

@@ -219,8 +219,93 @@ done:
   return status;
 }
 
-bw_status bwi_drop_states_stress(bw_context *context, bwi_drop_run *run,
-                                 const bwi_drop_states *states, bw_drop *drop) {
+static bw_status keep(bw_context *context, bwi_drop_run *run, bwi_drop_states *states) {
+  const bwi_drop_touch *t = &run->touch;
+  bwi_drop_sampled *sampled = &run->sampled[run->sampled_count++];
+  sampled->count = t->count;
+  sampled->point = BW_NEW(context, int32_t, t->count);
+  sampled->push = BW_NEW(context, double, 3 * (int64_t)t->count);
+  if (!sampled->point || !sampled->push)
+    return BW_MEMORY;
+  memcpy(sampled->point, t->point, (size_t)t->count * sizeof *t->point);
+  memcpy(sampled->push, t->push, 3 * (size_t)t->count * sizeof *t->push);
+  sampled->states = *states;
+  *states = (bwi_drop_states){0};
+  return BW_OK;
+}
+
+void bwi_drop_sampled_clear(bwi_drop_run *run) {
+  for (int i = 0; i < run->sampled_count; i++) {
+    bwi_drop_states_empty(&run->sampled[i].states);
+    bw_free(run->sampled[i].states.state);
+    bw_free(run->sampled[i].point);
+    bw_free(run->sampled[i].push);
+  }
+  bw_free(run->sampled);
+}
+
+/* Its stress is s . u with few forces s at its nodes for each component. G is symmetric: G s has
+ * that of all forces of contact, s . G b = b . G s, for six solutions in all. */
+bw_status bwi_drop_peak_history(bw_context *context, bwi_drop_run *run, bw_drop *drop) {
+  bw_status status = BW_OK;
+  const bw_mesh *mesh = run->model->mesh;
+  const int64_t size = 3 * (int64_t)mesh->node_count;
+  const int m = run->motion.modes;
+  double weight[6][10][3], stress[6], *field = NULL, *by_mode = NULL, *by_force = NULL;
+  double *modal = NULL;
+  int row = 0;
+  if (drop->peak_element < 0)
+    return BW_OK;
+  field = BW_NEW0(context, double, 6 * size);
+  by_mode = BW_NEW0(context, double, 6 * (int64_t)m);
+  modal = BW_NEW(context, double, m);
+  drop->peak_stress = BW_NEW(context, double, drop->sample_count);
+  BW_TRY_MEMORY(field && by_mode && modal && drop->peak_stress);
+  bwi_mean_stress_weights(mesh, run->model->material, drop->peak_element, weight);
+  for (int a = 0; a < mesh->nodes_per_element; a++) {
+    int64_t at =
+        3 * (int64_t)mesh->element[(int64_t)drop->peak_element * mesh->nodes_per_element + a];
+    for (int i = 0; i < 6; i++) {
+      memcpy(field + i * size + at, weight[i][a], sizeof weight[i][a]);
+      for (int k = 0; k < m; k++)
+        by_mode[i * m + k] += bw_dot(weight[i][a], run->modes->shape + k * size + at);
+    }
+  }
+  BW_TRY(solve(context, run, 6, field));
+  for (int s = 0; s < run->sampled_count; s++) {
+    const bwi_drop_sampled *sampled = &run->sampled[s];
+    const int count = sampled->count;
+    bw_free(by_force);
+    by_force = BW_NEW(context, double, 6 * (int64_t)count);
+    BW_TRY_MEMORY(by_force);
+    for (int j = 0; j < count; j++) {
+      const double *push = sampled->push + 3 * (int64_t)j;
+      const int64_t at = 3 * (int64_t)run->points.node[sampled->point[j]];
+      bwi_drop_modal_force(run, sampled->point[j], push, modal);
+      for (int k = 0; k < m; k++)
+        modal[k] /= run->modes->eigenvalue[k];
+      for (int i = 0; i < 6; i++)
+        by_force[i * count + j] =
+            bw_dot(field + i * size + at, push) - bwi_dot(m, by_mode + i * m, modal);
+    }
+    for (int n = 0; n < sampled->states.count; n++) {
+      const bwi_drop_state *state = &sampled->states.state[n];
+      for (int i = 0; i < 6; i++)
+        stress[i] = bwi_dot(m, by_mode + i * m, state->data) +
+                    bwi_dot(state->count, by_force + i * count, state->data + m);
+      drop->peak_stress[row++] = bwi_max_principal(stress);
+    }
+  }
+done:
+  bw_free(field);
+  bw_free(by_mode);
+  bw_free(by_force);
+  bw_free(modal);
+  return status;
+}
+
+bw_status bwi_drop_states_stress(bw_context *context, bwi_drop_run *run, bwi_drop_states *states,
+                                 bw_drop *drop) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = run->model->mesh;
   size_t size = 3 * (size_t)mesh->node_count;
@@ -263,6 +348,7 @@ bw_status bwi_drop_states_stress(bw_context *context, bwi_drop_run *run,
   drop->sample_stress = largest;
   drop->sample_count += count;
   time = largest = NULL;
+  BW_TRY(keep(context, run, states));
 done:
   bw_free(time);
   bw_free(largest);

@@ -103,6 +103,7 @@ ROWS(potential_energy, potential, drop->row_count)
 ROWS(damping_energy, damped, drop->row_count)
 ROWS(sample_times, sample, drop->sample_count)
 ROWS(sample_stresses, sample_stress, drop->sample_count)
+ROWS(peak_stresses, peak_stress, drop->sample_count)
 ROWS(max_principal, stress, drop->model->mesh->element_count)
 ROWS(utilisation, utilisation, drop->model->mesh->element_count)
 #undef ROWS
@@ -312,6 +313,7 @@ static const luaL_Reg properties[] = {{"times", drop_times},
                                       {"damping_energy", drop_damping_energy},
                                       {"sample_times", drop_sample_times},
                                       {"sample_stresses", drop_sample_stresses},
+                                      {"peak_stresses", drop_peak_stresses},
                                       {"max_principal", drop_max_principal},
                                       {"utilisation", drop_utilisation},
                                       {"displacement", drop_displacement},

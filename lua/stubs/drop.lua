@@ -147,6 +147,7 @@ function RandomDrops:picture(path, options) end
 ---@field impacts bw.DropImpact[] in order
 ---@field sample_times bw.Array (s, n) when stresses were taken
 ---@field sample_stresses bw.Array (Pa, n) largest principal stress of an element then, tension or compression; the mean of the element
+---@field peak_stresses? bw.Array (Pa, n) largest principal stress then of the element of `peak`: the history where it peaks, with the errors of the peak; nil without samples
 ---@field max_principal? bw.Array (Pa, element_count × 1, per element) the largest of these times
 ---@field utilisation? bw.Array (-, element_count × 1, per element) largest stress over strength of these times, where the strength is known
 ---@field peak? bw.DropPeak the largest stress of all; the fields from here are nil without samples
@@ -191,7 +192,8 @@ local Drop = {}
 ---@return bw.Details? details
 function Drop:write(path) end
 
----Writes times, force and energies as columns of a CSV file.
+---Writes times, force, energies and `peak_stresses` as columns of a CSV file. The stress is empty at times when it was not taken.
+---A time when it was taken is in the file for up to 1024 samples. Without samples there is no such column.
 ---
 ---Errors: io (the file cannot be written).
 ---@param path string the file

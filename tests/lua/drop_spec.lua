@@ -23,6 +23,9 @@ describe("drop", function()
     assert.near(drop.peak.stress, drop.max_principal[drop.peak.element], 0)
     assert.near(drop.peak.stress, drop.sample_stresses:max(), 0)
     assert.near(drop.peak.stress, drop.max_principal:max(), 0)
+    assert.equal(#drop.sample_times, #drop.peak_stresses)
+    check.near(drop.peak.stress, drop.peak_stresses:max(), 1e-9)
+    assert.equal(drop.peak.time, drop.sample_times[drop.peak_stresses:argmax()])
     local text = tostring(drop)
     for _, words in ipairs {"2 impacts", "by mesh and modes unknown", "free motion is exact", "no friction",
       "no damping", "kept to"} do
@@ -106,12 +109,18 @@ describe("drop", function()
     local drop = assert(box():drop {down = {-1, -2, -3}, samples = 5})
     local csv, vtu, png = os.tmpname(), os.tmpname() .. ".vtu", os.tmpname() .. ".png"
     assert(drop:write_history(csv))
-    local lines = 0
+    local lines, stresses = 0, {}
     for line in io.lines(csv) do
-      if lines == 0 then assert.truthy(line:find("time_s,force_N", 1, true)) end
+      if lines == 0 then
+        assert.truthy(line:find("^time_s,force_N,.*,peak_stress_Pa$"))
+      else
+        stresses[#stresses + 1] = tonumber(line:match ",([^,]*)$")
+      end
       lines = lines + 1
     end
     assert.equal(#drop.times + 1, lines)
+    assert.equal(#drop.peak_stresses, #stresses)
+    for i, stress in ipairs(stresses) do assert.near(drop.peak_stresses[i], stress, 1e-8 * drop.peak.stress) end
     assert(drop:write(vtu))
     assert(drop:picture(png, {width = 64, height = 64}))
     for _, path in ipairs {csv, vtu, png} do os.remove(path) end
@@ -122,6 +131,7 @@ describe("drop", function()
     local part = box()
     local bare = assert(part:drop {down = {-1, -2, -3}, samples = 0})
     assert.is_nil(bare.peak)
+    assert.is_nil(bare.peak_stresses)
     assert.error_matches(function() bare:write "/tmp/x.vtu" end, "no stress")
     assert.error_matches(function() part:drop {height = -1} end, "negative")
     assert.error_matches(function() part:drop {onto = 3} end, "onto")

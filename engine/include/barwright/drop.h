@@ -84,6 +84,8 @@ struct bw_drop {
   double peak;         /* (Pa) the largest stress of all, 0 without samples */
   int32_t peak_element; /* (index) where it is, -1 without samples */
   double peak_time;     /* (s) when */
+  double *peak_stress;  /* (Pa, sample_count) the largest principal stress of that element; NULL
+                           without samples */
   double *displacement; /* (m, node_count x 3) of the deformation then, in the frame that moves with
                            the body; NULL without samples */
   double velocity[3];   /* (m/s) of the centre of mass at the end */

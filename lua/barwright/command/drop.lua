@@ -345,7 +345,7 @@ local options = {
   model.unit_option,
   model.elements_option,
   {name = "csv", value = "FILE.csv", type = "file", endings = {"csv"},
-    what = "write the force and the energies over time, of one drop"},
+    what = "write the force, the energies and the stress where it peaks over time, of one drop"},
   {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
     what = "write the largest stress over time, or how often each place is overloaded, for ParaView"},
   {name = "picture", value = "FILE.png", type = "file", endings = {"png"}, what = "a picture of the same"},

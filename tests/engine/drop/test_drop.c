@@ -5,6 +5,8 @@
 
 #include "barwright/drop.h"
 
+#include "analysis/strain.h"
+
 static bw_model *model_of(bw_context *context, bw_mesh *mesh, double poisson) {
   bw_material *material = NULL;
   bw_model *model = NULL;
@@ -141,6 +143,39 @@ static void check_deformation(bw_context *context, const bw_model *model, const 
 /* A box that falls on a corner: the impulse J along the plane's normal n changes the velocity by J
  * n / m and the spin by I^-1 (r x n) J. A rigid body that loses no energy has J = 2 m_e v; what
  * goes into vibration is missing. */
+/* The history of the peak's element has the peak when that is, and never more than any element. */
+static void check_history(const bw_drop *drop) {
+  bool peaked = false;
+  for (int i = 0; i < drop->sample_count; i++) {
+    assert_true(drop->peak_stress[i] <= drop->sample_stress[i] + 1e-9 * drop->peak);
+    if (drop->sample[i] == drop->peak_time) {
+      check_near(drop->peak_stress[i], drop->peak, 1e-9 * drop->peak);
+      check_near(drop->sample_stress[i], drop->peak, 0);
+      peaked = true;
+    }
+  }
+  assert_true(peaked);
+}
+
+/* At a time before the peak, against the deformation of a drop that ends then. */
+static void check_earlier(bw_context *context, const bw_model *model, bw_drop_options options,
+                          const bw_drop *drop) {
+  bw_drop *shorter = NULL;
+  int row = 0;
+  while (drop->sample_stress[row] < 0.5 * drop->peak)
+    row++;
+  options.time = drop->sample[row];
+  check_ok(context, bw_drop_of_model(context, model, NULL, &options, NULL, &shorter));
+  check_near(shorter->peak_time, drop->sample[row], 1e-12 * drop->sample[row]);
+  double *stress = numbers(6 * (int64_t)model->mesh->element_count);
+  check_ok(context,
+           bw_element_stress(context, model->mesh, model->material, shorter->displacement, stress));
+  check_near(bwi_max_principal(stress + 6 * (int64_t)drop->peak_element), drop->peak_stress[row],
+             1e-9 * drop->peak);
+  free(stress);
+  bw_release(shorter);
+}
+
 static void test_corner(void **state) {
   bw_context *context = check_context(state);
   const double a = 0.03, b = 0.02, c = 0.01, spin[3] = {3, -5, 2};
@@ -180,6 +215,21 @@ static void test_corner(void **state) {
 
   check_deformation(context, model, drop);
   check_near(drop->stress[drop->peak_element], drop->peak, 0);
+  check_history(drop);
+  check_earlier(context, model, options, drop);
+  bw_drop *fewer = NULL;
+  int same = 0;
+  options.samples = 25;
+  check_ok(context, bw_drop_of_model(context, model, NULL, &options, NULL, &fewer));
+  assert_int_equal(fewer->peak_element, drop->peak_element);
+  for (int i = 0; i < fewer->sample_count; i++)
+    for (int j = 0; j < drop->sample_count; j++)
+      if (drop->sample[j] == fewer->sample[i]) {
+        check_near(fewer->peak_stress[i], drop->peak_stress[j], 1e-9 * drop->peak);
+        same++;
+      }
+  assert_int_equal(same, fewer->sample_count);
+  bw_release(fewer);
   assert_true(drop->sample_count >= 100 && drop->sample_count <= 200);
   assert_true(drop->utilisation[drop->peak_element] >= 0.99 * drop->peak / 2e7);
 
@@ -216,6 +266,8 @@ static void test_bounces(void **state) {
     double taken = drop->damped[drop->row_count - 1] / drop->energy;
     assert_true(drop->error < 1e-3 && drop->error > 0);
     assert_true(damped ? taken > 0.01 : taken == 0);
+    assert_true(drop->peak_time > drop->impact[0].time + drop->impact[0].duration);
+    check_history(drop);
     for (int i = 1; i < drop->row_count; i++)
       assert_true(drop->time[i] >= drop->time[i - 1]);
     for (int i = 0; i < drop->row_count; i++)
@@ -410,6 +462,10 @@ static void test_flat(void **state) {
   }
   const size_t size = (size_t)b.model->mesh->element_count * sizeof(double);
   assert_memory_equal(drop[0]->stress, drop[1]->stress, size);
+  assert_memory_equal(drop[0]->peak_stress, drop[1]->peak_stress,
+                      (size_t)drop[0]->sample_count * sizeof(double));
+  for (int i = 0; i < 3; i++)
+    check_history(drop[i]);
   assert_true(drop[0]->sample_count > 81 && drop[2]->sample_count <= 40);
   int same = 0;
   for (int i = 0; i < drop[2]->sample_count; i++)
