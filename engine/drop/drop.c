@@ -26,7 +26,8 @@ void bw_drop_options_default(bw_drop_options *options) {
                                .down = {0, 0, -1},
                                .impacts = 1,
                                .tolerance = 1e-3,
-                               .samples = 100};
+                               .samples = 100,
+                               .history = true};
 }
 
 static void drop_destroy(void *object) {
@@ -557,7 +558,8 @@ static bw_status follow_drop(bw_context *context, bwi_drop_run *run, bw_drop *dr
   BW_TRY(take_history(context, &h, drop));
   memcpy(drop->velocity, run->motion.velocity, sizeof drop->velocity);
   bwi_drop_spin(&run->motion, drop->spin);
-  BW_TRY(bwi_drop_peak_history(context, run, drop));
+  if (run->options.history)
+    BW_TRY(bwi_drop_peak_history(context, run, drop));
   drop->solves = run->solves;
 done:
   bw_free(h.row);

@@ -181,7 +181,7 @@ typedef struct bwi_drop_sampled {
   int32_t *point; /* (count) */
   double *push;   /* (count x 3) */
 } bwi_drop_sampled;
-/* Adds the stresses of the states to the result, and moves the states to `sampled` of the run. */
+/* Adds the stresses of the states to the result, and with `history` moves them to `sampled`. */
 bw_status bwi_drop_states_stress(bw_context *context, bwi_drop_run *run, bwi_drop_states *states,
                                  bw_drop *drop);
 /* The stress of the element of the peak in all states, once no other can have the peak. */

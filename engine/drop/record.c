@@ -348,7 +348,8 @@ bw_status bwi_drop_states_stress(bw_context *context, bwi_drop_run *run, bwi_dro
   drop->sample_stress = largest;
   drop->sample_count += count;
   time = largest = NULL;
-  BW_TRY(keep(context, run, states));
+  if (run->options.history)
+    BW_TRY(keep(context, run, states));
 done:
   bw_free(time);
   bw_free(largest);

@@ -23,16 +23,16 @@ end
 function drop:write_history(path)
   local heads, values, lines, stress_at = {}, {}, {}, {}
   for k, column in ipairs(columns) do heads[k], values[k] = column[2], self[column[1]] end
-  if self.peak then
+  local stresses = self.peak_stresses
+  if stresses then
     heads[#heads + 1] = "peak_stress_Pa"
-    local stresses = self.peak_stresses
     for i, time in ipairs(self.sample_times:totable()) do stress_at[time] = ("%.9g"):format(stresses[i]) end
   end
   lines[1] = table.concat(heads, ",")
   for i = 1, #values[1] do
     local row = {}
     for k = 1, #columns do row[k] = ("%.9g"):format(values[k][i]) end
-    if self.peak then row[#row + 1] = stress_at[values[1][i]] or "" end
+    if stresses then row[#row + 1] = stress_at[values[1][i]] or "" end
     lines[i + 1] = table.concat(row, ",")
   end
   return core.write_file(path, table.concat(lines, "\n") .. "\n")

@@ -128,7 +128,7 @@ function random_drops.analyse(part, given)
   for i, attitude in ipairs(attitudes) do
     local ok, message, details = core.report_progress("random drops", (i - 1) / opts.drops)
     if ok then
-      attitude.modes = modes
+      attitude.modes, attitude.history = modes, false
       ok, message, details = add(self, part, attitude, misses[i])
     end
     if not ok then

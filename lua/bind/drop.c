@@ -11,7 +11,7 @@ static const bw_drop *self(lua_State *L) {
 }
 
 /* {height, speed, gravity, down, spin, onto, damping, modes, impacts, time, tolerance, samples,
- * fewer} */
+ * history, fewer} */
 static void read_options(lua_State *L, int index, bw_drop_options *options) {
   static const lbw_option list[] = {{"height", LBW_REAL, offsetof(bw_drop_options, height)},
                                     {"speed", LBW_REAL, offsetof(bw_drop_options, speed)},
@@ -25,6 +25,7 @@ static void read_options(lua_State *L, int index, bw_drop_options *options) {
                                     {"time", LBW_REAL, offsetof(bw_drop_options, time)},
                                     {"tolerance", LBW_REAL, offsetof(bw_drop_options, tolerance)},
                                     {"samples", LBW_INT, offsetof(bw_drop_options, samples)},
+                                    {"history", LBW_BOOLEAN, offsetof(bw_drop_options, history)},
                                     {"fewer", LBW_BOOLEAN, offsetof(bw_drop_options, fewer)},
                                     {NULL, LBW_OTHER, 0}};
   int top = lua_gettop(L);

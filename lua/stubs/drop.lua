@@ -121,6 +121,7 @@ function RandomDrops:picture(path, options) end
 ---@field time? number (s) at which it ends at the latest. Range: 0 or more. Default: 0, no limit
 ---@field tolerance? number (-) error of the energy over the kinetic energy at the first touch, for which steps are halved. Range: above 0. Default: 1e-3
 ---@field samples? integer (count) of the stress in each impact, at least; twice as many at most. Range: 0 to 100000. Default: 100; 0: no stress
+---@field history? boolean whether `peak_stresses` of the drop are computed, for six solutions. Default: true
 ---@field fewer? boolean whether to drop it again with half of the modes: `fewer` of the drop, and in `print`. Default: false
 
 ---A drop. It does not change. Time is 0 at the first touch. `print` shows the first impact, the largest stress and the balance of
@@ -147,7 +148,7 @@ function RandomDrops:picture(path, options) end
 ---@field impacts bw.DropImpact[] in order
 ---@field sample_times bw.Array (s, n) when stresses were taken
 ---@field sample_stresses bw.Array (Pa, n) largest principal stress of an element then, tension or compression; the mean of the element
----@field peak_stresses? bw.Array (Pa, n) largest principal stress then of the element of `peak`: the history where it peaks, with the errors of the peak; nil without samples
+---@field peak_stresses? bw.Array (Pa, n) largest principal stress then of the element of `peak`: the history where it peaks, with the errors of the peak; nil without samples or `history`
 ---@field max_principal? bw.Array (Pa, element_count × 1, per element) the largest of these times
 ---@field utilisation? bw.Array (-, element_count × 1, per element) largest stress over strength of these times, where the strength is known
 ---@field peak? bw.DropPeak the largest stress of all; the fields from here are nil without samples
@@ -193,7 +194,7 @@ local Drop = {}
 function Drop:write(path) end
 
 ---Writes times, force, energies and `peak_stresses` as columns of a CSV file. The stress is empty at times when it was not taken.
----A time when it was taken is in the file for up to 1024 samples. Without samples there is no such column.
+---A time when it was taken is in the file for up to 1024 samples. Without `peak_stresses` there is no such column.
 ---
 ---Errors: io (the file cannot be written).
 ---@param path string the file

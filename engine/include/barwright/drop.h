@@ -29,7 +29,8 @@ typedef struct bw_drop_options {
   double tolerance; /* (-) error of the energy over the kinetic energy when it touches, for which
                        steps are halved; above 0; default 1e-3 */
   int samples; /* (count) of the stress in each impact, at least, 0 or more; default 100; 0: none */
-  bool fewer;  /* drop it again with half of the modes: `fewer` of the result; default false */
+  bool history; /* `peak_stress` of the result, for six solutions; default true */
+  bool fewer;   /* drop it again with half of the modes: `fewer` of the result; default false */
 } bw_drop_options;
 BW_API void bw_drop_options_default(bw_drop_options *options);
 
@@ -85,7 +86,7 @@ struct bw_drop {
   int32_t peak_element; /* (index) where it is, -1 without samples */
   double peak_time;     /* (s) when */
   double *peak_stress;  /* (Pa, sample_count) the largest principal stress of that element; NULL
-                           without samples */
+                           without samples or `history` */
   double *displacement; /* (m, node_count x 3) of the deformation then, in the frame that moves with
                            the body; NULL without samples */
   double velocity[3];   /* (m/s) of the centre of mass at the end */
