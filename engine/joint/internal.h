@@ -21,6 +21,7 @@ typedef struct bwi_eliminated {
 /* The displacements that supports, bonds and couplings allow: u = T x + g, and those of remote
  * points: q = P x + h. */
 typedef struct bwi_reduction {
+  bool with_zeros; /* products keep entries that are 0: their pattern is that of the mesh and T */
   bw_dof_map *dof_map;          /* of the bodies apart */
   const bw_bond **bond_of;      /* node_count: the bond in which a node follows, or NULL */
   int32_t *row_of;              /* node_count: its row there */

@@ -49,6 +49,7 @@ bw_status bwi_joined_open(bw_context *context, const bw_model *model, bool locke
     BW_TRY(bwi_bonded_rigid_modes(context, model, q->reduction.dof_map, locked, &q->rigid_count,
                                   &q->rigid_body));
   }
+  q->reduction.with_zeros = known != NULL; /* the next shape keeps the elimination order */
   if (known)
     q->pattern = bw_retain(known->pattern);
   else

@@ -284,9 +284,11 @@ static void add_block(const product *p, row_sum *s, const double *block, bool tu
                       int64_t first, double factor) {
   const bw_sparse_matrix *t = p->reduction->t;
   for (int cj = 0; cj < 3; cj++) {
-    if (p->block == 1 && ci != cj) /* zeros of values stay: the pattern is that of the mesh and T */
+    double value = p->block == 1 ? (ci == cj ? block[0] : 0)
+                   : turned      ? block[3 * cj + ci]
+                                 : block[3 * ci + cj];
+    if (value == 0 && !(p->reduction->with_zeros && (p->block == 9 || ci == cj)))
       continue;
-    double value = p->block == 1 ? block[0] : turned ? block[3 * cj + ci] : block[3 * ci + cj];
     int64_t row = first + cj;
     for (int64_t e = t->start[row]; e < t->start[row + 1]; e++) {
       int32_t column = t->column[e];
