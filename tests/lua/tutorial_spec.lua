@@ -147,7 +147,7 @@ describe_page("tutorial_responsive.md", 8, function(folder)
 end)
 
 describe("the scripts of", function()
-  for name, count in pairs {["live.md"] = 2, ["loads_and_supports.md"] = 2} do
+  for name, count in pairs {["live.md"] = 2, ["loads_and_supports.md"] = 3} do
     it("docs/" .. name .. " run by themselves", function()
       local folder, found = check.folder(), 0
       for block in check.read(check.root .. "/docs/" .. name):gmatch "```lua\n(.-)```" do
