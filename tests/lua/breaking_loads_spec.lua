@@ -97,7 +97,7 @@ describe("barwright worst", function()
   it("refuses what is no place and what cannot be", function()
     for options, what in pairs {
       ["--fix nowhere"] = "option --fix: 'nowhere' is no place",
-      ["--forbid near:1"] = "option --forbid: 'near:1'",
+      ["--forbid near:1"] = "option --forbid: near:X,Y,Z:RADIUS expected, got 'near:1'",
       ["--fix near:1,1,1m:1mm"] = "selects no boundary node",
       ["--fix all"] = "the whole surface is constrained",
       ["--forbid all"] = "no admissible surface is left for pressures",
