@@ -58,10 +58,9 @@ static bw_status find_order(bw_context *context, bwi_lagged *s, const bw_plane_p
     s->permutation = BW_NEW(context, idx_t, pattern->node_count);
   BW_TRY_MEMORY(s->permutation);
   BW_TRY(bwi_lagged_adjacency(context, pattern, near));
-  BW_TRY(
-      s->nodes || near->size <= SMALL
-          ? bwi_minimum_degree(context, near->size, near->start, near->neighbour, s->permutation)
-          : bwi_dissect(context, near->size, near->start, near->neighbour, NULL, s->permutation));
+  BW_TRY(s->nodes || near->size <= SMALL
+             ? bwi_minimum_degree(context, near->size, near->start, near->neighbour, s->permutation)
+             : bwi_dissect(context, near->size, near->start, near->neighbour, s->permutation));
 done:
   return status;
 }

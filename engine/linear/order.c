@@ -8,7 +8,6 @@
 #include <assert.h>
 #include <limits.h>
 #include <pthread.h>
-#include <signal.h>
 #include <string.h>
 
 #include "linear/order.h"
@@ -35,7 +34,7 @@ static size_t order_bytes(const void *object) {
 
 static const bw_kind order_kind = {"order", order_destroy, order_bytes};
 
-/* METIS draws from rand() and sets signal handlers while it runs: one call at a time. */
+/* METIS draws from rand(): one call at a time. */
 static pthread_mutex_t metis_mutex = PTHREAD_MUTEX_INITIALIZER;
 
 void bwi_metis_lock(void) {
@@ -106,15 +105,18 @@ void bwi_adjacency_clear(bwi_adjacency *near) {
 /* How many separators a trial lets METIS choose from. */
 enum { SEPARATORS = 4 };
 
+/* More numbers than METIS was seen to take for an entry of the graph and for a node: 4 and 26. */
+enum { METIS_PER_ENTRY = 5, METIS_PER_NODE = 32 };
+
 bw_status bwi_dissect(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
-                      idx_t *weight, idx_t *permutation) {
-  return bwi_dissect_trial(context, size, start, neighbour, weight, 0, permutation);
+                      idx_t *permutation) {
+  return bwi_dissect_trial(context, size, start, neighbour, 0, permutation);
 }
 
 bw_status bwi_minimum_degree(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
                              idx_t *permutation) {
   if (sizeof(idx_t) != sizeof(int32_t))
-    return bwi_dissect(context, size, start, neighbour, NULL, permutation);
+    return bwi_dissect(context, size, start, neighbour, permutation);
   int code = amd_order((int32_t)size, (const int32_t *)start, (const int32_t *)neighbour,
                        (int32_t *)permutation, NULL, NULL);
   if (code == AMD_OUT_OF_MEMORY)
@@ -125,7 +127,7 @@ bw_status bwi_minimum_degree(bw_context *context, idx_t size, idx_t *start, idx_
 }
 
 bw_status bwi_dissect_trial(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
-                            idx_t *weight, int trial, idx_t *permutation) {
+                            int trial, idx_t *permutation) {
   if (size < 8 || start[size] == 0) {
     for (idx_t i = 0; i < size; i++)
       permutation[i] = i;
@@ -141,25 +143,22 @@ bw_status bwi_dissect_trial(bw_context *context, idx_t size, idx_t *start, idx_t
   if (trial > 0)
     options[METIS_OPTION_NSEPS] = SEPARATORS;
   options[METIS_OPTION_COMPRESS] = 0; /* nodes are compressed already */
-  bool ended = false;
-  bwi_metis_lock();
-  int done = METIS_NodeND(&size, start, neighbour, weight, options, permutation, inverse);
-  if (done == METIS_ERROR) {
-    /* METIS takes a SIGTERM for an error of its own, and leaves it blocked. Where the order works
-     * the second time, it came from outside: it ends the process, as without METIS. */
-    sigset_t end;
-    sigemptyset(&end);
-    sigaddset(&end, SIGTERM);
-    pthread_sigmask(SIG_UNBLOCK, &end, NULL);
-    done = METIS_NodeND(&size, start, neighbour, weight, options, permutation, inverse);
-    ended = done == METIS_OK;
+  /* METIS_NodeND catches SIGTERM by a jump out of whatever runs, the allocator too, after which the
+   * process may wait for ever. METIS_NodeNDP for one process finds the same order and catches
+   * nothing. It ends the process where memory is short, so that what it takes is tried before. */
+  idx_t separator[2];
+  idx_t *room =
+      BW_NEW(context, idx_t, METIS_PER_ENTRY * (size_t)start[size] + METIS_PER_NODE * (size_t)size);
+  bw_free(room);
+  if (!room) {
+    bw_free(inverse);
+    return BW_MEMORY;
   }
+  bwi_metis_lock();
+  int done =
+      METIS_NodeNDP(size, start, neighbour, NULL, 1, options, permutation, inverse, separator);
   bwi_metis_unlock();
-  if (ended)
-    raise(SIGTERM);
   bw_free(inverse);
-  if (done == METIS_ERROR_MEMORY)
-    return bw_fail(context, BW_MEMORY, "no memory to order %lld nodes", (long long)size);
   if (done != METIS_OK)
     return bw_fail(context, BW_INTERNAL, "METIS failed to order %lld nodes (code %d)",
                    (long long)size, done);
@@ -315,7 +314,7 @@ bw_status bwi_order_create_by(bw_context *context, const bw_block_pattern *patte
   if (ordering == BW_ORDERING_AMD)
     BW_TRY(bwi_minimum_degree(context, near.size, near.start, near.neighbour, permutation));
   else
-    BW_TRY(bwi_dissect(context, near.size, near.start, near.neighbour, NULL, permutation));
+    BW_TRY(bwi_dissect(context, near.size, near.start, near.neighbour, permutation));
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bwi_order_analyse(context, &near, permutation, order));
   (*order)->ordering = ordering == BW_ORDERING_AUTO ? BW_ORDERING_METIS : ordering;

@@ -21,10 +21,9 @@ bw_status bwi_adjacency_create(bw_context *context, const bw_block_pattern *patt
                                const uint8_t *take, bwi_adjacency *near);
 void bwi_adjacency_clear(bwi_adjacency *near);
 
-/* permutation[k] = the node eliminated k-th, by METIS. `weight` (may be NULL) of each node: METIS
- * looks for light separators between halves of equal weight. */
+/* permutation[k] = the node eliminated k-th, by METIS. */
 bw_status bwi_dissect(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
-                      idx_t *weight, idx_t *permutation);
+                      idx_t *permutation);
 /* The same by approximate minimum degree, AMD: a fraction of the time, with more fill on large
  * graphs. */
 bw_status bwi_minimum_degree(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
@@ -33,7 +32,7 @@ bw_status bwi_minimum_degree(bw_context *context, idx_t size, idx_t *start, idx_
  * from other random numbers. Twice the time; factors differ by a fifth between trials, and by more
  * in what an edit touches. Trial 0 is bwi_dissect. */
 bw_status bwi_dissect_trial(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
-                            idx_t *weight, int trial, idx_t *permutation);
+                            int trial, idx_t *permutation);
 
 /* Around calls of METIS by others. */
 void bwi_metis_lock(void);

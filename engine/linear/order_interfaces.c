@@ -53,7 +53,7 @@ static bw_status order_inside(dissection *cut, const int32_t *node, int32_t coun
   }
   start[count] = (idx_t)entries;
   BW_TRY(bw_check_cancel(context));
-  BW_TRY(bwi_dissect(context, count, start, neighbour, NULL, permutation));
+  BW_TRY(bwi_dissect(context, count, start, neighbour, permutation));
   cut->left -= count;
   for (int32_t k = 0; k < count; k++)
     cut->permutation[cut->left + k] = node[permutation[k]];

@@ -284,7 +284,7 @@ static bw_status search_whole(search *s) {
   for (int trial = 1; trial <= TRIALS; trial++) {
     bw_progress(context, "ordering", 0.5 * (trial - 1) / TRIALS);
     BW_TRY(bw_check_cancel(context));
-    BW_TRY(bwi_dissect_trial(context, near->size, near->start, near->neighbour, NULL, trial,
+    BW_TRY(bwi_dissect_trial(context, near->size, near->start, near->neighbour, trial,
                              s->permutation));
     BW_TRY(consider(s, &cost));
   }
