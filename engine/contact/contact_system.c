@@ -65,6 +65,15 @@ static bw_status check_pairs(bw_context *context, int pair_count, const bw_conta
   return BW_OK;
 }
 
+static bw_status check_solver(bw_context *context, const bw_solver *solver) {
+  if (!solver || solver->options.kind == BW_SOLVER_CHOLESKY)
+    return BW_OK;
+  return bw_fail(context, BW_UNSUPPORTED,
+                 "contact under many loads is solved by a factor, not by \"%s\": leave the solver "
+                 "out, or give cholesky",
+                 bw_solver_word(solver->options.kind));
+}
+
 static bw_status check_motions(bw_context *context, const bw_dof_map *dof_map) {
   bw_status status = BW_OK;
   char text[300];
@@ -200,6 +209,7 @@ bw_status bw_contact_system_create(bw_context *context, const bw_model *model, i
   bw_status status = BW_OK;
   bw_contact_system *c = NULL;
   BW_TRY(check_pairs(context, pair_count, pair));
+  BW_TRY(check_solver(context, solver));
   c = BW_NEW0(context, bw_contact_system, 1);
   BW_TRY_MEMORY(c);
   bw_object_init(c, &contact_system_kind);
@@ -213,6 +223,8 @@ bw_status bw_contact_system_create(bw_context *context, const bw_model *model, i
     BW_TRY(bw_joined_system(context, model, solver, &c->system));
   else
     BW_TRY(bw_system_of_model(context, model, solver, given, &c->system));
+  if (c->system->iterative) /* its tolerance would have no bound in the results */
+    BW_TRY(bw_system_factor(context, c->system));
   BW_TRY(check_motions(context, c->system->dof_map));
   BW_TRY(find_candidates(context, c));
   BW_TRY(find_cuts(context, c));

@@ -99,13 +99,11 @@ local function region_list(self, weak, loads, origins)
 end
 
 -- The equations, ready for many right-hand sides. An eigensolver on the inverse needs a factor.
-local function system_of(part, opts, contact)
+local function system_of(part, opts)
   local name = opts.eigensolver and opts.eigensolver.name
   local inverse = name == "lanczos" or name == "arpack"
-  local system, message, details = contact and contact.system
-  if not system then
-    system, message, details = load_limits.system(part, opts.solver or inverse and core.solver.cholesky() or nil)
-  end
+  local system, message, details = load_limits.system(part,
+    opts.solver or inverse and core.solver.cholesky() or nil)
   if not system then return nil, message, details end
   if inverse and system.report.solver == "pcg" then
     raise(("worst_case: eigensolver '%s' needs a factor, which the solver pcg does without"):format(name))
@@ -262,9 +260,9 @@ function worst_case.analyse(part, given, view)
   local seconds = {}
   self.seconds = seconds
 
-  local system = not opts.solver and view
+  local system = self.contact and self.contact.system or not opts.solver and view
   if not system then
-    system, message, details = system_of(part, opts, self.contact)
+    system, message, details = system_of(part, opts)
     if not system then return nil, message, details end
   end
   self.system = system

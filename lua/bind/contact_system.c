@@ -18,7 +18,7 @@ static int model_contact_system(lua_State *L) {
   const bw_solver *solver = lbw_solver_option(L, 3, "contact_system");
   if (lbw_solver_is_external(solver))
     return lbw_error(L, "contact_system: a solver of the engine expected, got one of another "
-                        "program: leave the solver out, or give cholesky or pcg");
+                        "program: leave the solver out, or give cholesky");
   int count;
   bw_contact_pair *pair = lbw_contact_pairs(L, 2, "contact_system", &count);
   lbw_box *box = lbw_box_new(L, &lbw_contact_system_class);

@@ -148,7 +148,7 @@ function Contact:close() end
 
 ---How the equations of a contact system are solved.
 ---@class bw.ContactSystemOptions
----@field solver? bw.Solver|"auto" of the linear systems. Default: "auto", a factor that is kept
+---@field solver? bw.Solver|"auto" of the linear systems, by a factor. Default: "auto", a factor that is kept
 
 ---Parts in contact under many loads.
 ---```lua

@@ -659,8 +659,8 @@ function Model:contact(pairs, options) end
 ---The equations of parts in contact without friction for many loads: one factor, and the compliance of all corners that may touch.
 ---Each load takes two solutions. Loads of the model are left out.
 ---
----Errors: unsupported (friction, a curved rigid surface, a support that prescribes a displacement, a preload), unconstrained
----(supports and bonds leave a body free), invalid (a selection of another mesh, facets of which none faces those, supports that
+---Errors: unsupported (friction, a curved rigid surface, a support that prescribes a displacement, a preload, a solver without a
+---factor), unconstrained (supports and bonds leave a body free), invalid (a selection of another mesh, facets of which none faces those, supports that
 ---constrain all corners), empty (a selection without a facet), limit (more than 8000 corners), memory.
 ---
 ---Source: docs/theory/worst_case.md, section 17.

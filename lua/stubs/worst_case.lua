@@ -57,7 +57,7 @@ function bw.worst_case(part, options) end
 ---@field failure? "principal"|"von_mises" with `length`: what is judged. "von_mises" needs one strength. Default: "principal"
 ---@field places? bw.WeakPlace[] with `length`: `places` of another worst case of the same length, from which the search starts in place of modes
 ---@field screening? boolean with `places`: false to search from these places only. Default: true
----@field pairs? bw.ContactPair[] parts of the mesh, or rigid planes, that touch without friction: what opens and closes with the load. Supports and bonds constrain each body. Not with `certify`, `length`, or the target displacement. Default: none
+---@field pairs? bw.ContactPair[] parts of the mesh, or rigid planes, that touch without friction: what opens and closes with the load. Supports and bonds constrain each body. The equations have a factor. Not with `certify`, `length`, or the target displacement. Default: none
 ---@field modes? integer (count) of modes. Range: 1 to 500. Default: 15
 ---@field regions? integer (count) weak regions of each mode. Range: 1 to 1000. Default: 5
 ---@field fraction? number (-) of the volume that counts as weak in a mode. Range: above 0 to 1. Default: 0.025

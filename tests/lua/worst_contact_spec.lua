@@ -222,6 +222,16 @@ describe("the worst case of parts in contact", function()
     assert.matches("with gaps or interference", tostring(contact))
   end)
 
+  it("has a factor, also where another analysis needs none", function()
+    local part, pairs_of = blocks(1, 0, true)
+    local solver = bw.solver.cholesky {precision = 32} -- of refinement to a tolerance
+    local worst = assert(bw.worst_case(part(), with {pairs = pairs_of, solver = solver}))
+    assert.equal("the equations have a factor by now", worst.system.report.reason)
+    check.near(assert(bw.worst_case(part(), with {pairs = pairs_of})).max_principal, worst.max_principal, 1e-10)
+    check.fails("unsupported", "solved by a factor, not by \"pcg\"",
+      bw.worst_case(part(), with {pairs = pairs_of, solver = bw.solver.pcg {}}))
+  end)
+
   it("is refused where it has no meaning, in a sentence", function()
     local part, pairs_of = blocks(1, 0, true)
     local function given(more)

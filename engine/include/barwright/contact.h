@@ -160,11 +160,11 @@ typedef struct bw_contact_system {
 } bw_contact_system;
 /* For a model by pair (pair_count, 1 or more); `solver` and `given` as of bw_system_of_model; of
  * joined models as of bw_joined_system. Sliding is small. Loads of the model are left out.
- * BW_UNSUPPORTED for friction, curved rigid surfaces and prescribed displacements other than zero,
- * BW_UNCONSTRAINED where supports and bonds leave a rigid-body motion free, BW_INVALID where they
- * constrain all corners and for pairs that bw_contact_solve refuses, BW_EMPTY for a selection
- * without a facet, BW_LIMIT for more than 8000 corners; those of bw_system_of_model, or
- * bw_joined_system. */
+ * BW_UNSUPPORTED for friction, curved rigid surfaces, prescribed displacements other than zero and
+ * a solver that is not BW_SOLVER_CHOLESKY, BW_UNCONSTRAINED where supports and bonds leave a
+ * rigid-body motion free, BW_INVALID where they constrain all corners and for pairs that
+ * bw_contact_solve refuses, BW_EMPTY for a selection without a facet, BW_LIMIT for more than 8000
+ * corners; those of bw_system_of_model and bw_system_factor, or bw_joined_system. */
 BW_API bw_status bw_contact_system_create(bw_context *context, const bw_model *model,
                                           int pair_count, const bw_contact_pair *pair,
                                           const bw_solver *solver, bw_system *given,
