@@ -38,6 +38,11 @@ static double *block_of(const run *r, int64_t i) {
   return r->block + (size_t)i * 3 * (size_t)r->system->mesh->node_count;
 }
 
+/* The opposite sign is the only one. */
+static bool is_opposite(const run *r) {
+  return r->signs == 1 && r->options->other_sign;
+}
+
 static bw_status functional_body(void *data, int64_t begin, int64_t end, int worker) {
   const run *r = (const run *)data;
   bw_status status = BW_OK;
@@ -61,15 +66,16 @@ static bw_status gradient_body(void *data, int64_t begin, int64_t end, int worke
     bw_pressure_gradient(r->basis, block_of(r, i), f);
     for (size_t j = 0; j < n && r->signs == 2; j++)
       f[n + j] = -f[j];
+    for (size_t j = 0; j < n && is_opposite(r); j++)
+      f[j] = -f[j];
   }
 done:
   return status;
 }
 
-/* The sign that reaches more, or the other one. */
+/* The sign that reaches more. */
 static int chosen(const run *r, int64_t i) {
-  bool second = r->signs == 2 && r->value[2 * i + 1] > r->value[2 * i];
-  return r->signs == 2 && r->options->other_sign ? !second : second;
+  return r->signs == 2 && r->value[2 * i + 1] > r->value[2 * i];
 }
 
 static const double *pressure_of(const run *r, int64_t i) {
@@ -167,15 +173,15 @@ static bw_status run_batch(run *r, bwi_loads *loads,
     double seconds = each + (bw_seconds() - start) / r->group_count;
     for (int g = 0; g < r->group_count; g++) {
       int i = first + g;
-      int flipped = chosen(r, i);
+      int sign = chosen(r, i);
       bw_worst_case_visit v = {.region = r->first + i,
                                .pressure = pressure_of(r, i),
                                .displacement = block_of(r, i),
                                .stress = r->stress + 6 * (size_t)(g * elements),
                                .max_principal = r->principal + g * elements,
-                               .objective = r->value[i * r->signs + flipped],
+                               .objective = r->value[i * r->signs + sign],
                                .solve_error = solve_error(r, i, r->principal + g * elements),
-                               .flipped = flipped == 1,
+                               .flipped = sign == 1 || is_opposite(r),
                                .seconds = seconds};
       BW_TRY(visit(data, &v));
     }

@@ -35,8 +35,9 @@ local function explore(self, loads, origins, weak, limits, state)
   if not one then return nil, message, details end
   -- what reaches more without regard to contact may reach less with it
   for _, other in ipairs(self.options.one_sign and {false} or {false, true}) do
-    local earlier, opts = loads and loads.peaks.row_count or 0, {after = loads, other_sign = other}
+    local earlier, opts = loads and loads.peaks.row_count or 0, {after = loads}
     for key, value in pairs(limits) do opts[key] = value end
+    opts.one_sign, opts.other_sign = true, other
     loads, message, details = core.worst_loads(one.system, self.basis, weak, opts)
     if not loads then return nil, message, details end
     solver_reports.add(self.reports, "lp", loads.report)

@@ -99,7 +99,7 @@ function bw.worst_loads(system, basis, regions, options) end
 ---@field hands? integer (count) the pressure lies within so many patches. Default: 0, anywhere
 ---@field hand_area? number (m2) with `hands`: area of each
 ---@field one_sign? boolean try only the sign of the weights. Default: false, both
----@field other_sign? boolean without `one_sign`: take the sign that reaches less, which may be worse with `contact`. Default: false
+---@field other_sign? boolean with `one_sign`: try only the opposite sign instead. Default: false
 ---@field contact? bw.ContactSystem judge the loads by the solution with contact, in place of that of the system. Default: none
 ---@field given? bw.Array (Pa, regions × columns of the basis, per region) loads in place of those that linear programs find. Default: none
 ---@field batch? integer (count) regions that are worked on at once. Default: 0, chosen

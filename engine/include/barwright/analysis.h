@@ -350,8 +350,8 @@ typedef struct bw_worst_load_options {
   const bw_lp_solver *lp; /* of the linear programs; default NULL: chosen */
   int hands;       /* the pressure lies within so many patches of the boundary, to BW_MAX_HANDS; 0:
                       anywhere */
-  bool other_sign; /* bw_worst_case_run only, without one_sign: takes the sign that reaches less,
-                      which may be worse where `respond` is not linear; default false */
+  bool other_sign; /* bw_worst_case_run only, with one_sign: maximises the opposite of the
+                      functionals instead; default false */
   /* bw_worst_case_run only: gives the displacements (m, count x node_count x 3) of loads that were
    * found, in the place of their forces (N), where these are not linear in the load; default NULL:
    * the system's. */
@@ -361,7 +361,7 @@ typedef struct bw_worst_load_options {
    * linear programs find, one for each region; default NULL */
   const double *given;
   double hand_area; /* (m2) of the disc that a patch is: the nodes nearer than its radius to the
-                     patch's centre whose normals are within 60 degrees of the centre's */
+                       patch's centre whose normals are within 60 degrees of the centre's */
 } bw_worst_load_options;
 enum { BW_MAX_HANDS = 16 /* of bw_worst_load_options.hands */ };
 /* For `count` objectives f, objective (any, count x basis->count): the pressures p, pressure (Pa,
