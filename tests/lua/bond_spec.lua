@@ -7,19 +7,12 @@ local L = 0.1
 
 -- Two boxes along x, of `gap` between them. `cells_of` both; left out, those that do not match.
 local function boxes(gap, cells_of)
-  local nodes, elements = {}, {}
+  local list = {}
   for n, cells in ipairs(cells_of or {{4, 2, 2}, {5, 3, 3}}) do
     local from = n == 1 and 0 or L + gap
-    local box = bw.mesh.box {min = {from, 0, 0}, max = {from + L, 0.02, 0.02}, cells = cells, order = 2}
-    local before = #nodes
-    for i = 1, box.node_count do nodes[#nodes + 1] = {box.nodes[i][1], box.nodes[i][2], box.nodes[i][3]} end
-    for e = 1, box.element_count do
-      local row = {}
-      for a = 1, 10 do row[a] = box.elements[e][a] + before end
-      elements[#elements + 1] = row
-    end
+    list[n] = {{from, 0, 0}, {from + L, 0.02, 0.02}, cells}
   end
-  return bw.mesh.new {nodes = nodes, elements = elements, order = 2}
+  return check.boxes(2, list)
 end
 
 local function bar(gap, asked, cells_of)

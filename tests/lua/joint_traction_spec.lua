@@ -4,23 +4,8 @@
 local bw = require "barwright"
 local check = require "check"
 
--- Boxes {min, max, cells} in one mesh, each with nodes of its own.
-local function boxes(order, list)
-  local nodes, elements = {}, {}
-  for _, box in ipairs(list) do
-    local mesh = bw.mesh.box {min = box[1], max = box[2], cells = box[3], order = order}
-    local before = #nodes
-    for _, p in ipairs(mesh.nodes:totable()) do nodes[#nodes + 1] = p end
-    for _, e in ipairs(mesh.elements:totable()) do
-      for k = 1, #e do e[k] = e[k] + before end
-      elements[#elements + 1] = e
-    end
-  end
-  return bw.mesh.new {nodes = nodes, elements = elements, order = order}
-end
-
 local function bar(order)
-  local mesh = boxes(order, {{{0, 0, 0}, {1, 0.4, 0.4}, {3, 2, 2}}, {{1, 0, 0}, {2, 0.4, 0.4}, {4, 3, 3}}})
+  local mesh = check.boxes(order, {{{0, 0, 0}, {1, 0.4, 0.4}, {3, 2, 2}}, {{1, 0, 0}, {2, 0.4, 0.4}, {4, 3, 3}}})
   local cut = mesh.boundary:plane({1, 0, 0}, {1, 0, 0}, 1e-9)
   return mesh, cut:facing({1, 0, 0}, 0.1), cut:facing({-1, 0, 0}, 0.1)
 end
@@ -68,7 +53,7 @@ describe("tractions of joints", function()
   it("sum to the load where a bond covers a part of its side", function()
     for case = 1, 3 do
       local order, covered = case == 3 and 2 or 1, case == 2
-      local mesh = boxes(order, {{{0, 0, 0}, {1, 1, 0.5}, {5, 4, 2}},
+      local mesh = check.boxes(order, {{{0, 0, 0}, {1, 1, 0.5}, {5, 4, 2}},
         {{0.1, 0.15, 0.5}, {0.7, 0.85, 1}, {3, 2, 2}}})
       local part = bw.model {mesh = mesh, material = bw.material.isotropic {young = 1e9, poisson = 0}}
       local cut = mesh.boundary:plane({0, 0, 0.5}, {0, 0, 1}, 1e-9)
@@ -201,7 +186,7 @@ describe("tractions of joints", function()
       local mesh
       local function inside(x, low, high) return x > low - 1e-9 and x < high + 1e-9 end
       if bonded then
-        mesh = boxes(2, {{{0, 0, 0}, {0.6, 0.1, 0.1}, {cells * 3, 2, 2}}, {{0.4, 0, 0.1}, {1, 0.1, 0.2},
+        mesh = check.boxes(2, {{{0, 0, 0}, {0.6, 0.1, 0.1}, {cells * 3, 2, 2}}, {{0.4, 0, 0.1}, {1, 0.1, 0.2},
           {cells * 3, 3, 2}}})
       else
         local box = bw.mesh.box {max = {1, 0.1, 0.2}, cells = {5 * cells, 2, 4}, order = 2}

@@ -111,24 +111,9 @@ describe("a sector of cyclic symmetry", function()
   end)
 end)
 
--- Boxes {min, max, cells} in one mesh, each with nodes of its own.
-local function boxes(order, list)
-  local nodes, elements = {}, {}
-  for _, box in ipairs(list) do
-    local mesh = bw.mesh.box {min = box[1], max = box[2], cells = box[3], order = order}
-    local before = #nodes
-    for _, p in ipairs(mesh.nodes:totable()) do nodes[#nodes + 1] = p end
-    for _, e in ipairs(mesh.elements:totable()) do
-      for k = 1, #e do e[k] = e[k] + before end
-      elements[#elements + 1] = e
-    end
-  end
-  return bw.mesh.new {nodes = nodes, elements = elements, order = order}
-end
-
 describe("a bond", function()
   local function bonded(list, side)
-    local mesh, z = boxes(1, list), list[2][1][3]
+    local mesh, z = check.boxes(1, list), list[2][1][3]
     local part = bw.model {mesh = mesh, material = steel}
     local cut = mesh.boundary:plane({0, 0, z}, {0, 0, 1}, 1e-9)
     local low, high = cut:facing({0, 0, 1}, 0.1), cut:facing({0, 0, -1}, 0.1)

@@ -16,23 +16,9 @@ local function with(more)
   return opts
 end
 
--- Boxes beside each other in one mesh: each {min, max, cells}.
-local function boxes(order, list)
-  local nodes, elements, width = {}, {}, order == 2 and 10 or 4
-  for _, about in ipairs(list) do
-    local box, before = bw.mesh.box {min = about[1], max = about[2], cells = about[3], order = order}, #nodes
-    for _, x in ipairs(box.nodes:totable()) do nodes[#nodes + 1] = x end
-    for _, row in ipairs(box.elements:totable()) do
-      for a = 1, width do row[a] = row[a] + before end
-      elements[#elements + 1] = row
-    end
-  end
-  return bw.mesh.new {nodes = nodes, elements = elements, order = order}
-end
-
 -- Two blocks in a row, `gap` apart, the left one supported at its far end, and the right one if `right`.
 local function blocks(order, gap, right)
-  local mesh = boxes(order, {{{0, 0, 0}, {L / 2, W, H}, {4, 2, 2}},
+  local mesh = check.boxes(order, {{{0, 0, 0}, {L / 2, W, H}, {4, 2, 2}},
     {{L / 2 + gap, 0, 0}, {L + gap, W, H}, {4, 2, 2}}})
   local function part()
     local model = bw.model {mesh = mesh, material = steel}

@@ -22,23 +22,9 @@ local function cut_in_two(order)
   return part, cut
 end
 
--- Boxes beside each other in one mesh: each {min, max, cells}.
-local function boxes(order, list)
-  local nodes, elements, width = {}, {}, order == 2 and 10 or 4
-  for _, about in ipairs(list) do
-    local box, before = bw.mesh.box {min = about[1], max = about[2], cells = about[3], order = order}, #nodes
-    for _, x in ipairs(box.nodes:totable()) do nodes[#nodes + 1] = x end
-    for _, row in ipairs(box.elements:totable()) do
-      for a = 1, width do row[a] = row[a] + before end
-      elements[#elements + 1] = row
-    end
-  end
-  return bw.mesh.new {nodes = nodes, elements = elements, order = order}
-end
-
 -- Two halves whose meshes do not match.
 local function unlike_halves(order)
-  local mesh = boxes(order, {{{0, 0, 0}, {L / 2, W, H}, {5, 2, 2}}, {{L / 2, 0, 0}, {L, W, H}, {6, 3, 3}}})
+  local mesh = check.boxes(order, {{{0, 0, 0}, {L / 2, W, H}, {5, 2, 2}}, {{L / 2, 0, 0}, {L, W, H}, {6, 3, 3}}})
   local part = bw.model {mesh = mesh, material = steel}
   local cut = mesh.boundary:plane({L / 2, 0, 0}, {1, 0, 0}, 1e-9)
   part:bond {a = cut:facing {1, 0, 0}, b = cut:facing {-1, 0, 0}}
@@ -166,7 +152,7 @@ describe("the worst case of a joined body", function()
 
   it("leaves what a bond covers in part to the outside", function()
     -- a boss on a plate: the plate's face around it is surface
-    local mesh = boxes(1, {{{0, 0, 0}, {0.06, 0.06, 0.01}, {6, 6, 1}},
+    local mesh = check.boxes(1, {{{0, 0, 0}, {0.06, 0.06, 0.01}, {6, 6, 1}},
       {{0.02, 0.02, 0.01}, {0.04, 0.04, 0.03}, {3, 3, 3}}})
     local part = bw.model {mesh = mesh, material = steel}
     local plane = mesh.boundary:plane({0, 0, 0.01}, {0, 0, 1}, 1e-9)
@@ -178,7 +164,7 @@ describe("the worst case of a joined body", function()
   end)
 
   it("is what unit loads give that are solved one after the other", function()
-    local mesh = boxes(1, {{{0, 0, 0}, {L / 2, W, H}, {2, 1, 1}}, {{L / 2, 0, 0}, {L, W, H}, {2, 2, 1}}})
+    local mesh = check.boxes(1, {{{0, 0, 0}, {L / 2, W, H}, {2, 1, 1}}, {{L / 2, 0, 0}, {L, W, H}, {2, 2, 1}}})
     local function part_of()
       local part = bw.model {mesh = mesh, material = steel}
       local cut = mesh.boundary:plane({L / 2, 0, 0}, {1, 0, 0}, 1e-9)
@@ -298,7 +284,7 @@ describe("the worst case of a joined body", function()
     check.fails("unsupported", "solved by a factor, not by \"pcg\"",
       bw.worst_case(part, with {solver = bw.solver.pcg {}}))
     -- pieces that are free of each other
-    local apart = boxes(1, {{{0, 0, 0}, {L / 2, W, H}, {2, 1, 1}}, {{L / 2, 0, 0}, {L, W, H}, {2, 1, 1}},
+    local apart = check.boxes(1, {{{0, 0, 0}, {L / 2, W, H}, {2, 1, 1}}, {{L / 2, 0, 0}, {L, W, H}, {2, 1, 1}},
       {{2 * L, 0, 0}, {3 * L, W, H}, {2, 1, 1}}})
     local loose = bw.model {mesh = apart, material = steel}
     local cut = apart.boundary:plane({L / 2, 0, 0}, {1, 0, 0}, 1e-9)
@@ -306,7 +292,8 @@ describe("the worst case of a joined body", function()
     check.fails("unconstrained", "some bodies move against one another", bw.worst_case(loose, limits))
     -- a gap across which the bond resists rotation, but not of a body that is held
     local gap = 1e-4
-    local open = boxes(1, {{{0, 0, 0}, {L / 2, W, H}, {2, 1, 1}}, {{L / 2 + gap, 0, 0}, {L, W, H}, {2, 1, 1}}})
+    local open = check.boxes(1, {{{0, 0, 0}, {L / 2, W, H}, {2, 1, 1}},
+      {{L / 2 + gap, 0, 0}, {L, W, H}, {2, 1, 1}}})
     local function closed()
       local model = bw.model {mesh = open, material = steel}
       model:bond {a = open.boundary:plane({L / 2, 0, 0}, {1, 0, 0}, 1e-9),
