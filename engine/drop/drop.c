@@ -450,6 +450,7 @@ static bw_status impact_of(bw_context *context, follow *f, history *h) {
               "a normal of the contact turns by %.2g degrees in the body while it touches: the "
               "compliance of the contact is that of the first touch",
               impact.turn * 180 / M_PI);
+    run->beyond = 0;
     if (drop->stress)
       BW_TRY(bwi_drop_states_stress(context, run, &states, drop));
     if (run->beyond > 1)

@@ -76,7 +76,7 @@ typedef struct bwi_drop_run {
   double origin[3];      /* centre of mass in the mesh */
   double margin;         /* of the gap, within which points become candidates with others */
   double slack;          /* (m) penetration that is none */
-  double beyond;         /* the longest motion by contact over its bound */
+  double beyond;         /* the longest motion by contact over its bound, of one impact */
   bwi_drop_points points;
   bwi_drop_motion motion;
   bwi_drop_touch touch;
@@ -162,9 +162,9 @@ double *bwi_drop_rows_next(bwi_drop_rows *rows);
 /* States of an impact at even times, for its stress. */
 typedef struct bwi_drop_state {
   double time;
-  double energy; /* (J) twice that of the contact: force^T S force */
-  int count;     /* of forces */
-  double *data;  /* modes, then forces */
+  double reach; /* (m) bwi_drop_contact_reach */
+  int count;    /* of forces */
+  double *data; /* modes, then forces */
 } bwi_drop_state;
 typedef struct bwi_drop_states {
   int capacity, count;

@@ -73,8 +73,9 @@ bw_status bwi_drop_states_take(bw_context *context, const bwi_drop_run *run,
       return BW_OK;
   }
   bwi_drop_state *state = &states->state[states->count];
-  *state =
-      (bwi_drop_state){.time = m->time, .energy = bwi_drop_contact_energy(t), .count = t->count};
+  *state = (bwi_drop_state){.time = m->time,
+                            .reach = bwi_drop_contact_reach(t, bwi_drop_contact_energy(t)),
+                            .count = t->count};
   state->data = BW_NEW(context, double, m->modes + t->count);
   if (!state->data)
     return BW_MEMORY;
@@ -149,22 +150,22 @@ done:
   return status;
 }
 
-/* The longest motion of a point by contact, over its bound, in states first, first + 1, ... */
+/* The longest motion of a point by contact, over its bound then, in states first, first + 1, ... */
 static void check_reach(bwi_drop_run *run, const bwi_drop_states *states, int first, int count,
                         const double *u) {
   const bwi_drop_points *p = &run->points;
   int m = run->motion.modes;
   for (int i = 0; i < count; i++) {
     const bwi_drop_state *state = &states->state[first + i];
-    double bound = bwi_drop_contact_reach(&run->touch, state->energy), most = 0;
-    for (int32_t j = 0; bound > 0 && j < p->count; j++) {
+    double most = 0;
+    for (int32_t j = 0; state->reach > 0 && j < p->count; j++) {
       double by_contact[3];
       for (int k = 0; k < 3; k++)
         by_contact[k] = u[(3 * (int64_t)p->node[j] + k) * BATCH + i] -
                         bwi_dot(m, p->basis + (3 * (int64_t)j + k) * m, state->data);
       most = fmax(most, bw_norm(by_contact));
     }
-    run->beyond = fmax(run->beyond, bound > 0 ? most / bound : 0);
+    run->beyond = fmax(run->beyond, state->reach > 0 ? most / state->reach : 0);
   }
 }
 

@@ -609,9 +609,11 @@ function Model:response_spectrum(options) end
 ---shows its attitude when it touches; positions and times count from then. The model keeps the equations, and `modes` of a former
 ---drop serve the next: a drop then takes solutions for nodes that touch or lie beside, eight or more at once.
 ---
----A warning says when the part turns by more than 0.1 rad while it touches, and when the energy is not kept.
+---A warning says when the part turns by more than 0.1 rad while it touches, and when the energy is not kept. Nodes that may touch
+---are looked for within an estimate of how far the contact moves them, no bound. A warning says when it was too small. Without
+---`samples` this stays unknown.
 ---
----Errors: limit (more than 2000 nodes touch in one impact, or an impact without end), unsupported (bonds, attachments, couplings,
+---Errors: limit (more than 2000 nodes touch in one impact or 6000 come near, or an impact without end), unsupported (bonds, attachments, couplings,
 ---a surface with `inside`, damping by mass or a loss factor), convergence and singular (the forces of contact are not found);
 ---those of `modes`. A part with supports or loads, without density or of several bodies raises.
 ---

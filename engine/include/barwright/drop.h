@@ -98,13 +98,15 @@ struct bw_drop {
 /* Drops a model's body, linear elastic about its motion as a rigid body, without friction. `given`
  * and *system as in bw_modes_of_model: the modes, the equations and their factor serve any number
  * of drops. A warning says when the normals turn so far in the body during an impact that the
- * compliance of the contact changes. BW_INVALID for options outside their ranges, a body without
- * density, with supports or loads, or of several parts, and for modes of another model or all that
- * a mesh has; BW_UNSUPPORTED for a surface that the body is inside of, other damping, bonds and
- * attachments; BW_GEOMETRY for a body that misses the obstacle; BW_LIMIT for an obstacle that goes
- * deeper between nodes than a tenth of its radius, more than 2000 nodes that touch in one impact or
- * an impact without end, BW_SINGULAR and BW_CONVERGENCE where the forces of contact are not found
- * or the energy is not kept; those of bw_modes_of_model.
+ * compliance of the contact changes, and when the contact moves a point farther than the estimate
+ * within which points are looked for: with `samples` alone this is known. BW_INVALID for options
+ * outside their ranges, a body without density, with supports or loads, or of several parts, and
+ * for modes of another model or all that a mesh has; BW_UNSUPPORTED for a surface that the body is
+ * inside of, other damping, bonds and attachments; BW_GEOMETRY for a body that misses the obstacle;
+ * BW_LIMIT for an obstacle that goes deeper between nodes than a tenth of its radius, more than
+ * 2000 nodes that touch in one impact, more than 6000 with those that come near, or an impact
+ * without end, BW_SINGULAR and BW_CONVERGENCE where the forces of contact are not found or the
+ * energy is not kept; those of bw_modes_of_model.
  */
 BW_API bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system *given,
                                   const bw_drop_options *options, bw_system **system,
