@@ -307,24 +307,33 @@ static bw_status note_flat_facets(bw_context *context, const bwi_contact_problem
       if (flat == 0 || fmax(round[i], c->p[c->rows.first[i]]) > 0)
         most = fmax(most, fabs(change[i]));
     }
-    if (fabs(pressure - flat) > other_pressure * flat && c->rows.pair[pair].smooth)
-      note(
-          context, notes,
-          "contact pair %d is uncertain: round faces lie so far over its facets that the error "
-          "of their gaps, about %.3g m, changes its largest pressure by %.0f %%: refine the facets",
-          pair + 1, most, 100 * fabs(pressure - flat) / flat);
-    else if (fabs(pressure - flat) > other_pressure * flat)
+    bool smooth = c->rows.pair[pair].smooth;
+    bool other = flat > 0 && fabs(pressure - flat) > other_pressure * flat;
+    if (flat == 0 && !(pressure > 0 || least < -c->rounded))
+      continue;
+    if (flat == 0 && smooth)
       note(context, notes,
-           "contact pair %d is uncertain: its facets are flat where faces are round, which changes "
-           "gaps by up to %.3g m and its largest pressure by %.0f %% or more: set `smooth` of the "
-           "pair, or give a mesh with curved elements",
-           pair + 1, most, 100 * fabs(pressure - flat) / flat);
-    else if (flat == 0 && least < -c->rounded)
+           "contact pair %d is uncertain: it stays open by less than the error of its gaps, about "
+           "%.3g m, as round faces lie far over its facets: refine the facets",
+           pair + 1, most);
+    else if (flat == 0)
       note(context, notes,
            "contact pair %d is uncertain: its facets are flat where faces are round, and stay "
            "open. Round faces touch: their gap is %.3g m less somewhere. Set `smooth` of the "
            "pair, or give a mesh with curved elements",
            pair + 1, most);
+    else if (other && smooth)
+      note(
+          context, notes,
+          "contact pair %d is uncertain: round faces lie so far over its facets that the error "
+          "of their gaps, about %.3g m, changes its largest pressure by %.0f %%: refine the facets",
+          pair + 1, most, 100 * fabs(pressure - flat) / flat);
+    else if (other)
+      note(context, notes,
+           "contact pair %d is uncertain: its facets are flat where faces are round, which changes "
+           "gaps by up to %.3g m and its largest pressure by %.0f %% or more: set `smooth` of the "
+           "pair, or give a mesh with curved elements",
+           pair + 1, most, 100 * fabs(pressure - flat) / flat);
   }
 done:
   bw_free(change);

@@ -167,6 +167,28 @@ describe("contact", function()
       tostring(contact))
   end)
 
+  it("is uncertain where flat facets of a round face stay open", function()
+    -- a quarter of a ring in a bore: facets of 2.85 mm at a radius of 20 mm, whose sagitta is 0.051 mm
+    local flat = bw.mesh.box {cells = {2, 11, 1}}
+    local nodes = {}
+    for i, x in ipairs(flat.nodes:totable()) do
+      local r, angle = 0.01 + 0.01 * x[1], math.pi / 2 * x[2]
+      nodes[i] = {r * math.cos(angle), r * math.sin(angle), 0.004 * x[3]}
+    end
+    local ring = assert(flat:moved(nodes))
+    local outer = ring.boundary:where(function(x, y) return math.abs(math.sqrt(x * x + y * y) - 0.02) < 1e-9 end)
+    local function notes(gap, smooth)
+      local part = bw.model {mesh = ring, material = bw.material.steel}:fix(ring.boundary:below("y", 0))
+      local bore = bw.rigid.cylinder {axis = {0, 0, 1}, radius = 0.02 + gap, inside = true}
+      return assert(part:contact {{on = outer, with = bore, smooth = smooth}}).notes
+    end
+    local far, near = notes(1e-3, true), notes(1e-7, true)
+    assert.equal("contact pair 1 stays open: its smallest gap is 0.001 m", far)
+    assert.matches("it stays open by less than the error of its gaps, about %S+ m, .* refine the facets", near)
+    assert.falsy(near:find("Set `smooth`", 1, true))
+    assert.falsy(notes(1e-4, false):find("uncertain", 1, true))
+  end)
+
   it("says what nothing stops", function()
     local contact, message, details = block {force = {0, 10, -100}}:contact {{on = foot, with = floor}}
     assert.is_nil(contact)
