@@ -35,11 +35,9 @@ double bwi_drop_contact_reach(const bwi_drop_touch *touch, double energy) {
 }
 
 void bwi_drop_push(const bwi_drop_run *run, int32_t point, double push[3]) {
-  const double *turn = run->motion.turn;
   double normal[3], arm[3];
   bwi_drop_gap_at(run, point, normal, arm);
-  for (int k = 0; k < 3; k++)
-    push[k] = turn[k] * normal[0] + turn[3 + k] * normal[1] + turn[6 + k] * normal[2];
+  bwi_drop_to_body(run->motion.turn, normal, push);
 }
 
 void bwi_drop_modal_force(const bwi_drop_run *run, int32_t point, const double push[3],

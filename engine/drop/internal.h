@@ -89,6 +89,9 @@ typedef struct bwi_drop_run {
 
 bw_status bwi_drop_points_create(bw_context *context, bwi_drop_run *run);
 void bwi_drop_points_clear(bwi_drop_points *points);
+/* A vector of the body's frame in space, and back. */
+void bwi_drop_to_space(const double turn[9], const double body[3], double space[3]);
+void bwi_drop_to_body(const double turn[9], const double space[3], double body[3]);
 /* The gap of a point of the rigid body. */
 double bwi_drop_rigid_gap_at(const bwi_drop_run *run, int32_t point);
 /* The gap where the modes have a point, with normal and arm in space. */

@@ -74,12 +74,12 @@ void bwi_drop_points_clear(bwi_drop_points *p) {
 
 /* ---- positions ------------------------------------------------------------------------------- */
 
-static void to_space(const double turn[9], const double body[3], double space[3]) {
+void bwi_drop_to_space(const double turn[9], const double body[3], double space[3]) {
   for (int i = 0; i < 3; i++)
     space[i] = bw_dot(turn + 3 * i, body);
 }
 
-static void to_body(const double turn[9], const double space[3], double body[3]) {
+void bwi_drop_to_body(const double turn[9], const double space[3], double body[3]) {
   for (int k = 0; k < 3; k++)
     body[k] = turn[k] * space[0] + turn[3 + k] * space[1] + turn[6 + k] * space[2];
 }
@@ -87,7 +87,7 @@ static void to_body(const double turn[9], const double space[3], double body[3])
 double bwi_drop_rigid_gap_at(const bwi_drop_run *run, int32_t point) {
   const bwi_drop_motion *m = &run->motion;
   double arm[3], x[3], normal[3];
-  to_space(m->turn, run->points.at + 3 * (int64_t)point, arm);
+  bwi_drop_to_space(m->turn, run->points.at + 3 * (int64_t)point, arm);
   for (int k = 0; k < 3; k++)
     x[k] = m->centre[k] + arm[k];
   return bwi_rigid_gap(&run->onto, x, normal);
@@ -100,7 +100,7 @@ double bwi_drop_gap_at(const bwi_drop_run *run, int32_t point, double normal[3],
   double place[3], x[3];
   for (int k = 0; k < 3; k++)
     place[k] = at[k] + bwi_dot(m->modes, basis + k * m->modes, m->q);
-  to_space(m->turn, place, arm);
+  bwi_drop_to_space(m->turn, place, arm);
   for (int k = 0; k < 3; k++)
     x[k] = m->centre[k] + arm[k];
   return bwi_rigid_gap(&run->onto, x, normal);
@@ -116,7 +116,7 @@ double bwi_drop_rigid_gap(const bwi_drop_run *run) {
 double bwi_drop_plane_gap(const bwi_drop_run *run, const double normal[3]) {
   const bwi_drop_motion *m = &run->motion;
   double body[3], least = INFINITY, centre = -run->onto.radius; /* 0 of a plane */
-  to_body(m->turn, normal, body);
+  bwi_drop_to_body(m->turn, normal, body);
   for (int k = 0; k < 3; k++)
     centre += normal[k] * (m->centre[k] - run->onto.point[k]);
   for (int32_t i = 0; i < run->points.count; i++)
@@ -133,6 +133,6 @@ double bwi_drop_speed(const bwi_drop_run *run) {
 bool bwi_drop_faces_away(const bwi_drop_run *run, int32_t point, const double normal[3]) {
   const double *area = run->points.area + 3 * (int64_t)point;
   double push[3];
-  to_body(run->motion.turn, normal, push);
+  bwi_drop_to_body(run->motion.turn, normal, push);
   return bw_dot(area, push) > 0.5 * bw_norm(area);
 }

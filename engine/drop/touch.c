@@ -21,16 +21,6 @@ static const double along_normal = 0.99995;
 /* Of the largest diagonal entry: redundant candidates are singular. */
 static const double shift = 1e-12;
 
-static void to_space(const double turn[9], const double body[3], double space[3]) {
-  for (int i = 0; i < 3; i++)
-    space[i] = bw_dot(turn + 3 * i, body);
-}
-
-static void to_body(const double turn[9], const double space[3], double body[3]) {
-  for (int k = 0; k < 3; k++)
-    body[k] = turn[k] * space[0] + turn[3 + k] * space[1] + turn[6 + k] * space[2];
-}
-
 double bwi_drop_reach(const bwi_drop_run *run) {
   double sum = 0;
   for (int k = 0; k < run->motion.modes; k++)
@@ -120,10 +110,8 @@ static bw_status find_stiffest(bw_context *context, bwi_drop_run *run) {
   bwi_cholesky(3, root, 0); /* I^-1 = L L^T */
   for (int i = 0; i < n; i++) {
     const double *push = t->push + 3 * i, *at = run->points.at + 3 * (int64_t)t->point[i];
-    const double *basis = run->points.basis + 3 * (int64_t)t->point[i] * m;
     double *row = b + (int64_t)i * width, moment[3];
-    for (int k = 0; k < m; k++)
-      row[k] = push[0] * basis[k] + push[1] * basis[m + k] + push[2] * basis[2 * m + k];
+    bwi_drop_modal_force(run, t->point[i], push, row);
     bw_cross(at, push, moment);
     for (int k = 0; k < 3; k++) {
       row[m + k] = push[k] / sqrt(motion->mass);
@@ -319,7 +307,7 @@ double bwi_drop_turn(const bwi_drop_run *run) {
   double most = 0;
   for (int j = 0; j < t->count; j++) {
     double push[3], square = 0;
-    to_space(run->motion.turn, t->push + 3 * j, push);
+    bwi_drop_to_space(run->motion.turn, t->push + 3 * j, push);
     for (int k = 0; k < 3; k++)
       square += (push[k] - t->normal[3 * j + k]) * (push[k] - t->normal[3 * j + k]);
     if (t->force[j] > 0)
@@ -338,7 +326,7 @@ void bwi_drop_kick(bwi_drop_run *run, double time) {
     if (impulse == 0)
       continue;
     bw_cross(t->arm + 3 * j, normal, moment);
-    to_body(m->turn, normal, push);
+    bwi_drop_to_body(m->turn, normal, push);
     for (int k = 0; k < 3; k++) {
       m->velocity[k] += impulse * normal[k] / m->mass;
       m->momentum[k] += impulse * moment[k];
