@@ -457,6 +457,7 @@ static bw_status factor_pivoted(bw_context *context, one_state *s) {
       best = pivot[i] > pivot[best] ? i : best;
     if (!(pivot[best] > redundant))
       break;
+    BW_TRY(bw_check_cancel(context));
     int32_t member = s->member[best];
     s->member[best] = s->member[rank];
     s->member[rank] = member;

@@ -208,6 +208,24 @@ describe("the worst case of parts in contact", function()
     assert.matches("with gaps or interference", tostring(contact))
   end)
 
+  it("tries each sign of a functional by itself", function()
+    local part = beam(1)()
+    local system, basis = assert(part:system()), assert(bw.pressure_basis(part.mesh, {}))
+    local function loads_of(sign, more)
+      local opts = {force = limits.force, pressure = limits.force / limits.contact}
+      for key, value in pairs(more) do opts[key] = value end
+      return assert(core.worst_loads(system, basis, core.single_regions(part.mesh, nil, sign), opts))
+    end
+    local plus, both = loads_of(1, {one_sign = true}), loads_of(1, {})
+    local minus, negative = loads_of(1, {one_sign = true, other_sign = true}), loads_of(-1, {one_sign = true})
+    for i = 1, part.mesh.element_count do
+      assert.equal(negative.objectives[i], minus.objectives[i])
+      assert.equal(negative.peaks[i], minus.peaks[i])
+      assert.equal(1, minus.flipped[i])
+      assert.equal(math.max(plus.objectives[i], minus.objectives[i]), both.objectives[i])
+    end
+  end)
+
   it("has a factor, also where another analysis needs none", function()
     local part, pairs_of = blocks(1, 0, true)
     local solver = bw.solver.cholesky {precision = 32} -- of refinement to a tolerance
