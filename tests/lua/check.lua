@@ -25,13 +25,14 @@ function check.bar()
     bw.model {mesh = mesh, material = bw.material.pla}:fix(mesh.boundary:below(1, 0))
 end
 
---- A mesh of boxes that touch or not, without common nodes: `list` has {min, max, cells} of each.
-function check.boxes(order, list)
+--- A mesh of boxes that touch or not, without common nodes: `list` has {min, max, cells} of each, `place` says where
+--- a node comes to lie.
+function check.boxes(order, list, place)
   local nodes, elements = {}, {}
   for _, box in ipairs(list) do
     local mesh = bw.mesh.box {min = box[1], max = box[2], cells = box[3], order = order}
     local before = #nodes
-    for _, p in ipairs(mesh.nodes:totable()) do nodes[#nodes + 1] = p end
+    for _, p in ipairs(mesh.nodes:totable()) do nodes[#nodes + 1] = place and place(p) or p end
     for _, row in ipairs(mesh.elements:totable()) do
       for k = 1, #row do row[k] = row[k] + before end
       elements[#elements + 1] = row

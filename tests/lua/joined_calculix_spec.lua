@@ -6,23 +6,10 @@ local check = require "check"
 
 local function has_ccx() return os.execute "command -v ccx > /dev/null 2>&1" end
 
--- Two boxes along x whose cells do not match, `gap` apart.
+-- Two boxes along x whose cells do not match.
 local function bar(order, turned, material)
-  local nodes, elements = {}, {}
-  for n, cells in ipairs {{3, 2, 2}, {4, 3, 3}} do
-    local box = bw.mesh.box {min = {n - 1, 0, 0}, max = {n, 0.5, 0.5}, cells = cells, order = order}
-    local before = #nodes
-    for _, p in ipairs(box.nodes:totable()) do
-      local x, y, z = p[1], p[2], p[3]
-      if turned then x, y = 0.8 * x - 0.6 * y, 0.6 * x + 0.8 * y end
-      nodes[#nodes + 1] = {x, y, z}
-    end
-    for _, e in ipairs(box.elements:totable()) do
-      for k = 1, #e do e[k] = e[k] + before end
-      elements[#elements + 1] = e
-    end
-  end
-  local mesh = bw.mesh.new {nodes = nodes, elements = elements, order = order}
+  local mesh = check.boxes(order, {{{0, 0, 0}, {1, 0.5, 0.5}, {3, 2, 2}}, {{1, 0, 0}, {2, 0.5, 0.5}, {4, 3, 3}}},
+    turned and function(p) return {0.8 * p[1] - 0.6 * p[2], 0.6 * p[1] + 0.8 * p[2], p[3]} end)
   local along = turned and {0.8, 0.6, 0} or {1, 0, 0}
   local across = turned and {-0.6, 0.8, 0} or {0, 1, 0}
   local boundary = mesh.boundary
