@@ -151,6 +151,22 @@ static void transmit(interface_work *w, const bw_dof_map *dof_map, bw_interface_
   sum->imbalance = whole > 0 ? lack / whole : 0;
 }
 
+/* Loads of an instant of a motion have inertia, damping and factors of time, which the elements of
+ * a region are not known to take. */
+static bw_status check_loads(bw_context *context, const interface_work *w) {
+  double off = 0, largest = 0;
+  bw_status status = bw_model_force_vector(context, w->result->model, w->load);
+  for (int64_t i = 0; status == BW_OK && i < 3 * (int64_t)w->mesh->node_count; i++) {
+    off = fmax(off, fabs(w->result->force[i] - w->load[i]));
+    largest = fmax(largest, fabs(w->result->force[i]));
+  }
+  if (off > 1e-9 * largest)
+    status = bw_fail(context, BW_UNSUPPORTED,
+                     "this solution has other loads than its model: it is an instant of a "
+                     "transient, with inertia and factors of time. Solve the model");
+  return status;
+}
+
 bw_status bw_interface_traction(bw_context *context, const bw_static *result, int32_t a, int32_t b,
                                 double *traction, double *normal, double *shear,
                                 bw_interface_force *sum) {
@@ -167,6 +183,7 @@ bw_status bw_interface_traction(bw_context *context, const bw_static *result, in
     BW_TRY(bw_model_refuse_joints(context, result->model));
   BW_TRY(bwi_dof_map_apart(context, result->model, &dof_map));
   BW_TRY(reserve(context, &w));
+  BW_TRY(check_loads(context, &w));
   for (int64_t i = 0; i < (int64_t)w.interface.count * w.mesh->nodes_per_facet; i++)
     w.on[w.interface.facet[i]] = 1;
   BW_TRY(find_side(context, &w, a, w.side[0]));

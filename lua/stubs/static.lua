@@ -140,7 +140,8 @@ function Static:buckling(options) end
 ---included. Nodal forces there, and what a third region or a joint exerts, are divided evenly between the two. Where materials meet at
 ---the surface of a body, the stress can be singular and the tractions there grow without limit as elements become small.
 ---
----Errors: unsupported (a sector of cyclic symmetry). A model that has changed since it was solved is refused.
+---Errors: unsupported (a sector of cyclic symmetry; an instant of a transient, whose loads have inertia and factors of time). A
+---model that has changed since it was solved is refused.
 ---
 ---Source: docs/theory/elements.md.
 ---```lua

@@ -236,6 +236,8 @@ describe("materials by region", function()
     assert.equal("the regions 'low' and 'end' do not touch", tostring(static:interface_traction("low", "end")))
     check.raises("did you mean 'low'", static.interface_traction, static, "lov", "high")
     check.raises("two different regions expected", static.interface_traction, static, "low", "low")
+    local instant = assert(part:transient {step = 1e-5}):static()
+    check.fails("unsupported", "other loads than its model", instant:interface_traction("low", "high"))
   end)
 
   it("rank worst loads by stress over the strength of each", function()

@@ -51,7 +51,7 @@ typedef struct bw_interface_force {
  * elsewhere: traction (Pa, node_count x 3), normal (Pa, node_count) positive in tension, shear (Pa,
  * node_count) the size of the rest. Mid-edge nodes have the means of their ends. BW_INVALID for
  * regions that are none, and for a model that has changed since, BW_UNSUPPORTED for a
- * sector of cyclic symmetry. */
+ * sector of cyclic symmetry and for an instant of a transient with other loads than its model. */
 BW_API bw_status bw_interface_traction(bw_context *context, const bw_static *result, int32_t a,
                                        int32_t b, double *traction, double *normal, double *shear,
                                        bw_interface_force *sum);
