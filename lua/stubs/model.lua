@@ -195,7 +195,7 @@ function Model:clear_bonds() end
 ---```
 ---
 ---Errors: geometry (faces that do not match, with angle or distance; an axis that passes elements away from their edges),
----unsupported (a model with bonds).
+---unsupported (a model with preloads or couplings).
 ---
 ---Source: Thomas, Int. J. Numer. Meth. Eng. 14 (1979); docs/theory/symmetry.md.
 ---@param options bw.CyclicOptions faces, number of sectors and axis
