@@ -89,12 +89,9 @@ done:
 
 static bw_status factor_joined(bw_context *context, bwi_shifted *s, double shift,
                                bwi_factor **factor) {
-  const char *name = s->equations->joined.equations.k->name.text;
-  const char *advice = "a coarser mesh needs less";
-  bw_status status =
-      s->symbolic ? bwi_matrix_pair_factor_again(context, &s->pair, -shift, NULL, name, advice,
-                                                 s->symbolic, factor)
-                  : bwi_matrix_pair_factor(context, &s->pair, -shift, NULL, name, advice, factor);
+  bw_status status = bwi_matrix_pair_factor(context, &s->pair, -shift, NULL,
+                                            s->equations->joined.equations.k->name.text,
+                                            "a coarser mesh needs less", s->symbolic, factor);
   if (status == BW_OK && !s->symbolic)
     s->symbolic = bw_retain((*factor)->symbolic);
   return status;

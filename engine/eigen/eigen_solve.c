@@ -197,7 +197,7 @@ static bw_status make_factor(bw_context *context, pencil *p) {
                    lacks->name.text);
   BW_TRY(bwi_matrix_pair_open(context, p->k->matrix, m, &p->pair));
   BW_TRY(bwi_matrix_pair_factor(context, &p->pair, sigma, NULL, p->k->name.text,
-                                "the eigensolver lobpcg needs none", &p->factor));
+                                "the eigensolver lobpcg needs none", NULL, &p->factor));
 done:
   return status;
 }

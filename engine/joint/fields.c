@@ -38,7 +38,7 @@ bw_status bwi_joined_factor(bw_context *context, bwi_joined_fields *e) {
     BW_TRY(bwi_joined_fail_free(context, q));
   BW_TRY(bwi_matrix_pair_open(context, q->k->matrix, NULL, &pair));
   BW_TRY(bwi_matrix_pair_factor(context, &pair, 0, NULL, q->k->name.text,
-                                "a coarser mesh needs less", &e->factor));
+                                "a coarser mesh needs less", NULL, &e->factor));
 done:
   bwi_matrix_pair_clear(&pair);
   return status;

@@ -71,7 +71,7 @@ static bw_status prepare(bw_context *context, const bw_static *solution, pencil 
   BW_TRY(bw_operator_of_matrix(context, matrix, "initial stress of the joined bodies", &p->stress));
   BW_TRY(bwi_matrix_pair_open(context, q->k->matrix, p->stress->matrix, &p->pair));
   BW_TRY(bwi_matrix_pair_factor(context, &p->pair, 0, NULL, q->k->name.text,
-                                "a coarser mesh needs less", &p->factor));
+                                "a coarser mesh needs less", NULL, &p->factor));
 done:
   bw_release(matrix);
   bw_free(values);

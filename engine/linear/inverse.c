@@ -108,7 +108,7 @@ bw_status bw_operator_inverse(bw_context *context, const bw_sparse_matrix *matri
   else {
     BW_TRY(bwi_matrix_pair_open(context, matrix, NULL, &pair));
     BW_TRY(bwi_matrix_pair_factor(context, &pair, 0, solver, a->name.text,
-                                  "conjugate gradients with jacobi need none", &m->factor));
+                                  "conjugate gradients with jacobi need none", NULL, &m->factor));
   }
   BW_TRY(bw_operator_create(context, m->size, inverse_apply, m, inverse_destroy,
                             jacobi ? "jacobi" : "cholesky", &made));
@@ -152,7 +152,6 @@ static bw_status open_on(bw_context *context, const bw_sparse_matrix *matrix,
 
 bw_status bwi_operator_inverse_follow(bw_context *context, const bw_sparse_matrix *matrix,
                                       bw_operator **inverse_of, bwi_inverse_reuse *reused) {
-  static const char *advice = "a coarser mesh needs less";
   bw_status status = BW_OK;
   const inverse none = {0}, *former = *inverse_of ? (*inverse_of)->data : &none;
   bw_operator *made = NULL;
@@ -173,14 +172,10 @@ bw_status bwi_operator_inverse_follow(bw_context *context, const bw_sparse_matri
     symbolic = bw_retain(former->factor->symbolic);
   bw_release(*inverse_of); /* before another factor takes memory */
   *inverse_of = NULL;
-  if (symbolic) {
-    BW_TRY(bwi_matrix_pair_factor_again(context, &m->pair, 0, NULL,
-                                        "stiffness of the joined bodies", advice, symbolic,
-                                        &m->factor));
+  BW_TRY(bwi_matrix_pair_factor(context, &m->pair, 0, NULL, "stiffness of the joined bodies",
+                                "a coarser mesh needs less", symbolic, &m->factor));
+  if (symbolic)
     *reused = BWI_REUSED_ORDER;
-  } else
-    BW_TRY(bwi_matrix_pair_factor(context, &m->pair, 0, NULL, "stiffness of the joined bodies",
-                                  advice, &m->factor));
   BW_TRY(
       bw_operator_create(context, m->size, inverse_apply, m, inverse_destroy, "cholesky", &made));
   m = NULL;

@@ -85,39 +85,37 @@ static bw_status check_memory(bw_context *context, const bwi_symbolic *symbolic,
   return BW_MEMORY;
 }
 
-bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pair, double sigma,
-                                 const bw_solver *solver, const char *name, const char *advice,
-                                 bwi_factor **factor) {
+static bw_status order_pair(bw_context *context, const bwi_matrix_pair *pair,
+                            const bw_solver *solver, bwi_symbolic **symbolic) {
   bw_status status = BW_OK;
   bwi_order *order = NULL;
-  bwi_symbolic *symbolic = NULL;
   int32_t *unknown = BW_NEW0(context, int32_t, pair->pattern->node_count);
   if (!unknown)
     return BW_MEMORY;
   bw_progress(context, "ordering", 0);
   BW_TRY(bwi_order_create_by(context, pair->pattern, NULL,
                              solver ? solver->options.ordering : BW_ORDERING_AUTO, &order));
-  BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &symbolic));
-  BW_TRY(
-      bwi_matrix_pair_factor_again(context, pair, sigma, solver, name, advice, symbolic, factor));
+  BW_TRY(bwi_symbolic_create(context, order, 1, unknown, symbolic));
 done:
   bw_free(unknown);
   bw_release(order);
-  bw_release(symbolic);
   return status;
 }
 
-bw_status bwi_matrix_pair_factor_again(bw_context *context, const bwi_matrix_pair *pair,
-                                       double sigma, const bw_solver *solver, const char *name,
-                                       const char *advice, bwi_symbolic *symbolic,
-                                       bwi_factor **factor) {
+bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pair, double sigma,
+                                 const bw_solver *solver, const char *name, const char *advice,
+                                 bwi_symbolic *symbolic, bwi_factor **factor) {
   bw_status status = BW_OK;
   const bwi_kernels *kernels = bwi_kernels_of(solver);
   int32_t bad = 0;
+  bwi_symbolic *own = NULL;
   bwi_matrix matrix = {.pattern = pair->pattern,
                        .stiffness = pair->k,
                        .mass = sigma != 0 ? pair->m : NULL,
                        .shift = -sigma};
+  if (!symbolic)
+    BW_TRY(order_pair(context, pair, solver, &own));
+  symbolic = symbolic ? symbolic : own;
   BW_TRY(check_memory(context, symbolic, kernels, name, advice));
   bw_progress(context, "factorisation", 0);
   status = bwi_factor_create_in(context, symbolic, &matrix, NULL, kernels, factor, &bad);
@@ -127,6 +125,7 @@ bw_status bwi_matrix_pair_factor_again(bw_context *context, const bwi_matrix_pai
     bw_detail_number(context, "row", bad + 1);
   }
 done:
+  bw_release(own);
   return status;
 }
 
@@ -138,7 +137,7 @@ bw_status bwi_matrix_solve(bw_context *context, const bw_sparse_matrix *matrix, 
   if (matrix->rows == 0)
     return BW_OK;
   BW_TRY(bwi_matrix_pair_open(context, matrix, NULL, &pair));
-  BW_TRY(bwi_matrix_pair_factor(context, &pair, 0, NULL, name, advice, &factor));
+  BW_TRY(bwi_matrix_pair_factor(context, &pair, 0, NULL, name, advice, NULL, &factor));
   BW_TRY(bwi_solve_fields(context, factor, NULL, count, x, x));
 done:
   bw_release(factor);

@@ -15,17 +15,13 @@ typedef struct bwi_matrix_pair {
 bw_status bwi_matrix_pair_open(bw_context *context, const bw_sparse_matrix *k,
                                const bw_sparse_matrix *m, bwi_matrix_pair *pair);
 void bwi_matrix_pair_clear(bwi_matrix_pair *pair);
-/* The factor of K - sigma M as `solver` (NULL: the default) describes it. BW_SINGULAR names the
- * matrix and the row; BW_MEMORY before any is allocated where it is larger than what is free.
- * `advice`: what needs less memory, as the end of that message. */
+/* The factor of K - sigma M as `solver` (NULL: the default) describes it, in the elimination order
+ * `symbolic` (NULL: a new one), that of a former factor of the pair: factor->symbolic. BW_SINGULAR
+ * names the matrix and the row; BW_MEMORY before any is allocated where it is larger than what is
+ * free. `advice`: what needs less memory, as the end of that message. */
 bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pair, double sigma,
                                  const bw_solver *solver, const char *name, const char *advice,
-                                 bwi_factor **factor);
-/* The same with the elimination order of a former factor of the pair: factor->symbolic. */
-bw_status bwi_matrix_pair_factor_again(bw_context *context, const bwi_matrix_pair *pair,
-                                       double sigma, const bw_solver *solver, const char *name,
-                                       const char *advice, bwi_symbolic *symbolic,
-                                       bwi_factor **factor);
+                                 bwi_symbolic *symbolic, bwi_factor **factor);
 /* Solves A x = b in place for `count` right-hand sides of matrix->rows numbers, one after the
  * other, by a factor that is not kept. Those of bwi_matrix_pair_factor. */
 bw_status bwi_matrix_solve(bw_context *context, const bw_sparse_matrix *matrix, const char *name,
