@@ -128,15 +128,31 @@ static int core_set_material(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+static const bw_subdomains *check_subdomains(lua_State *L, int index, const bw_mesh *mesh) {
+  const bw_subdomains *subdomains =
+      (const bw_subdomains *)lbw_check(L, index, &lbw_subdomains_class);
+  lbw_argument_check(L,
+                     subdomains->mesh->node_count == mesh->node_count &&
+                         subdomains->mesh->element_count == mesh->element_count,
+                     index, "subdomains of the model's mesh expected");
+  return subdomains;
+}
+
+/* Whether an update can follow the material of the model that is the second argument. */
+static int push_follows(lua_State *L, const bw_mesh *mesh,
+                        const bw_subdomain_stiffness *stiffness) {
+  const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
+  lbw_argument_check(L, model->mesh->element_count == mesh->element_count, 2,
+                     "a model of the same topology expected");
+  lua_pushboolean(L, bw_subdomain_stiffness_follows(stiffness, model->material));
+  return 1;
+}
+
 /* incremental_system(model, subdomains, rotate_material): the model at the shape that later motions
  * count from */
 static int core_incremental_system(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
-  const bw_subdomains *subdomains = (const bw_subdomains *)lbw_check(L, 2, &lbw_subdomains_class);
-  lbw_argument_check(L,
-                     subdomains->mesh->node_count == model->mesh->node_count &&
-                         subdomains->mesh->element_count == model->mesh->element_count,
-                     2, "subdomains of the model's mesh expected");
+  const bw_subdomains *subdomains = check_subdomains(L, 2, model->mesh);
   lbw_box *box = lbw_box_new(L, &lbw_incremental_system_class);
   bw_incremental_system *incremental = NULL;
   bool rotate_material = lua_toboolean(L, 3);
@@ -167,11 +183,7 @@ static int incremental_update(lua_State *L) {
 /* incremental:follows(model): whether the model's material can be followed by an update */
 static int incremental_follows(lua_State *L) {
   const bw_incremental_system *incremental = self(L);
-  const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
-  lbw_argument_check(L, model->mesh->element_count == incremental->system->mesh->element_count, 2,
-                     "a model of the same topology expected");
-  lua_pushboolean(L, bw_subdomain_stiffness_follows(incremental->stiffness, model->material));
-  return 1;
+  return push_follows(L, incremental->system->mesh, incremental->stiffness);
 }
 
 void lbw_read_guess(lua_State *L, int index, const char *function, int64_t nodes,
@@ -341,15 +353,10 @@ static bw_joined_incremental *joined_self(lua_State *L) {
 }
 
 /* joined_incremental_system(model, subdomains, rotate_material): as incremental_system, of a joined
- * model
- */
+ * model */
 static int core_joined_incremental(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
-  const bw_subdomains *subdomains = (const bw_subdomains *)lbw_check(L, 2, &lbw_subdomains_class);
-  lbw_argument_check(L,
-                     subdomains->mesh->node_count == model->mesh->node_count &&
-                         subdomains->mesh->element_count == model->mesh->element_count,
-                     2, "subdomains of the model's mesh expected");
+  const bw_subdomains *subdomains = check_subdomains(L, 2, model->mesh);
   lbw_box *box = lbw_box_new(L, &lbw_joined_incremental_class);
   bw_joined_incremental *joined = NULL;
   bool rotate_material = lua_toboolean(L, 3);
@@ -375,13 +382,8 @@ static int joined_update(lua_State *L) {
 /* joined:follows(model): whether the model's material can be followed by an update */
 static int joined_follows(lua_State *L) {
   const bw_joined_incremental *joined = joined_self(L);
-  const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
-  lbw_argument_check(
-      L, model->mesh->element_count == bw_joined_incremental_mesh(joined)->element_count, 2,
-      "a model of the same topology expected");
-  lua_pushboolean(
-      L, bw_subdomain_stiffness_follows(bw_joined_incremental_stiffness(joined), model->material));
-  return 1;
+  return push_follows(L, bw_joined_incremental_mesh(joined),
+                      bw_joined_incremental_stiffness(joined));
 }
 
 /* joined:statics(model, options, reuse or nil): static, reuse */
