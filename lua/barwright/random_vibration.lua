@@ -42,14 +42,21 @@ function random:picture(path, given)
   return nodal_files.picture(self.mesh, self.von_mises, "root mean square of von Mises stress", path, given)
 end
 
+local vibration = {}
+
+--- How sure the modes and the equations of a random response are, in words.
+function vibration.equations(self)
+  local counted = self.counted
+  return ("modes %s; error of the equations %s"):format(counted and "counted: none is missing" or "not counted",
+    self.error < math.huge and ("%s %.1e of the displacement, in energy"):format(counted and "at most" or "about",
+      self.error) or "unknown")
+end
+
 function random:__tostring()
-  local equations = self.error < math.huge and ("%s %.1e of the displacement, in energy"):format(
-    self.counted and "at most" or "about", self.error) or "unknown"
-  return ("random response: largest root mean squares %s and %s of von Mises stress, 3 times that %s; modes %s; "
-    .. "error of the equations %s; errors of the quadrature and of the mesh unknown"):format(
-    core.quantity(self.displacement:max(), "m"), core.quantity(self.von_mises:max(), "Pa"),
-    core.quantity(3 * self.von_mises:max(), "Pa"), self.counted and "counted: none is missing" or "not counted",
-    equations)
+  return ("random response: largest root mean squares %s and %s of von Mises stress, 3 times that %s; %s; errors "
+    .. "of the quadrature and of the mesh unknown"):format(core.quantity(self.displacement:max(), "m"),
+    core.quantity(self.von_mises:max(), "Pa"), core.quantity(3 * self.von_mises:max(), "Pa"),
+    vibration.equations(self))
 end
 
 local function place_of(mesh, node)
@@ -85,30 +92,32 @@ function random:margins(given)
   return setmetatable(made, margins)
 end
 
-local vibration = {}
-
 --- What margins say, in sentences.
 function vibration.margin_sentences(self)
-  local node = self.node
-  return {
+  local node, duration = self.node, core.quantity(self.duration, "s")
+  local out = {
     ("%g times the root mean square of von Mises stress is %s of the strength at %s: the margin is %s."):format(
       self.sigma, shown.percent(self.used[self.margin_node]), core.point(self.margin_at),
       shown.percent(self.margin)),
-    ("There von Mises stress exceeds these %g deviations for %s of the time, and the strength at %s for %s of "
-      .. "it, %s times a second at most."):format(self.sigma, shown.estimate(self.beyond, ""), core.point(self.at),
-      shown.estimate(self.exceedance[node], ""), shown.estimate(self.rate[node], "")),
-    ("The probability that it does so in %s is at most %s; %s where crossings are independent (Poisson)."):format(
-      core.quantity(self.duration, "s"), shown.estimate(self.first_passage[node], ""),
-      shown.estimate(self.poisson, "")),
+    ("There von Mises stress exceeds these %g deviations for %s of the time."):format(self.sigma,
+      shown.percent(self.beyond)),
   }
+  if self.first_passage[node] == 0 then
+    out[3] = ("The probability that it exceeds the strength in %s is below 1e-300 at each place."):format(duration)
+    return out
+  end
+  out[3] = ("It exceeds the strength at %s for %s of the time, and begins to %s times a second at most."):format(
+    core.point(self.at), shown.percent(self.exceedance[node]), shown.estimate(self.rate[node], ""))
+  out[4] = ("The probability that it does so in %s is at most %s; %s where crossings are independent "
+    .. "(Poisson)."):format(duration, shown.percent(self.first_passage[node]), shown.percent(self.poisson))
+  return out
 end
 
-vibration.assumptions = "Stresses are taken as Gaussian with the mean 0, without static ones, each place by "
-  .. "itself; errors of the quadrature and of the mesh unknown"
+vibration.assumptions = "Stresses are taken as Gaussian with the mean 0, without static ones, each place by itself"
+local unknown = vibration.assumptions .. "; errors of the quadrature and of the mesh unknown"
 
 function margins:__tostring()
-  return ("random margins: %s %s"):format(table.concat(vibration.margin_sentences(self), " "),
-    vibration.assumptions)
+  return ("random margins: %s %s"):format(table.concat(vibration.margin_sentences(self), " "), unknown)
 end
 
 --- Probabilities and rates as .vtu (or what the ending says).
@@ -178,7 +187,7 @@ end
 
 function fatigue:__tostring()
   return ("random fatigue: %s %s; life curves scatter by factors of 2 to 10"):format(
-    table.concat(vibration.fatigue_sentences(self), " "), vibration.assumptions)
+    table.concat(vibration.fatigue_sentences(self), " "), unknown)
 end
 
 local files = {write = "path: string, options?: options", picture = "path: string, options?: options"}

@@ -126,8 +126,11 @@ function respond_random.report(found, errors, opts, out)
   else
     out:say "Fatigue is not judged: no life curve is given (--life)."
   end
-  out:say("Modes %s; error of the equations %.1e of the displacement, in energy. %s.",
-    random.counted and "counted: none is missing" or "not counted", random.error, vibration.assumptions)
+  out:say("%s.", (vibration.equations(random):gsub("^%l", string.upper)))
+  local judged = m and (fatigue and "shares, probabilities and damage" or "shares and probabilities")
+    or fatigue and "damage"
+  out:say("%s. The error of the quadrature is unknown%s.", vibration.assumptions,
+    judged and ", and that of the mesh in " .. judged or "")
   out:json {quantity = "largest von Mises stress, three times its root mean square, Pa",
     duration_s = opts.duration, exceedance = m and m.exceedance[m.node], crossing_rate_hz = m and m.rate[m.node],
     first_passage = m and m.first_passage[m.node], first_passage_poisson = m and m.poisson,
