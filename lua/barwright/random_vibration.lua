@@ -81,7 +81,9 @@ function random:margins(given)
   local made = {mesh = self.mesh, sigma = opts.sigma, duration = opts.duration, exceedance = exceedance,
     rate = rate, used = used,
     first_passage = core.array.map("min(1, p + n * t)", {p = exceedance, n = rate, t = opts.duration})}
-  local node = made.first_passage:max() > 0 and made.first_passage:argmax() or used:argmax()
+  -- where several bounds are 1, the larger share of the time
+  local bound = core.array.map("b + (b >= 1) * p", {b = made.first_passage, p = exceedance})
+  local node = bound:max() > 0 and bound:argmax() or used:argmax()
   made.node, made.at = node, place_of(self.mesh, node)
   made.poisson = 1 - (1 - exceedance[node]) * math.exp(-rate[node] * opts.duration)
   if made.poisson < 1e-8 then made.poisson = made.first_passage[node] end -- without the rounding of 1

@@ -391,7 +391,7 @@ function RandomResponse:picture(path, options) end
 ---@field margin_node integer (index from 1) the node of the margin
 ---@field margin_at number[] (m, 3) the place of that node
 ---@field beyond number (-) probability that von Mises stress exceeds `sigma` root mean squares at that node, at an instant; 0.0027 for 3 where one component acts
----@field node integer (index from 1) where a first passage is most probable
+---@field node integer (index from 1) where a first passage is most probable; where it is certain, the node with the largest `exceedance`
 ---@field at number[] (m, 3) the place of that node
 ---@field poisson number (-) probability of a first passage at that node if crossings were independent
 ---@field sigma number (-) root mean squares of the margin
