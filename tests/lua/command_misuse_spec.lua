@@ -23,6 +23,7 @@ local function make_files()
     .. '<path d="M0 0H40V20H0Z"/></svg>')
   write("ok.csv", "10 5\n100 20\n4000 3\n")
   write("comma.csv", "10;5,5\n")
+  write("curve.png", "10 5\n100 20\n")
   assert(os.execute("mkdir '" .. folder .. "/folder.stl'"))
 end
 
@@ -81,6 +82,8 @@ local wrong = {
   {"respond part.stl" .. SHAKEN .. "--spectrum comma.csv --direction 0,0,1", 3, "with decimal points, expected"},
   {"respond part.stl --fix min:x --base 0,0,1g --to 9 --damping 2%", 2, "a number without a unit above 0"},
   {"respond part.stl" .. SHAKEN .. "--base 0,0,1g --to 9 --csv part.stl", 2, "a file that ends in .csv expected"},
+  {"respond part.stl" .. SHAKEN .. "--base 0,0,1g --psd curve.png --duration 1s --picture ./curve.png", 2,
+    "./curve.png is the file of --psd: give another file"},
   {"drop part.stl --height 1", 2, "'1' has no unit: write 1mm or 1m"},
   {"drop part.stl --down 0,0,0", 2, "--down: a direction expected"},
   {"drop part.stl --peg 5mm --edge 5mm", 2, "--peg and --edge: leave out one of them"},

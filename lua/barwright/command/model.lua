@@ -388,7 +388,9 @@ end
 local function check_outputs(opts)
   local role = {}
   role[plain_path(opts.model)] = "the MODEL"
-  if opts.spectrum then role[plain_path(opts.spectrum)] = "the file of --spectrum" end
+  for _, name in ipairs {"spectrum", "psd"} do
+    if opts[name] then role[plain_path(opts[name])] = "the file of --" .. name end
+  end
   for _, name in ipairs {"report", "picture", "vtu", "csv", "plot", "out"} do
     local path = opts[name]
     if path then
