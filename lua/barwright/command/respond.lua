@@ -178,14 +178,14 @@ local function run_points(way, path, opts, given, out)
     ok, message, details = way.judge(found, opts, given)
     if not ok then return out:fail(message, details) end
   end
-  local errors = errors_of(found, 0)
+  local errors = errors_of(found, found.equations or 0)
   out:say("")
   way.report(found, errors, opts, out)
   local verdict = report_verdict(found, found.response.mesh, errors, opts, out)
   local failed = out:write_files {{opts.vtu, function() return found.response:write(opts.vtu) end},
     {opts.picture, function()
       return found.response:picture(opts.picture, {title = static_picture.title(model.name(opts.model),
-        {stress = found.stress.value, error = errors_of(found, 0).stress, judged = found.singular and {}})})
+        {stress = found.stress.value, error = errors.stress, judged = found.singular and {}})})
     end}}
   if failed then return failed end
   return verdict == "holds" and 0 or 1

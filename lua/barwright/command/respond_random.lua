@@ -82,7 +82,8 @@ local function largest_of(mesh, field)
   return {value = SIGMA * field(node, column), at = mesh.nodes:rows(node, node):totable()[1]}
 end
 
---- {response =, von_mises = of nodes, displacement =, stress =}, of three deviations; or nil, message, details.
+--- {response =, von_mises = of nodes, displacement =, stress =, of three deviations, equations = relative error of
+--- these}, or nil, message, details.
 function respond_random.measure(part, opts, given)
   local points = given.points
   local response, message, details = model.try(part.harmonic, part,
@@ -90,8 +91,9 @@ function respond_random.measure(part, opts, given)
   if not response then return nil, message, details end
   local random, why, more = model.try(response.random, response, {psd = points})
   if not random then return nil, why, more end
-  return {response = random, frequencies = response.modes.frequencies, von_mises = random.von_mises * SIGMA,
-    stress = largest_of(part.mesh, random.von_mises), displacement = largest_of(part.mesh, random.displacement)}
+  return {response = random, frequencies = response.modes.frequencies, equations = random.error,
+    von_mises = random.von_mises * SIGMA, stress = largest_of(part.mesh, random.von_mises),
+    displacement = largest_of(part.mesh, random.displacement)}
 end
 
 --- Strength and fatigue, which coarser meshes do not need: `found` takes margins and damage. True, or nil,
@@ -113,10 +115,10 @@ end
 function respond_random.report(found, errors, opts, out)
   local random, stress, displacement, m = found.response, found.stress, found.displacement, found.margins
   out:say("The largest component of the displacement is %s at %s, relative to the supports, three times its root "
-    .. "mean square (estimated error of the mesh %s, %s).", shown.estimate(displacement.value, "m"),
+    .. "mean square (estimated error %s, %s).", shown.estimate(displacement.value, "m"),
     core.point(displacement.at), shown.error(errors.displacement), errors.way)
-  out:say("The largest von Mises stress is %s at %s, three times its root mean square (estimated error of the "
-    .. "mesh %s, %s).", shown.estimate(stress.value, "Pa"), core.point(stress.at), shown.error(errors.stress),
+  out:say("The largest von Mises stress is %s at %s, three times its root mean square (estimated error %s, "
+    .. "%s).", shown.estimate(stress.value, "Pa"), core.point(stress.at), shown.error(errors.stress),
     errors.way)
   for _, sentence in ipairs(m and vibration.margin_sentences(m) or {}) do out:say("%s", sentence) end
   local fatigue = found.fatigue
