@@ -346,7 +346,7 @@ for _, fit in ipairs {"clearance", "neat fit"} do
         found[#found + 1], exact[#exact + 1] = pressure[i], persson(b, angle) * force / radius
       end
     end
-    expect(found, "largest difference of the pressure within 0.9 of that angle / the largest", "-")
+    expect(found, "pressure within 0.9 of that angle", "Pa")
       :near(exact, {relative = 0.02, source = source})
   end)
 end

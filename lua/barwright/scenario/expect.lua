@@ -139,6 +139,7 @@ local function tolerance_text(opts, unit)
   return "within " .. table.concat(parts, " or ")
 end
 
+-- The figure is the largest difference; with `relative` over the largest value of the reference, without a unit.
 local function near_list(self, reference, opts)
   local b, shape = numbers.flat(reference)
   local a, own = numbers.flat(self.value)
@@ -151,13 +152,17 @@ local function near_list(self, reference, opts)
     return judged(self, "near", entry, false, ("%s, %s expected"):format(own, shape))
   end
   local max, size, at = numbers.largest(a, b)
-  entry.figure = plain(size > 0 and max / size or max)
-  entry.values, entry.at = #a, at
+  local over = opts.relative and size > 0
+  local figure = over and max / size or max
+  entry.figure, entry.values, entry.at = plain(figure), #a, at
   local good = max <= math.max(opts.absolute or 0, (opts.relative or 0) * size)
   local x, y = numbers.apart(a[at] or 0, b[at] or 0)
-  return judged(self, "near", entry, good,
-    ("value %d of %s is %s, %s expected: apart by %s of the largest (%s); %s expected"):format(at, own, x, y,
-      show(size > 0 and max / size or max, 3), show(size), entry.allowed))
+  local apart = over and ("%s of the largest (%s)"):format(show(figure, 3), with_unit(self, show(size)))
+    or with_unit(self, show(max, 3))
+  return judged({what = (self.what and self.what .. ", " or "") .. "largest difference"
+    .. (over and " over the largest value" or ""), unit = not over and self.unit or nil}, "near", entry, good,
+    ("value %d of %s is %s, %s expected: apart by %s; %s expected"):format(at, own, with_unit(self, x),
+      with_unit(self, y), apart, entry.allowed))
 end
 
 --- Near the reference: |figure - reference| at most `absolute`, or `relative` |reference|, whichever is
