@@ -108,7 +108,7 @@ describe("buckling", function()
   it("refuses misuse in a sentence", function()
     local static = assert(column({-100, 0, 0}):solve())
     local buckling = assert(static:buckling {count = 1})
-    for text, call in pairs {
+    check.misuses {
       ["option 'sign'"] = function() static:buckling {sign = "up"} end,
       ["501 load factors"] = function() static:buckling {count = 501} end,
       ["unknown option 'shapes'"] = function() static:buckling {shapes = 2} end,
@@ -117,12 +117,7 @@ describe("buckling", function()
       ["not all of them zero"] = function() buckling:imperfect_mesh {amplitude = 1, weights = {0}} end,
       ["item 1: a number expected"] = function() buckling:imperfect_mesh {amplitude = 1, weights = {"x"}} end,
       ["a table of options expected"] = function() column():buckling(3) end,
-    } do
-      local ok, message = pcall(call)
-      assert.is_false(ok, text)
-      assert.truthy(message:find(text, 1, true), message)
-      assert.truthy(message:find("buckling_spec.lua:", 1, true), message)
-    end
+    }
     local part = bw.model {mesh = static.mesh, material = steel}
     part:load {on = static.mesh.boundary, pressure = 1e3}
     local none, message, details = assert(part:solve()):buckling()

@@ -75,6 +75,20 @@ function check.raises(text, f, ...)
   end
 end
 
+--- Each call, by the text that its message holds, raises where the calling file stands.
+function check.misuses(calls)
+  local file = debug.getinfo(2, "S").source:match "[^/]+$" .. ":"
+  for text, call in pairs(calls) do
+    local ok, message = pcall(call)
+    if ok then error("nothing was raised: " .. text, 2) end
+    for _, part in ipairs {text, file} do
+      if not tostring(message):find(part, 1, true) then
+        error(("raised \"%s\", which lacks \"%s\""):format(tostring(message), part), 2)
+      end
+    end
+  end
+end
+
 --- nil, a message that holds the text, details with the status.
 function check.fails(status, text, value, message, details)
   if value ~= nil then error("it did not fail", 2) end
@@ -129,6 +143,16 @@ function check.run(arguments, input, program)
   local _, _, status = os.execute(("BARWRIGHT_QUIET=1 '%s' %s >%s/out 2>%s/err <%s"):format(
     program or check.program, arguments, folder, folder, input or "/dev/null"))
   return status, check.read(folder .. "/out"), check.read(folder .. "/err")
+end
+
+--- Runs a command with --json; returns exit status, the object, standard error.
+function check.answer(words)
+  local status, out, err = check.run(words .. " --json")
+  local object, why = bw.json.decode(out)
+  if not object then error(tostring(why) .. "\n" .. out .. err, 2) end
+  if status ~= object.exit_code then error("exit_code " .. tostring(object.exit_code), 2) end
+  if err:find("traceback", 1, true) or object.error and select(2, err:gsub("\n", "")) ~= 1 then error(err, 2) end
+  return status, object, err
 end
 
 return check

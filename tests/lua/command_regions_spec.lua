@@ -16,15 +16,7 @@ assert(bw.surface.box {max = {LENGTH, SIDE, SIDE}}:write(folder .. "bar.stl"))
 local BOTH = " --unit m --material rest=pla --material grip=steel"
 local materials = {rest = bw.material.pla, grip = bw.material.steel}
 
-local function answer(words)
-  local status, out, err = check.run(words .. " --json")
-  local object, why = bw.json.decode(out)
-  assert(object, tostring(why) .. "\n" .. out .. err)
-  assert.equal(status, object.exit_code)
-  assert.is_nil(err:find("traceback", 1, true), err)
-  if object.error then assert.equal(1, select(2, err:gsub("\n", "")), err) end
-  return status, object, err
-end
+local answer = check.answer
 
 local function solved(force, given)
   local part = bw.model {mesh = mesh, materials = given or materials}

@@ -308,16 +308,7 @@ local function models()
   return folder
 end
 
--- Runs a command with --json: exit status, the object.
-local function answer(words)
-  local status, out, err = check.run(words .. " --json")
-  local object, why = bw.json.decode(out)
-  assert(object, tostring(why) .. "\n" .. out .. err)
-  assert.equal(status, object.exit_code)
-  assert.is_nil(err:find("traceback", 1, true), err)
-  if object.error then assert.equal(1, select(2, err:gsub("\n", "")), err) end
-  return status, object, err
-end
+local answer = check.answer
 
 describe("barwright check", function()
   local folder = models()
