@@ -420,10 +420,8 @@ end
 
 -- ---- showing ------------------------------------------------------------------------------------------
 
---- The answer in one line. It is of one mesh: bw.breaking_force has an error. Where PCG solved, the line states
---- the error of that too.
-function worst_case:__tostring()
-  if not self.regions then return "worst case (closed)" end
+-- The largest stress, its place, what found it and how it compares with the strength.
+local function summary(self)
   local head
   if self.options.target == "displacement" then
     head = ("%s of displacement, %s at %s"):format(core.quantity(self.regions[self.region].displacement, "m"),
@@ -439,11 +437,17 @@ function worst_case:__tostring()
     tail = ("%s; at most %s on this mesh%s"):format(tail, core.quantity(self.upper_bound, "Pa"),
       self.bounded and " " .. self.bounded or "")
   end
+  return ("%s: %s; %s"):format(head, self.regions[self.region].label, tail)
+end
+
+--- The answer in one line. It is of one mesh: bw.breaking_force has an error. Where PCG solved, the line states
+--- the error of that too.
+function worst_case:__tostring()
+  if not self.regions then return "worst case (closed)" end
   local solve = self.solve_error > 0
     and ("; the solver is estimated to change the stress by %s"):format(shown.error(self.solve_error)) or ""
-  return ("%s: %s; %s%s%s%s; %s"):format(head, self.regions[self.region].label, tail,
-    load_limits.describe(self.options), self.contact and worst_contact.describe(self) or "", solve,
-    core.error_unknown)
+  return ("%s%s%s%s; %s"):format(summary(self), load_limits.describe(self.options),
+    self.contact and worst_contact.describe(self) or "", solve, core.error_unknown)
 end
 
 --- Everything as a .vtu: the weakness map, and pressure, displacement and stress of the worst load.
@@ -486,7 +490,7 @@ function worst_case:picture(path, given)
   else
     values = self.weakness
     opts.unit = opts.unit or "weakness (largest principal stress), MPa"
-    opts.title = opts.title or tostring(self)
+    opts.title = opts.title or ("%s; %s"):format(summary(self), core.error_unknown)
   end
   opts.values = self.mesh:to_nodes(values, "max"):gather(nodes)
   opts.scale = opts.scale or 1e-6

@@ -66,6 +66,19 @@ local function peak_of(mesh, u)
   return core.max_principal(core.element_stress(mesh, steel, u)):max()
 end
 
+-- The title of its picture, which has room for about 110 letters.
+local function title_of(worst)
+  local picture, title = core.picture, nil
+  core.picture = function(_, _, given)
+    title = given.title
+    return true
+  end
+  local ok, message = pcall(worst.picture, worst, "worst.png")
+  core.picture = picture
+  assert(ok, message)
+  return title
+end
+
 describe("the worst case of parts in contact", function()
   it("is the stress that part:contact finds under its load", function()
     for order = 1, 2 do
@@ -81,6 +94,8 @@ describe("the worst case of parts in contact", function()
         assert.truthy(tostring(worst):find(("%d of %d corners touch"):format(worst.touching,
           worst.contact.candidates), 1, true), tostring(worst))
         assert.truthy(tostring(worst):find("a lower bound", 1, true))
+        local title = title_of(worst)
+        assert.is_true(#title < 110 and tostring(worst):find(title:match "^[^;]+", 1, true) == 1, title)
       end
     end
   end)
