@@ -9,7 +9,13 @@ export const number = (x) =>
 
 // The scene fills `view`; `frame(now)` is called before each picture.
 export function makeStage(view, frame) {
-  const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+  let renderer;
+  try {
+    renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+  } catch (error) {
+    view.textContent = "The 3D view needs WebGL, which this browser does not offer.";
+    throw error;
+  }
   renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
   view.appendChild(renderer.domElement);
   const scene = new THREE.Scene();

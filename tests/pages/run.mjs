@@ -206,6 +206,16 @@ await test("a motion in time plays, stops, shows any instant with its time, and 
   assert(problems.length === 0, problems.join("; "));
 });
 
+await test("without WebGL the view says so, and the answer is there", async () => {
+  const plain = await context.newPage();
+  await plain.addInitScript(() => { HTMLCanvasElement.prototype.getContext = () => null; });
+  await plain.goto(`file://${folder}/report.html`);
+  const view = await plain.textContent("#view");
+  assert(view === "The 3D view needs WebGL, which this browser does not offer.", view);
+  assert((await plain.textContent(".answer")).length > 20, "no answer");
+  await plain.close();
+});
+
 // With BARWRIGHT_PICTURES=FOLDER pictures of the live view are left there, to be looked at.
 await study({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await site({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
