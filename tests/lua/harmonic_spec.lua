@@ -395,7 +395,7 @@ describe("barwright respond", function()
     assert.falsy(out:find("and of the mesh unknown", 1, true), out) -- an estimate of it stands above
     for words, expected in pairs {
       ["--base 0,0,1g"] = "option --duration TIME is missing",
-      ["--base 0,0,1g --duration 1min --to 5"] = "option --to goes not with --psd",
+      ["--base 0,0,1g --duration 1min --to 5"] = "option --to does not go with --psd",
       ["--base 0,0,1g --duration 1min --life 1,2"] = "option --life: three values",
       ["--base 0,0,1g --duration 1min --life 1MPa,2,0"] = "option --life: a stress and cycles above 0"} do
       local code, _, err = run(words)

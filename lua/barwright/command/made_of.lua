@@ -286,8 +286,8 @@ function made_of.governing(made, part, utilisation)
   return found
 end
 
---- Of nodes with a von Mises stress: the same, {node =, used =, material =, region = name or nil}. Where materials
---- meet, the least strength counts. nil where a strength is no number.
+--- Of nodes with a von Mises stress: the same, {node =, used =, material =, region = name or nil, least = whether
+--- materials meet there, of which the least strength counts}. nil where a strength is no number.
 function made_of.governing_node(made, part, von_mises)
   local mesh, material = part.mesh, part.material
   if not material.parts then
@@ -307,15 +307,17 @@ function made_of.governing_node(made, part, von_mises)
     if own.strength == lesser[node] then
       local there = by_element(mesh, function(other) return other.name == region.name and 1 or 0 end)
       if mesh:to_nodes(there, "max")[node] > 0 then
-        return {node = node, used = used[node], material = own, region = region.name}
+        return {node = node, used = used[node], material = own, region = region.name,
+          least = mesh:to_nodes(strengths, "max")[node] > lesser[node]}
       end
     end
   end
 end
 
---- "steel", or "steel in region grip"
+--- "steel", "steel in region grip", or "steel in region grip, the least where materials meet"
 function made_of.governing_text(found)
-  return found.region and ("%s in region %s"):format(found.material.name, found.region) or found.material.name
+  return found.region and ("%s in region %s%s"):format(found.material.name, found.region,
+    found.least and ", the least where materials meet" or "") or found.material.name
 end
 
 --- Says the largest stress over strength of each region.

@@ -61,7 +61,10 @@ local function analyse(measure, opts, given, out)
   if not mesh then return nil, read, why end
   local part, message, details = loads_of.set_up(model.part(read, mesh, opts), opts, given, out)
   if not part then return nil, message, details end
-  if given.base then out:say("The supports are accelerated: amplitude %s.", shown.vector(given.base, "m/s2")) end
+  if given.base then
+    out:say(opts.psd and "The supports are accelerated by %s times the random process."
+      or "The supports are accelerated: amplitude %s.", shown.vector(given.base, "m/s2"))
+  end
   local found
   found, message, details = measure(part, opts, given)
   out:warnings()

@@ -46,7 +46,7 @@ function respond_random.misuse(opts, given)
   end
   for _, name in ipairs {"spectrum", "from", "to", "csv", "plot"} do
     if opts.given["--" .. name] then
-      return ("option --%s goes not with --psd: leave one of them out"):format(name)
+      return ("option --%s does not go with --psd: leave one of them out"):format(name)
     end
   end
   if not opts.duration then return "option --duration TIME is missing" end

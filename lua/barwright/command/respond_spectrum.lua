@@ -49,7 +49,7 @@ function respond_spectrum.misuse(opts, given)
   end
   for _, name in ipairs {"force", "pressure", "base", "from", "to", "csv", "plot"} do
     if opts.given["--" .. name] then
-      return ("option --%s is for a vibration and goes not with --spectrum: leave one of them out"):format(name)
+      return ("option --%s is for a vibration and does not go with --spectrum: leave one of them out"):format(name)
     end
   end
   if opts.given["--rule"] and #opts.direction < 2 then
