@@ -25,8 +25,8 @@ function check.bar()
     bw.model {mesh = mesh, material = bw.material.pla}:fix(mesh.boundary:below(1, 0))
 end
 
---- A mesh of boxes that touch or not, without common nodes: `list` has {min, max, cells} of each, `place` says where
---- a node comes to lie.
+--- A mesh of boxes that touch or not, without common nodes: `list` has {min, max, cells} of each, `place` says
+--- where a node comes to lie.
 function check.boxes(order, list, place)
   local nodes, elements = {}, {}
   for _, box in ipairs(list) do
