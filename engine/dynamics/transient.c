@@ -45,17 +45,19 @@ static const double left_out_limit = 1e-2;
 /* Of the relative error of the period: a step that leaves more is too large. */
 static const double resolution_limit = 0.03;
 
-/* The factor of the supports, its two derivatives in time, and what they exert times their
- * displacements of factor 1 (J). */
+enum { VALUE, VELOCITY, ACCELERATION, DERIVATIVES };
+
+/* A history of supports: its factor and two derivatives in time, and what the supports exert times
+ * their displacements of factor 1 (J). */
 typedef struct support_motion {
-  double factor, velocity, acceleration, exerted;
+  double of[DERIVATIVES], exerted;
 } support_motion;
 
 /* The state at the end of a step: that of the transient takes it over when all has succeeded. */
 typedef struct state {
   double *u, *v, *a, *reaction;
   double kinetic, strain;
-  support_motion support;
+  support_motion *support; /* (motions) */
 } state;
 
 typedef struct kept_factor {
@@ -72,14 +74,15 @@ typedef struct bwi_linear_transient {
   bwi_adaptive *adaptive;         /* or NULL: all steps have one length */
   struct bwi_modal_motion *modal; /* of modal superposition, or NULL */
   int64_t size;
-  int loads, points, supports;
-  uint64_t revision;  /* of a joined model */
-  double *load;       /* (N) a block for each load, then for each remote point */
-  double *prescribed; /* (m) the prescribed displacements, with what follows them in a joined
-                         model, or NULL: all 0 */
+  int loads, points, supports, motions;
+  uint64_t revision;   /* of a joined model */
+  double *load;        /* (N) a block for each load, then for each remote point */
+  double **prescribed; /* (motions) the displacements (m) that follow each history, with what
+                          follows them in a joined model, or NULL: all 0 */
+  bool moves;          /* some are not 0 */
   double *block[BLOCKS];
   state next;
-  support_motion support; /* now */
+  support_motion *support, *predicted; /* (motions) now, and of the known parts of a step */
   double alpha_m, alpha_f, beta, gamma, mass_damping, stiffness_damping;
   double scale, shift;  /* of the step at hand: A = (K + shift M) / scale */
   int64_t uses;         /* of factors */
@@ -104,7 +107,12 @@ static void transient_destroy(void *object) {
     bw_free(s->adaptive);
     bwi_modal_motion_destroy(s->modal);
     bw_free(s->load);
+    for (int m = 0; s->prescribed && m < s->motions; m++)
+      bw_free(s->prescribed[m]);
     bw_free(s->prescribed);
+    bw_free(s->support);
+    bw_free(s->predicted);
+    bw_free(s->next.support);
     for (int k = 0; k < BLOCKS; k++)
       bw_free(s->block[k]);
     bw_free(s->next.u);
@@ -124,9 +132,9 @@ static void transient_destroy(void *object) {
 static size_t transient_bytes(const void *object) {
   const bw_linear_transient *t = object;
   const inner *s = t->inner;
-  size_t bytes = sizeof *t + sizeof *s + bw_bytes(s->equations.system) +
-                 bwi_shifted_bytes(&s->shifted) +
-                 (size_t)(s->size * (BLOCKS + 9 + s->loads + s->points)) * sizeof(double);
+  size_t bytes =
+      sizeof *t + sizeof *s + bw_bytes(s->equations.system) + bwi_shifted_bytes(&s->shifted) +
+      (size_t)(s->size * (BLOCKS + 8 + s->motions + s->loads + s->points)) * sizeof(double);
   for (int k = 0; k < KEPT; k++)
     bytes += s->kept[k].factor ? bwi_factor_bytes(s->kept[k].factor) : 0;
   if (s->adaptive && s->adaptive->rigid)
@@ -142,6 +150,12 @@ static const bw_kind transient_kind = {"linear transient", transient_destroy, tr
 
 /* ---- what is asked for ----------------------------------------------------------------------- */
 
+/* The history of a support, or behind the supports of a remote point. */
+static int32_t motion_of(const bw_model *model, const bw_linear_transient_options *o, int k) {
+  const int32_t *list = k < model->support_count ? o->support_motion : o->point_motion;
+  return list ? list[k < model->support_count ? k : k - model->support_count] : 0;
+}
+
 static bw_status check_options(bw_context *context, const bw_model *model,
                                const bw_linear_transient_options *o) {
   const bw_damping *d = &o->damping;
@@ -152,6 +166,13 @@ static bw_status check_options(bw_context *context, const bw_model *model,
   if (!(o->rho >= 0 && o->rho <= 1))
     return bw_fail(context, BW_INVALID,
                    "a spectral radius of %g at infinite frequency: 0 to 1 expected", o->rho);
+  for (int k = 0; k < model->support_count + model->coupling_count; k++)
+    if (motion_of(model, o, k) < 0 ||
+        motion_of(model, o, k) >= model->support_count + model->coupling_count)
+      return bw_fail(context, BW_INVALID,
+                     "history %lld of supports: there are no more histories than %d supports and "
+                     "remote points",
+                     motion_of(model, o, k) + 1LL, model->support_count + model->coupling_count);
   if (!(o->error >= 0 && o->error < 1))
     return bw_fail(context, BW_INVALID,
                    "a tolerance of %g for the error of a step: 0 to below 1 expected", o->error);
@@ -209,9 +230,13 @@ static bw_status check_factors(bw_context *context, const bw_linear_transient *t
     return bw_fail(
         context, BW_INVALID,
         "the model has other loads, supports or joints than at the start: begin a new transient");
-  if (!isfinite(f->support + f->support_velocity + f->support_acceleration + f->support_missed))
-    return bw_fail(context, BW_INVALID,
-                   "the factor of the prescribed displacements is not finite at %g s", t->time);
+  for (int m = 0; m < s->motions; m++) {
+    const double *of = f->support ? f->support + DERIVATIVES * m : NULL;
+    if ((of && !isfinite(of[VALUE] + of[VELOCITY] + of[ACCELERATION])) ||
+        (f->support_missed && !isfinite(f->support_missed[m])))
+      return bw_fail(context, BW_INVALID,
+                     "the factor of the prescribed displacements is not finite at %g s", t->time);
+  }
   for (int k = 0; k < s->loads; k++)
     if ((f->load && !isfinite(f->load[k])) || (f->load_missed && !isfinite(f->load_missed[k])))
       return bw_fail(context, BW_INVALID, "the factor of load %d is not finite at %g s", k + 1,
@@ -233,12 +258,71 @@ static bool has_numbers(int64_t count, const double *x) {
   return false;
 }
 
-static bw_status make_system(bw_context *context, const bw_model *model, bw_system *given,
-                             bool by_modes, inner *s) {
+/* Displacements that a model prescribes, as one of its histories. */
+static bw_status keep_prescribed(bw_context *context, const bw_dof_map *dof_map, const double *g,
+                                 int motion, inner *s) {
+  double *field = BW_NEW(context, double, s->size);
+  if (!field)
+    return BW_MEMORY;
+  if (g)
+    memcpy(field, g, (size_t)s->size * sizeof *g);
+  else
+    bwi_prescribed_field(dof_map, field);
+  if (has_numbers(s->size, field)) {
+    s->prescribed[motion] = field;
+    s->moves = true;
+  } else
+    bw_free(field);
+  return BW_OK;
+}
+
+/* What follows one history: the model holds all else at 0. */
+static bw_status make_prescribed(bw_context *context, const bw_model *model,
+                                 const bw_linear_transient_options *o, int motion, inner *s) {
   bw_status status = BW_OK;
+  bw_model one = *model;
+  bw_dof_map *dof_map = NULL;
+  bwi_reduction reduction = {0};
+  bw_support *support = BW_NEW(context, bw_support, model->support_count);
+  bw_coupling *coupling = BW_NEW(context, bw_coupling, model->coupling_count);
+  BW_TRY_MEMORY(support && coupling);
+  for (int k = 0; k < model->support_count; k++) {
+    support[k] = model->support[k];
+    if (motion_of(model, o, k) != motion) {
+      memset(support[k].value, 0, sizeof support[k].value);
+      support[k].field = NULL;
+    }
+  }
+  for (int k = 0; k < model->coupling_count; k++) {
+    coupling[k] = model->coupling[k];
+    if (motion_of(model, o, model->support_count + k) != motion)
+      memset(coupling[k].point.displacement, 0, sizeof coupling[k].point.displacement);
+  }
+  one.support = support;
+  one.coupling = coupling;
+  status = s->equations.system ? bw_dof_map_create(context, &one, &dof_map)
+                               : bwi_reduction_open(context, &one, true, &reduction);
+  if (status == BW_INVALID)
+    bw_fail(context, BW_INVALID,
+            "supports or remote points with different histories prescribe displacements of the "
+            "same node along the same direction: let them follow one history, or let them hold "
+            "different nodes or directions");
+  if (status == BW_OK)
+    status = keep_prescribed(context, dof_map, reduction.g, motion, s);
+done:
+  bwi_reduction_clear(&reduction);
+  bw_release(dof_map);
+  bw_free(support);
+  bw_free(coupling);
+  return status;
+}
+
+static bw_status make_system(bw_context *context, const bw_model *model, bw_system *given,
+                             const bw_linear_transient_options *o, inner *s) {
+  bw_status status = BW_OK;
+  bool by_modes = o->modes != NULL;
   bw_dof_map *dof_map = NULL;
   bw_system *system = NULL;
-  const double *g = NULL;
   if (bw_model_joined(model))
     s->revision = model->object.revision;
   else {
@@ -249,16 +333,10 @@ static bw_status make_system(bw_context *context, const bw_model *model, bw_syst
                   : bwi_equations_begin(context, model, system, &s->equations));
   if (!by_modes)
     BW_TRY(bwi_shifted_open(context, &s->equations, &s->shifted));
-  if (!system)
-    g = s->equations.joined.equations.reduction.g;
-  if (system ? dof_map->prescribed : has_numbers(s->size, g)) {
-    s->prescribed = BW_NEW(context, double, s->size);
-    BW_TRY_MEMORY(s->prescribed);
-    if (system)
-      bwi_prescribed_field(dof_map, s->prescribed);
-    else
-      memcpy(s->prescribed, g, (size_t)s->size * sizeof *g);
-  }
+  if (s->motions == 1)
+    BW_TRY(keep_prescribed(context, dof_map, s->equations.joined.equations.reduction.g, 0, s));
+  for (int m = 0; m < s->motions && s->motions > 1; m++)
+    BW_TRY(make_prescribed(context, model, o, m, s));
 done:
   bw_release(dof_map);
   bw_release(system);
@@ -365,20 +443,30 @@ static void add_forces(const inner *s, const bw_transient_factors *f, double *fo
   add_blocks(s, s->loads, s->points, f->point, force);
 }
 
-static support_motion support_of(const bw_transient_factors *f) {
-  return (support_motion){f->support, f->support_velocity, f->support_acceleration, 0};
+static void take_motions(const inner *s, const bw_transient_factors *f, support_motion *motion) {
+  for (int m = 0; m < s->motions; m++)
+    for (int d = 0; d < DERIVATIVES; d++)
+      motion[m].of[d] = f->support ? f->support[DERIVATIVES * m + d] : d == VALUE;
 }
 
-/* The part of x that supports prescribe becomes `factor` times their displacement instead of
- * `before` times. */
-static void hold(const inner *s, double factor, double before, double *x) {
-  double change = factor;
+/* x += factor times the displacements, velocities or accelerations of these motions. */
+static void add_motions(const inner *s, const support_motion *motion, int derivative, double factor,
+                        double *x) {
+  for (int m = 0; m < s->motions; m++) {
+    double own = factor * motion[m].of[derivative];
+    for (int64_t i = 0; s->prescribed[m] && i < s->size && own != 0; i++)
+      x[i] += own * s->prescribed[m][i];
+  }
+}
+
+/* The part of x that supports prescribe becomes that of the next state instead of that of `before`
+ * (NULL: 0). */
+static void hold(const inner *s, int derivative, const support_motion *before, double *x) {
   if (s->equations.system)
     bwi_keep_states(s->equations.dof_map, FREE, x);
-  else
-    change -= before;
-  for (int64_t i = 0; s->prescribed && i < s->size; i++)
-    x[i] += change * s->prescribed[i];
+  else if (before)
+    add_motions(s, before, derivative, -1, x);
+  add_motions(s, s->next.support, derivative, 1, x);
 }
 
 /* ---- energy and reactions -------------------------------------------------------------------- */
@@ -402,7 +490,9 @@ static bw_status take_stock(bw_context *context, inner *s, const double *force, 
                    s->mass_damping * momentum[i];
     now->reaction[i] = inertia[i] + damping[i] + elastic[i] - force[i];
   }
-  now->support.exerted = s->prescribed ? bwi_dot(s->size, s->prescribed, now->reaction) : 0;
+  for (int m = 0; m < s->motions; m++)
+    now->support[m].exerted =
+        s->prescribed[m] ? bwi_dot(s->size, s->prescribed[m], now->reaction) : 0;
   if (s->equations.system)
     bwi_keep_states(s->equations.dof_map, HELD, now->reaction);
   else
@@ -447,7 +537,7 @@ static void advance(bw_linear_transient *t) {
     *pair[k][0] = *pair[k][1];
     *pair[k][1] = held;
   }
-  s->support = next->support;
+  memcpy(s->support, next->support, (size_t)s->motions * sizeof *s->support);
   t->kinetic = next->kinetic;
   t->strain = next->strain;
   if (!s->modal)
@@ -458,20 +548,20 @@ static void advance(bw_linear_transient *t) {
 
 /* The field of the start that joints and supports allow, nearest to the given one in the mass, with
  * a warning where it is another one; without joints, the given one where no support holds it. */
-static bw_status take_start(bw_context *context, inner *s, const double *given, double factor,
+static bw_status take_start(bw_context *context, inner *s, const double *given, int derivative,
                             const char *what, double *x) {
   bw_status status = BW_OK;
   double part = 0, *off = s->block[RIGHT];
   if (given && s->equations.system)
     memcpy(x, given, (size_t)s->size * sizeof *x);
   else if (given) {
-    for (int64_t i = 0; i < s->size; i++)
-      off[i] = given[i] - (s->prescribed ? factor * s->prescribed[i] : 0);
+    memcpy(off, given, (size_t)s->size * sizeof *off);
+    add_motions(s, s->next.support, derivative, -1, off);
     bwi_keep_states(s->equations.dof_map, FREE, off);
     BW_TRY(by_mass(context, s, off, s->block[INERTIA]));
     BW_TRY(bwi_shifted_solve_mass(context, &s->shifted, s->block[INERTIA], x));
   }
-  hold(s, factor, 0, x);
+  hold(s, derivative, NULL, x);
   if (given && !s->equations.system)
     BW_TRY(bwi_equations_left_out(context, &s->equations, given, x, &part));
   if (part > left_out_limit)
@@ -489,7 +579,7 @@ static bw_status begin(bw_context *context, bw_linear_transient *t,
   inner *s = t->inner;
   state *next = &s->next;
   double *r = s->block[RIGHT], *x = s->block[W_K];
-  next->support = support_of(f);
+  take_motions(s, f, next->support);
   add_forces(s, f, s->block[NEXT_FORCE]);
   if (s->modal) {
     const bwi_motion_fields fields = {next->u, next->v, next->a, s->block[W_K]};
@@ -500,9 +590,9 @@ static bw_status begin(bw_context *context, bw_linear_transient *t,
     t->initial = t->kinetic + t->strain;
     goto done;
   }
-  BW_TRY(take_start(context, s, options->displacement, f->support, "displacement", next->u));
-  BW_TRY(take_start(context, s, options->velocity, f->support_velocity, "velocity", next->v));
-  hold(s, f->support_acceleration, 0, next->a);
+  BW_TRY(take_start(context, s, options->displacement, VALUE, "displacement", next->u));
+  BW_TRY(take_start(context, s, options->velocity, VELOCITY, "velocity", next->v));
+  hold(s, ACCELERATION, NULL, next->a);
   BW_TRY(take_stock(context, s, s->block[NEXT_FORCE], next));
   for (int64_t i = 0; i < s->size; i++)
     r[i] = s->block[NEXT_FORCE][i] - s->block[ELASTIC][i] - s->block[INERTIA][i] -
@@ -517,7 +607,7 @@ done:
   return status;
 }
 
-static const bw_transient_factors all_one = {.support = 1};
+static const bw_transient_factors all_one = {0};
 
 bw_status bw_linear_transient_create(bw_context *context, const bw_model *model, bw_system *given,
                                      const bw_linear_transient_options *options,
@@ -541,6 +631,10 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
   s->loads = model->load_count;
   s->points = model->coupling_count;
   s->supports = model->support_count;
+  s->motions = 1;
+  for (int k = 0; k < s->supports + s->points; k++)
+    if (motion_of(model, options, k) >= s->motions)
+      s->motions = motion_of(model, options, k) + 1;
   double rho = options->rho;
   s->alpha_m = (2 * rho - 1) / (rho + 1);
   s->alpha_f = rho / (rho + 1);
@@ -555,13 +649,17 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
                        &s->next.u,       &s->next.v,   &s->next.a,       &s->next.reaction};
   for (int k = 0; k < 8; k++)
     all = (*field[k] = BW_NEW0(context, double, s->size)) && all;
-  BW_TRY_MEMORY(all);
-  BW_TRY(make_system(context, model, given, options->modes, s));
+  support_motion **motion[3] = {&s->support, &s->predicted, &s->next.support};
+  for (int k = 0; k < 3; k++)
+    all = (*motion[k] = BW_NEW0(context, support_motion, s->motions)) && all;
+  s->prescribed = BW_NEW0(context, double *, s->motions);
+  BW_TRY_MEMORY(all && s->prescribed);
+  BW_TRY(make_system(context, model, given, options, s));
   BW_TRY(check_factors(context, t, now));
   BW_TRY(make_loads(context, model, s));
   if (options->modes) {
-    BW_TRY(bwi_modal_motion_create(context, model, &s->equations, options, s->load, s->prescribed,
-                                   &s->modal));
+    BW_TRY(bwi_modal_motion_create(context, model, &s->equations, options, s->load,
+                                   s->moves ? s->motions : 0, s->prescribed, &s->modal));
     if (s->equations.system)
       bwi_report_way(s->equations.system, BWI_BY_FACTOR, NULL, &t->report);
     else
@@ -574,7 +672,7 @@ bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
     s->adaptive = BW_NEW0(context, bwi_adaptive, 1);
     BW_TRY_MEMORY(s->adaptive);
     bwi_adaptive_begin(s->adaptive, options->error, options->step);
-    if (s->prescribed || s->equations.rigid_count > 0)
+    if (s->moves || s->equations.rigid_count > 0)
       BW_TRY(bwi_adaptive_leave_out_rigid(context, model->mesh, &s->equations, s->adaptive));
   }
   BW_TRY(begin(context, t, options, now));
@@ -591,25 +689,26 @@ static double mix(double part, double before, double after) {
 }
 
 /* Displacement, velocity and acceleration of the next state by generalised-alpha. */
-static bw_status integrate(bw_context *context, const bw_linear_transient *t,
-                           const bw_transient_factors *factors) {
+static bw_status integrate(bw_context *context, const bw_linear_transient *t) {
   bw_status status = BW_OK;
   inner *s = t->inner;
   double h = t->step, *force = s->block[FORCE], *next_force = s->block[NEXT_FORCE];
   double *w_m = s->block[W_M], *w_k = s->block[W_K], *r = s->block[RIGHT];
   double *u = s->next.u, *v = s->next.v, *a = s->next.a;
-  const support_motion *before = &s->support;
-  double speed = before->velocity + (1 - s->gamma) * h * before->acceleration;
-  double moved =
-      before->factor + h * (before->velocity + (0.5 - s->beta) * h * before->acceleration);
+  for (int m = 0; m < s->motions; m++) {
+    const double *of = s->support[m].of;
+    double *to = s->predicted[m].of;
+    to[VALUE] = of[VALUE] + h * (of[VELOCITY] + (0.5 - s->beta) * h * of[ACCELERATION]);
+    to[VELOCITY] = of[VELOCITY] + (1 - s->gamma) * h * of[ACCELERATION];
+  }
   for (int64_t i = 0; i < s->size; i++) {
     u[i] = t->displacement[i] + h * (t->velocity[i] + (0.5 - s->beta) * h * t->acceleration[i]);
     v[i] = t->velocity[i] + (1 - s->gamma) * h * t->acceleration[i];
     a[i] = 0;
   }
-  hold(s, factors->support, moved, u);
-  hold(s, factors->support_velocity, speed, v);
-  hold(s, factors->support_acceleration, 0, a);
+  hold(s, VALUE, s->predicted, u);
+  hold(s, VELOCITY, s->predicted, v);
+  hold(s, ACCELERATION, NULL, a);
   for (int64_t i = 0; i < s->size; i++) {
     double middle = mix(s->alpha_f, t->velocity[i], v[i]);
     w_m[i] = mix(s->alpha_m, t->acceleration[i], a[i]) + s->mass_damping * middle;
@@ -635,7 +734,7 @@ done:
 static bw_status estimate(bw_context *context, const bw_linear_transient *t,
                           const bw_transient_factors *f, double *error, double norm[3]) {
   inner *s = t->inner;
-  double *change = s->block[RIGHT], *missed = s->block[W_M], most = 0;
+  double *change = s->block[RIGHT], *missed = s->block[W_M], moved = 0;
   double spread = sqrt(4 * s->beta) - 1; /* x of docs/theory/transient.md */
   memset(missed, 0, (size_t)s->size * sizeof *missed);
   if (f->load_missed)
@@ -644,8 +743,12 @@ static bw_status estimate(bw_context *context, const bw_linear_transient *t,
     add_blocks(s, s->loads, s->points, f->point_missed, missed);
   for (int64_t i = 0; i < s->size; i++)
     change[i] = s->next.a[i] - t->acceleration[i];
-  for (int64_t i = 0; s->prescribed && i < s->size; i++)
-    most = fmax(most, fabs(s->prescribed[i]));
+  for (int m = 0; f->support_missed && m < s->motions; m++) {
+    double most = 0;
+    for (int64_t i = 0; s->prescribed[m] && i < s->size; i++)
+      most = fmax(most, fabs(s->prescribed[m][i]));
+    moved += most * f->support_missed[m];
+  }
   bwi_computed_step step = {.shifted = &s->shifted,
                             .factor = s->factor,
                             .shift = s->shift,
@@ -654,7 +757,7 @@ static bw_status estimate(bw_context *context, const bw_linear_transient *t,
                             .u = s->next.u,
                             .v = s->next.v,
                             .a = s->next.a,
-                            .support_missed = most * f->support_missed,
+                            .support_missed = moved,
                             .change = change,
                             .missed = missed,
                             .work = s->block[W_K]};
@@ -673,13 +776,13 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
   bwi_blas_enter();
   BW_TRY(check_factors(context, t, factors));
   add_forces(s, factors, next_force);
-  next->support = support_of(factors);
+  take_motions(s, factors, next->support);
   if (s->modal) {
     const bwi_motion_fields fields = {next->u, next->v, next->a, s->block[W_K]};
     bwi_modal_motion_step(s->modal, factors, &fields);
   } else {
     BW_TRY(need_factor(context, t));
-    BW_TRY(integrate(context, t, factors));
+    BW_TRY(integrate(context, t));
   }
   BW_TRY(take_stock(context, s, next_force, next));
   for (int64_t i = 0; i < s->size; i++) {
@@ -688,8 +791,9 @@ bw_status bw_linear_transient_step(bw_context *context, bw_linear_transient *t,
     damped += 0.5 * (s->block[DAMPING_V][i] + s->block[NEXT_DAMPING_V][i]) * change;
     moved += change * (s->block[ELASTIC][i] - s->block[ELASTIC_BEFORE][i]);
   }
-  work += 0.5 * (s->support.exerted + next->support.exerted) *
-          (next->support.factor - s->support.factor);
+  for (int m = 0; m < s->motions; m++)
+    work += 0.5 * (s->support[m].exerted + next->support[m].exerted) *
+            (next->support[m].of[VALUE] - s->support[m].of[VALUE]);
   if (!isfinite(next->kinetic + next->strain + work + damped))
     BW_TRY(bw_fail(
         context, BW_INVALID,

@@ -15,12 +15,13 @@ typedef struct bwi_modal_motion {
   int64_t size;
   int count;        /* vectors of the basis */
   int given, loads; /* loads of the model; with those of remote points */
+  int motions;      /* histories of supports that move, or 0 */
   double *basis;    /* count x size, of M-norm 1 */
   double *square;   /* (count) w^2, 0 of rigid-body motions */
   double *damping;  /* (count) c = 2 zeta w + a + b w^2 */
-  double *part;     /* (loads + 1) x count: of each load, and of a support's acceleration of 1 */
+  double *part;     /* (loads + motions) x count: of each load, and of each acceleration of 1 */
   double *residual; /* loads x size: the static displacement less what the basis has of it */
-  double *support;  /* (size) static displacement by the supports, or NULL */
+  double *support;  /* motions x size: static displacement by the supports, or NULL */
   double mass_damping;
   double *transition; /* count x 8: q and h q' after a step by q, h q', h^2 p, h^2 (p1 - p) */
   double step;
@@ -40,7 +41,7 @@ void bwi_modal_motion_destroy(motion *m) {
 }
 
 size_t bwi_modal_motion_bytes(const motion *m) {
-  return sizeof *m + sizeof(double) * (size_t)(m->size * (m->count + m->loads + 1));
+  return sizeof *m + sizeof(double) * (size_t)(m->size * (m->count + m->loads + m->motions));
 }
 
 static void add(int64_t size, double factor, const double *x, double *y) {
@@ -119,7 +120,7 @@ static void make_transition(double square, double damping, double h, double out[
 /* ---- creation -------------------------------------------------------------------------------- */
 
 static bw_status make_loads(bw_context *context, const bwi_equations *e, const double *load,
-                            const double *prescribed, double *work, motion *m) {
+                            double *const *prescribed, double *work, motion *m) {
   bw_status status = BW_OK;
   for (int l = 0; l < m->loads; l++) {
     const double *f = load + l * m->size;
@@ -131,14 +132,16 @@ static bw_status make_loads(bw_context *context, const bwi_equations *e, const d
         add(m->size, -part[k] / m->square[k], m->basis + k * m->size, u);
     }
   }
-  if (prescribed) {
-    double *part = m->part + (int64_t)m->loads * m->count;
-    BW_TRY(bwi_equations_elastic(context, e, prescribed, work));
+  for (int j = 0; j < m->motions; j++) {
+    double *part = m->part + (int64_t)(m->loads + j) * m->count, *u = m->support + j * m->size;
+    if (!prescribed[j])
+      continue;
+    BW_TRY(bwi_equations_elastic(context, e, prescribed[j], work));
     for (int64_t i = 0; i < m->size; i++)
       work[i] = -work[i];
-    BW_TRY(bwi_equations_solve(context, e, work, m->support));
-    add(m->size, 1, prescribed, m->support);
-    BW_TRY(bwi_equations_mass(context, e, m->support, work));
+    BW_TRY(bwi_equations_solve(context, e, work, u));
+    add(m->size, 1, prescribed[j], u);
+    BW_TRY(bwi_equations_mass(context, e, u, work));
     for (int k = 0; k < m->count; k++)
       part[k] = -bwi_dot(m->size, m->basis + k * m->size, work);
   }
@@ -149,14 +152,14 @@ done:
 bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model,
                                   const bwi_equations *e,
                                   const bw_linear_transient_options *options, const double *load,
-                                  const double *prescribed, motion **out) {
+                                  int motions, double *const *prescribed, motion **out) {
   bw_status status = BW_OK;
   const bw_modes *modes = options->modes;
   const bw_damping *d = &options->damping;
   double *work = NULL;
   motion *m = NULL;
   int rigid = e->rigid_count;
-  if (prescribed && (rigid > 0 || d->stiffness > 0))
+  if (motions > 0 && (rigid > 0 || d->stiffness > 0))
     return bw_fail(
         context, BW_UNSUPPORTED,
         "modes of supports that move need a body that is held and damping without a part "
@@ -167,21 +170,22 @@ bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model,
   m->count = rigid + modes->count;
   m->given = model->load_count;
   m->loads = m->given + model->coupling_count;
+  m->motions = motions;
   m->mass_damping = d->mass;
   m->step = options->step;
   work = BW_NEW(context, double, 3 * m->size);
   m->basis = BW_NEW0(context, double, m->size * m->count);
   m->residual = BW_NEW(context, double, m->size * m->loads);
-  m->part = BW_NEW0(context, double, (int64_t)m->count *(m->loads + 1));
+  m->part = BW_NEW0(context, double, (int64_t)m->count *(m->loads + m->motions));
   m->transition = BW_NEW(context, double, 8 * (int64_t)m->count);
-  if (prescribed)
-    m->support = BW_NEW(context, double, m->size);
+  if (motions > 0)
+    m->support = BW_NEW0(context, double, m->size * m->motions);
   double **numbers[] = {&m->square, &m->damping, &m->q,         &m->rate,
                         &m->p,      &m->next_q,  &m->next_rate, &m->next_p};
   bool all = work && m->basis && m->residual && m->part && m->transition;
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
     all = (*numbers[i] = BW_NEW0(context, double, m->count)) && all;
-  BW_TRY_MEMORY(all && (m->support || !prescribed));
+  BW_TRY_MEMORY(all && (m->support || motions == 0));
   BW_TRY(bwi_equations_check_modes(context, model, e, modes));
   BW_TRY(make_basis(context, e, modes, rigid, work, m));
   for (int k = 0; k < m->count; k++) {
@@ -199,12 +203,24 @@ done:
 
 /* ---- motion ---------------------------------------------------------------------------------- */
 
+/* Derivative 0 to 2 in time of a history of supports. */
+static double support_factor(const bw_transient_factors *f, int history, int derivative) {
+  return f->support ? f->support[3 * history + derivative] : derivative == 0;
+}
+
+static void add_supports(const motion *m, const bw_transient_factors *f, int derivative,
+                         double factor, double *x) {
+  for (int j = 0; j < m->motions; j++)
+    add(m->size, factor * support_factor(f, j, derivative), m->support + j * m->size, x);
+}
+
 static void modal_forces(motion *m, const bw_transient_factors *f) {
   const double *support = m->part + (int64_t)m->loads * m->count;
   for (int k = 0; k < m->count; k++) {
-    double p = m->support
-                   ? (f->support_acceleration + m->mass_damping * f->support_velocity) * support[k]
-                   : 0;
+    double p = 0;
+    for (int j = 0; j < m->motions; j++)
+      p += (support_factor(f, j, 2) + m->mass_damping * support_factor(f, j, 1)) *
+           support[(int64_t)j * m->count + k];
     for (int l = 0; l < m->loads; l++)
       p += bwi_load_factor(f, m->given, l) * m->part[(int64_t)l * m->count + k];
     m->next_p[k] = p;
@@ -227,12 +243,10 @@ static void expand(const motion *m, const bw_transient_factors *f, const bwi_mot
   }
   for (int l = 0; l < m->loads; l++)
     add(m->size, bwi_load_factor(f, m->given, l), m->residual + l * m->size, out->u);
-  if (m->support) {
-    add(m->size, f->support, m->support, out->u);
-    add(m->size, f->support_velocity, m->support, out->v);
-    add(m->size, f->support_acceleration, m->support, out->a);
-    add(m->size, m->mass_damping * f->support_velocity, m->support, out->d);
-  }
+  add_supports(m, f, 0, 1, out->u);
+  add_supports(m, f, 1, 1, out->v);
+  add_supports(m, f, 2, 1, out->a);
+  add_supports(m, f, 1, m->mass_damping, out->d);
 }
 
 /* A warning where the start is not what was given. */
@@ -258,8 +272,7 @@ bw_status bwi_modal_motion_start(bw_context *context, motion *m, const bwi_equat
     double *to = which ? m->next_rate : m->next_q;
     for (int64_t i = 0; i < m->size; i++)
       relative[i] = given ? given[i] : 0;
-    if (m->support)
-      add(m->size, which ? -f->support_velocity : -f->support, m->support, relative);
+    add_supports(m, f, which, -1, relative);
     BW_TRY(bwi_equations_mass(context, e, relative, product));
     for (int k = 0; k < m->count; k++)
       to[k] = bwi_dot(m->size, m->basis + k * m->size, product);

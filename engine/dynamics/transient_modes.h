@@ -19,11 +19,12 @@ typedef struct bwi_motion_fields {
 } bwi_motion_fields;
 
 /* `load`: blocks of nodal forces, of the loads and the remote points of the model; `prescribed`:
- * displacements of supports, of a model without joints, or NULL. */
+ * the displacements that follow each of `motions` histories, NULL where they are 0. */
 bw_status bwi_modal_motion_create(bw_context *context, const bw_model *model,
                                   const bwi_equations *equations,
                                   const bw_linear_transient_options *options, const double *load,
-                                  const double *prescribed, struct bwi_modal_motion **motion);
+                                  int motions, double *const *prescribed,
+                                  struct bwi_modal_motion **motion);
 /* The state at the start, from the fields u and v of the options, with a warning where it is not
  * what they say. */
 bw_status bwi_modal_motion_start(bw_context *context, struct bwi_modal_motion *motion,

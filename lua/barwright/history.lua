@@ -48,7 +48,7 @@ local function check_rows(what, rows)
 end
 
 --- Rows {time, value} of a file: two columns behind comments (#) and one line of headings. `name`: of the first
---- column, where it is no time.
+--- column, where it is no time. Also the line of the last row.
 function history.rows(path, name)
   name = name or "time"
   local text, why = read_file(path)
@@ -57,7 +57,7 @@ function history.rows(path, name)
     return nil, ("%s: no text file: rows of a %s and a value expected"):format(path, name),
       {status = "format", file = path}
   end
-  local rows, number, headings = {}, 0, false
+  local rows, number, last, headings = {}, 0, 0, false
   for line in text:gsub("^\xEF\xBB\xBF", ""):gmatch "([^\n]*)\n?" do
     number = number + 1
     local plain = line:gsub("\r$", ""):gsub("#.*", "")
@@ -72,30 +72,30 @@ function history.rows(path, name)
         return nil, ("%s: line %d: %s"):format(path, number, wrong),
           {status = "format", file = path, line = number}
       else
-        rows[#rows + 1] = row
+        rows[#rows + 1], last = row, number
       end
     end
   end
   if #rows == 0 then
     return nil, ("%s: no row with a %s and a value"):format(path, name), {status = "format", file = path}
   end
-  return rows
+  return rows, last
 end
 
---- A function of time, and its rows where it has some; nil, a message and details for a file that cannot be read.
---- Raises, with `what` in front, for what is no history.
+--- A function of time, its rows where it has some, and of a file the place of the last one in words; nil, a
+--- message and details for a file that cannot be read. Raises, with `what` in front, for what is no history.
 function history.read(what, given)
   if type(given) == "function" then return given end
   if finite(given) then return function() return given end end
-  local rows = given
+  local rows, place = given, nil
   if type(given) == "string" then
-    local read, message, details = history.rows(given)
-    if not read then return nil, message, details end
-    rows = read
+    local read, more, details = history.rows(given)
+    if not read then return nil, more, details end
+    rows, place = read, ("%s: line %d"):format(given, more)
   else
     check_rows(what, given)
   end
-  return function(time) return interpolate(rows, time) end, rows
+  return function(time) return interpolate(rows, time) end, rows, place
 end
 
 -- The number of the first row behind a time.

@@ -12,48 +12,115 @@ local raise = core.raise
 
 local model, transient = core.classes.model.methods, core.classes.linear_transient.methods
 
--- By transient: {loads = {functions, of couplings behind those of loads}, names = {of these},
--- supports = function, rows = {of loads}, support_rows, by_modes = boolean,
--- base = step that looks at functions where steps adapt}
+-- By transient: {loads = {histories by number, of couplings behind those of loads}, motions = {histories that
+-- supports and remote points follow}, support_motions, point_motions = {which of these each one follows},
+-- by_modes = boolean, base = step that looks at functions where steps adapt}. A history is {name, f, rows, place}.
 local histories_of = setmetatable({}, {__mode = "k"})
 
-local function read_histories(opts, counts)
-  local loads, rows, names, before = {}, {}, {}, 0
-  for _, kind in ipairs {"load", "coupling"} do
-    local option, count = kind .. "s", counts[kind]
-    for index, given in pairs(opts[option]) do
-      if math.type(index) ~= "integer" or index < 1 or index > count then
-        raise(("transient: option '%s': there is no %s %s: the part has %d"):format(option, kind, tostring(index),
-          count))
-      end
-      local name = ("transient: the history of %s %d"):format(kind, index)
-      local f, more, details = history.read(name, given)
-      if not f then return nil, more, details end
-      loads[before + index], rows[before + index], names[before + index] = f, more, name
+local function read_history(name, given)
+  local f, rows, place = history.read(name, given)
+  if not f then return nil, rows, place end
+  return {name = name, f = f, rows = rows, place = place}
+end
+
+local function ascending(list)
+  local sorted = {}
+  for index in pairs(list) do sorted[#sorted + 1] = index end
+  table.sort(sorted)
+  return sorted
+end
+
+-- The numbers that a table of histories has.
+local function numbers(option, kind, list, count)
+  for index in pairs(list) do
+    if math.type(index) ~= "integer" or index < 1 or index > count then
+      raise(("transient: option '%s': there is no %s %s: the part has %d"):format(option, kind, tostring(index),
+        count))
     end
-    before = before + count
   end
-  local supports, more, details = history.read("transient: the history of the supports", opts.supports)
-  if not supports then return nil, more, details end
-  return {loads = loads, names = names, supports = supports, rows = rows, support_rows = more}
+  return ascending(list)
 end
 
-local function load_value(histories, i, time)
-  local f = histories.loads[i]
-  return f and history.value(histories.names[i], f, time) or 1
+-- Histories by number from 1, behind `before` others.
+local function read_loads(option, kind, list, count, loads, before)
+  for _, index in ipairs(numbers(option, kind, list, count)) do
+    local read, message, details = read_history(("transient: the history of %s %d"):format(kind, index),
+      list[index])
+    if not read then return nil, message, details end
+    loads[before + index] = read
+  end
+  return true
 end
 
-local function support_value(histories, time)
-  return history.value("transient: the history of the supports", histories.supports, time)
+-- Whether a value is histories by number, not one history.
+local function is_list(given)
+  return type(given) == "table" and (type(given[1]) ~= "table" or type(given[1][1]) == "table")
+end
+
+-- Which history each support, and each remote point, follows: the same one where the same was given.
+local function read_motions(opts, counts, histories)
+  local each, motions, number = is_list(opts.supports), {}, {}
+  local default = each and 1 or opts.supports
+  local function follow(name, given)
+    if not number[given] then
+      local read, message, details = read_history("transient: the history of " .. name, given)
+      if not read then return nil, message, details end
+      motions[#motions + 1] = read
+      number[given] = #motions
+    end
+    return number[given]
+  end
+  local function follow_all(option, kind, name, list)
+    numbers(option, kind, list, counts[kind])
+    local out = {}
+    for i = 1, counts[kind] do
+      local own = list[i] ~= nil
+      local m, message, details = follow(own and name:format(i) or "the supports", own and list[i] or default)
+      if not m then return nil, message, details end
+      out[i] = m
+    end
+    return out
+  end
+  local ok, message, details = true, nil, nil
+  if not each or counts.support + counts.coupling == 0 then
+    ok, message, details = follow("the supports", default)
+  end
+  if ok then
+    ok, message, details = follow_all("supports", "support", "support %d", each and opts.supports or {})
+    histories.support_motions = ok
+  end
+  if ok then
+    ok, message, details = follow_all("coupling_motions", "coupling", "the motion of coupling %d",
+      opts.coupling_motions)
+    histories.point_motions = ok
+  end
+  histories.motions = motions
+  return ok, message, details
+end
+
+local function read_histories(opts, counts)
+  local histories = {loads = {}}
+  local ok, message, details = read_loads("loads", "load", opts.loads, counts.load, histories.loads, 0)
+  if ok then
+    ok, message, details = read_loads("couplings", "coupling", opts.couplings, counts.coupling, histories.loads,
+      counts.load)
+  end
+  if ok then ok, message, details = read_motions(opts, counts, histories) end
+  if not ok then return nil, message, details end
+  return histories
+end
+
+local function value_of(one, time)
+  return history.value(one.name, one.f, time)
 end
 
 -- The mean of |f - the line between the ends| over a step to a time: what the step misses of a load.
-local function load_missed(histories, i, time, h)
+local function load_missed(one, time, h, base)
   local start, sum, before, last = time - h, 0, 0, time - h
-  local from = load_value(histories, i, start)
-  local to = load_value(histories, i, time)
-  for _, at in ipairs(history.times(histories.rows[i], start, time, histories.base)) do
-    local off = math.abs(load_value(histories, i, at) - from - (to - from) * (at - start) / h)
+  local from = value_of(one, start)
+  local to = value_of(one, time)
+  for _, at in ipairs(history.times(one.rows, start, time, base)) do
+    local off = math.abs(value_of(one, at) - from - (to - from) * (at - start) / h)
     sum, before, last = sum + 0.5 * (at - last) * (before + off), off, at
   end
   return (sum + 0.5 * (time - last) * before) / h
@@ -61,12 +128,12 @@ end
 
 -- The largest distance of the supports' history from the cubic through the ends of a step and the points as far
 -- outside; of the first step, from a parabola.
-local function support_missed(histories, time, h)
+local function support_missed(one, time, h, base)
   local points, most = {}, 0
   for k = time - h > 0.5 * h and -2 or -1, 1 do
-    points[#points + 1] = {k, support_value(histories, time + k * h)}
+    points[#points + 1] = {k, value_of(one, time + k * h)}
   end
-  for _, at in ipairs(history.times(histories.support_rows, time - h, time, histories.base)) do
+  for _, at in ipairs(history.times(one.rows, time - h, time, base)) do
     local x, value = (at - time) / h, 0
     for i, p in ipairs(points) do
       local part = p[2]
@@ -75,7 +142,7 @@ local function support_missed(histories, time, h)
       end
       value = value + part
     end
-    most = math.max(most, math.abs(support_value(histories, at) - value))
+    most = math.max(most, math.abs(value_of(one, at) - value))
   end
   return most
 end
@@ -83,24 +150,30 @@ end
 -- What a step to a time misses of the loads and the supports; nothing where steps do not adapt.
 local function missed(histories, count, time, h)
   if not histories.base then return nil end
-  local loads = {}
-  for i = 1, count do loads[i] = histories.loads[i] and load_missed(histories, i, time, h) or 0 end
-  return loads, support_missed(histories, time, h)
+  local loads, supports, base = {}, {}, histories.base
+  for i = 1, count do loads[i] = histories.loads[i] and load_missed(histories.loads[i], time, h, base) or 0 end
+  for m, one in ipairs(histories.motions) do supports[m] = support_missed(one, time, h, base) end
+  return loads, supports
 end
 
--- Factors of loads at a time, and that of the supports with its two derivatives: by differences over a step, of
--- second order as the method is, so that rows have the acceleration that a step sees.
-local function factors(histories, count, time, h)
-  local loads = {}
-  for i = 1, count do loads[i] = load_value(histories, i, time) end
-  local function s(at) return support_value(histories, at) end
-  local now, after = s(time), s(time + h)
+-- The factor of supports at a time with its two derivatives: by differences over a step, of second order as the
+-- method is, so that rows have the acceleration that a step sees.
+local function motion(one, time, h)
+  local now, after = value_of(one, time), value_of(one, time + h)
   if time < 0.5 * h then
-    local later = s(time + 2 * h)
-    return loads, now, (4 * after - 3 * now - later) / (2 * h), (now - 2 * after + later) / h ^ 2
+    local later = value_of(one, time + 2 * h)
+    return {now, (4 * after - 3 * now - later) / (2 * h), (now - 2 * after + later) / h ^ 2}
   end
-  local before = s(time - h)
-  return loads, now, (after - before) / (2 * h), (after - 2 * now + before) / h ^ 2
+  local before = value_of(one, time - h)
+  return {now, (after - before) / (2 * h), (after - 2 * now + before) / h ^ 2}
+end
+
+-- Factors of loads at a time, and rows of the histories of supports.
+local function factors(histories, count, time, h)
+  local loads, supports = {}, {}
+  for i = 1, count do loads[i] = histories.loads[i] and value_of(histories.loads[i], time) or 1 end
+  for m, one in ipairs(histories.motions) do supports[m] = motion(one, time, h) end
+  return loads, supports
 end
 
 --- The body at time 0; see lua/stubs/transient.lua.
@@ -114,6 +187,7 @@ function model:transient(given)
     loads = {type = "table", default = {}},
     couplings = {type = "table", default = {}},
     supports = {type = "any"},
+    coupling_motions = {type = "table", default = {}},
     modes = {type = "modes"},
   })
   local initial = options.read("transient: option 'initial'", opts.initial,
@@ -121,11 +195,12 @@ function model:transient(given)
   if opts.supports == nil then opts.supports = 1 end
   local loads, couplings = #self.loads, #self.couplings
   local count = loads + couplings
-  local histories, why, about = read_histories(opts, {load = loads, coupling = couplings})
+  local histories, why, about = read_histories(opts, {load = loads, coupling = couplings,
+    support = #self.supports})
   if not histories then return nil, why, about end
   local made, message, details = core.linear_transient(self, {step = opts.step, rho = opts.rho, error = opts.error,
     damping = opts.damping, modes = opts.modes}, initial.displacement, initial.velocity,
-    factors(histories, count, 0, opts.step))
+    histories.support_motions, histories.point_motions, factors(histories, count, 0, opts.step))
   if not made then return nil, message, details end
   histories.by_modes = opts.modes ~= nil
   histories.base = opts.error and opts.step
@@ -139,12 +214,27 @@ function transient:step()
   while true do
     local h = self.step_length
     local time = self.time + h
-    local loads, s, velocity, acceleration = factors(histories, count, time, h)
-    local stands, message, details = core.linear_transient_step(self, loads, s, velocity, acceleration,
+    local loads, supports = factors(histories, count, time, h)
+    local stands, message, details = core.linear_transient_step(self, loads, supports,
       missed(histories, count, time, h))
     if stands == nil then return nil, message, details end
     if stands then return self end
   end
+end
+
+-- Warns, once for each file, of a history that ends before the motion does while its value changes.
+local function check_ends(histories, time)
+  local function check(one, is_load)
+    local rows = one.place and one.rows
+    if not rows or one.checked or rows[#rows][1] >= time then return end
+    one.checked = true
+    local last, before = rows[#rows][2], rows[#rows - 1]
+    if before and last == before[2] or is_load and last == 0 then return end
+    core.warn(("%s: the history ends at %g s, before the motion ends at %g s, and its last value, %g, stays: add "
+      .. "rows, or give an earlier end"):format(one.place, rows[#rows][1], time, last))
+  end
+  for _, i in ipairs(ascending(histories.loads)) do check(histories.loads[i], true) end
+  for _, one in ipairs(histories.motions) do check(one, false) end
 end
 
 -- ---- what is recorded ---------------------------------------------------------------------------
@@ -270,6 +360,7 @@ function transient:run(given)
   if left > 1e8 then
     raise(("run: %.3g steps of %g s to %g s: at most 1e8 expected"):format(left, base or h, opts.time))
   end
+  check_ends(histories_of[self], opts.time)
   local kept
   if opts.frames then
     local why, about

@@ -16,21 +16,22 @@ static const double *read_list(lua_State *L, int index, int32_t loads) {
   return value;
 }
 
-/* Factors from a list of numbers, one for each load and each coupling, and three arguments behind
- * it; then, or nil, a list and a number of what a step does not see. */
+/* Factors from a list of numbers, one for each load and each coupling, and rows of the factor of
+ * each history of supports with its derivatives; then, or nil, lists of what a step does not see.
+ */
 static bw_transient_factors read_factors(lua_State *L, int first, const bw_model *model) {
-  bool sees = lua_isnoneornil(L, first + 4);
+  bool sees = lua_isnoneornil(L, first + 2);
   int32_t loads = model->load_count, all = loads + model->coupling_count;
+  int64_t rows;
   const double *factor = read_list(L, first, all),
-               *missed = sees ? NULL : read_list(L, first + 4, all);
-  return (bw_transient_factors){.load = factor,
-                                .point = factor ? factor + loads : NULL,
-                                .support = lbw_check_number(L, first + 1),
-                                .support_velocity = lbw_check_number(L, first + 2),
-                                .support_acceleration = lbw_check_number(L, first + 3),
-                                .load_missed = missed,
-                                .point_missed = missed ? missed + loads : NULL,
-                                .support_missed = sees ? 0 : lbw_check_number(L, first + 5)};
+               *missed = sees ? NULL : read_list(L, first + 2, all);
+  return (bw_transient_factors){
+      .load = factor,
+      .point = factor ? factor + loads : NULL,
+      .support = lbw_to_doubles(L, first + 1, "factors", 3, &rows),
+      .load_missed = missed,
+      .point_missed = missed ? missed + loads : NULL,
+      .support_missed = sees ? NULL : lbw_to_doubles(L, first + 3, "factors", 1, &rows)};
 }
 
 static const double *read_field(lua_State *L, int index, const char *what, const bw_mesh *mesh) {
@@ -42,8 +43,8 @@ static const double *read_field(lua_State *L, int index, const char *what, const
   return field;
 }
 
-/* linear_transient(model, {step, rho, error, damping, modes}, displacement, velocity,
- * factors of loads, factor of supports, its velocity, its acceleration) */
+/* linear_transient(model, {step, rho, error, damping, modes}, displacement, velocity, numbers of
+ * histories of supports, of remote points, factors of loads, rows of histories) */
 static int core_linear_transient(lua_State *L) {
   static const lbw_option list[] = {
       {"step", LBW_REAL, offsetof(bw_linear_transient_options, step)},
@@ -65,7 +66,12 @@ static int core_linear_transient(lua_State *L) {
   lua_settop(L, 10);
   options.displacement = read_field(L, 3, "transient: option 'initial': displacement", model->mesh);
   options.velocity = read_field(L, 4, "transient: option 'initial': velocity", model->mesh);
-  const bw_transient_factors now = read_factors(L, 5, model);
+  int64_t rows;
+  options.support_motion = lbw_to_indices(L, 5, "histories", 1, &rows);
+  lbw_require_rows(L, "histories", rows, model->support_count, "support");
+  options.point_motion = lbw_to_indices(L, 6, "histories", 1, &rows);
+  lbw_require_rows(L, "histories", rows, model->coupling_count, "coupling");
+  const bw_transient_factors now = read_factors(L, 7, model);
   lbw_box *box = lbw_box_new(L, &lbw_linear_transient_class);
   bw_linear_transient *transient = NULL;
   bw_status status = bw_linear_transient_create(lbw_enter(L), model, (bw_system *)own->extra,
@@ -73,14 +79,14 @@ static int core_linear_transient(lua_State *L) {
   return lbw_leave_object(L, box, transient, status);
 }
 
-/* linear_transient_step(transient, factors of loads, factor of supports, its velocity, its
- * acceleration, what the step misses of loads or nil, of supports): whether it stands */
+/* linear_transient_step(transient, factors of loads, rows of histories of supports, what the step
+ * misses of loads or nil, of histories of supports): whether it stands */
 static int core_linear_transient_step(lua_State *L) {
   lbw_box *box = lbw_check_box(L, 1, &lbw_linear_transient_class);
   bw_linear_transient *transient = (bw_linear_transient *)box->object;
   int64_t steps = transient->steps;
   int factors = transient->factors;
-  lua_settop(L, 7);
+  lua_settop(L, 5);
   const bw_transient_factors next = read_factors(L, 2, transient->model);
   bw_status status = bw_linear_transient_step(lbw_enter(L), transient, &next);
   if (transient->factors > factors)

@@ -16,7 +16,8 @@
 ---@field initial? bw.InitialMotion where it begins. What `modes`, or joints, do not allow is lost: a warning says how much where it is above 1 %. With `modes` a load that acts at time 0 deforms the part at once by its static part. Default: at rest, undeformed.
 ---@field loads? table<integer, bw.History> factors of the loads by their number in the part. Default: 1 each, from time 0 on.
 ---@field couplings? table<integer, bw.History> factors of the forces and moments of remote points, by the number of their coupling in the part. The weight of a point has the factor of the gravity load. Default: 1 each, from time 0 on.
----@field supports? bw.History factor of all prescribed displacements, those of remote points too; velocity and acceleration follow by differences over a step. Default: 1.
+---@field supports? bw.History|table<integer, bw.History> factor of all prescribed displacements, those of remote points too; or factors by the number of the support in the part, 1 for each one left out and for remote points. Velocity and acceleration follow by differences over a step. Supports with different histories must not prescribe the same component of a node, unless both are 0 there. Default: 1.
+---@field coupling_motions? table<integer, bw.History> factors of the prescribed motions of remote points, by the number of their coupling in the part. Default: the one of `supports`, or 1 each.
 
 ---The start of a motion, where no support prescribes it.
 ---@class bw.InitialMotion
@@ -24,7 +25,8 @@
 ---@field velocity? bw.Array (m/s, node_count × 3) Default: 0.
 
 ---A value that changes in time: a number, a function of time (s), rows {time, value} of ascending times, or the path of a CSV
----file with such rows of two columns behind comments (`#`) and a line of headings. Rows are linear between and constant outside.
+---file with such rows of two columns behind comments (`#`) and a line of headings. Rows are linear between and constant outside. A
+---file that ends before the motion, while its value changes, warns.
 ---@alias bw.History number|(fun(time: number): number)|number[][]|string
 
 ---A part in motion; `print` shows its energies.

@@ -19,28 +19,33 @@ typedef struct bw_linear_transient_options {
   double error; /* (-) of the displacement in a step, relative to its largest norm in the mass:
                    steps have `step` times powers of 2, 2^-10 to 2^6, and those of a larger
                    error are taken again; default 0: all have one length; 0 to below 1 */
-  bw_damping damping;         /* mass and stiffness, with modes a ratio too */
-  const bw_modes *modes;      /* elastic modes of the model: the motion is the sum of these and of
-                                 rigid-body motions, and the static displacement of what they leave out;
-                                 default NULL: direct integration */
-  const double *displacement; /* (m, node_count x 3) at the start; default NULL: 0 */
-  const double *velocity;     /* (m/s, node_count x 3) at the start; default NULL: 0 */
+  bw_damping damping;    /* mass and stiffness, with modes a ratio too */
+  const bw_modes *modes; /* elastic modes of the model: the motion is the sum of these and of
+                            rigid-body motions, and the static displacement of what they leave out;
+                            default NULL: direct integration */
+  const int32_t *support_motion; /* (index, support_count) the history that each support follows;
+                                    default NULL: the first one */
+  const int32_t *point_motion; /* (index, coupling_count) the history that the prescribed motion of
+                                  each remote point follows; default NULL: the first one */
+  const double *displacement;  /* (m, node_count x 3) at the start; default NULL: 0 */
+  const double *velocity;      /* (m/s, node_count x 3) at the start; default NULL: 0 */
 } bw_linear_transient_options;
 BW_API void bw_linear_transient_options_default(bw_linear_transient_options *options);
 
 /* What multiplies loads and prescribed displacements at a time. */
 typedef struct bw_transient_factors {
-  const double *load;          /* (-, load_count) of each load of the model; NULL: 1. Borrowed */
-  const double *point;         /* (-, coupling_count) of each point's load; NULL: 1. Borrowed */
-  double support;              /* (-) of the prescribed displacements of all supports */
-  double support_velocity;     /* (1/s) its first derivative in time */
-  double support_acceleration; /* (1/s2) its second derivative in time */
+  const double *load;    /* (-, load_count) of each load of the model; NULL: 1. Borrowed */
+  const double *point;   /* (-, coupling_count) of each point's load; NULL: 1. Borrowed */
+  const double *support; /* (any, n x 3) of the n histories that supports follow: the factor
+                            (-), its first (1/s) and its second derivative in time (1/s2);
+                            NULL: 1, at rest. Borrowed */
   /* of steps that adapt: what a step from factor to factor does not see */
   const double *load_missed; /* (-, load_count) mean of each load's factor in the step less that of
                                 its ends, or its magnitude; NULL: 0. Borrowed */
   const double
-      *point_missed;     /* (-, coupling_count) the same of each point's load; NULL: 0. Borrowed */
-  double support_missed; /* (-) the largest such difference of the supports' factor */
+      *point_missed; /* (-, coupling_count) the same of each point's load; NULL: 0. Borrowed */
+  const double *support_missed; /* (-, n) the largest such difference of each history of
+                                   supports; NULL: 0. Borrowed */
 } bw_transient_factors;
 
 struct bwi_linear_transient;
@@ -76,13 +81,14 @@ typedef struct bw_linear_transient {
  * displacement and the velocity at the start, where that is above 1 % in the norm of the mass. The
  * static part of a load that acts then is there at once with modes. The model must not change
  * afterwards. initial + work = kinetic + strain + damped, but for what the scheme itself takes
- * away. Masses and springs of attachments and couplings are in all energies; prescribed motions of
- * remote points have the factor of the supports. With modes a joined model must not move freely.
- * BW_UNSUPPORTED for cyclic symmetry, for preloads, and with modes for supports that move a body
- * that is free or has stiffness damping. BW_INVALID for numbers outside their ranges, a material
- * without density and modes of another model, BW_UNSUPPORTED for temperature loads and other
- * damping; BW_MEMORY, before it is allocated, for a factor larger than what is free, BW_CONVERGENCE
- * where the first acceleration is not found; those of bw_dof_map_create and bw_system_factor. */
+ * away. Masses and springs of attachments and couplings are in all energies. Displacements that
+ * follow different histories add up: BW_INVALID where two of them prescribe a component, unless
+ * both are 0 there. With modes a joined model must not move freely. BW_UNSUPPORTED for cyclic
+ * symmetry, for preloads, and with modes for supports that move a body that is free or has
+ * stiffness damping. BW_INVALID for numbers outside their ranges, a material without density and
+ * modes of another model, BW_UNSUPPORTED for temperature loads and other damping; BW_MEMORY, before
+ * it is allocated, for a factor larger than what is free, BW_CONVERGENCE where the first
+ * acceleration is not found; those of bw_dof_map_create and bw_system_factor. */
 BW_API bw_status bw_linear_transient_create(bw_context *context, const bw_model *model,
                                             bw_system *given,
                                             const bw_linear_transient_options *options,

@@ -381,12 +381,13 @@ static void test_moving_support(void **state) {
     int steps = 25 << level;
     double h = until / steps;
     bw_linear_transient_options options = {.step = h, .rho = 0.9};
-    bw_transient_factors f = {.support_acceleration = W * W};
+    double y_of[3] = {0, 0, W * W};
+    const bw_transient_factors f = {.support = y_of};
     bw_linear_transient *t = start(context, model, &options, &f);
     for (int k = 1; k <= steps; k++) {
-      f = (bw_transient_factors){.support = 1 - cos(W * h * k),
-                                 .support_velocity = W * sin(W * h * k),
-                                 .support_acceleration = W * W * cos(W * h * k)};
+      y_of[0] = 1 - cos(W * h * k);
+      y_of[1] = W * sin(W * h * k);
+      y_of[2] = W * W * cos(W * h * k);
       check_ok(context, bw_linear_transient_step(context, t, &f));
     }
     for (int64_t i = 0; i < size; i++)
@@ -425,7 +426,7 @@ static void test_superposition(void **state) {
   double *sum = numbers(size);
   for (int which = 0; which < 3; which++) {
     double factor[2] = {which != 1, 0};
-    const bw_transient_factors f = {.load = factor, .support = 1};
+    const bw_transient_factors f = {.load = factor};
     bw_linear_transient *t = start(context, model, &options, &f);
     for (int k = 1; k <= 20; k++) {
       factor[0] = which != 1 ? 1 - 0.05 * k : 0;
@@ -494,13 +495,14 @@ static void test_superposed_against_direct(void **state) {
       double h = until / steps, load = 0;
       bw_linear_transient_options options = {
           .step = h, .rho = 1, .damping.mass = 30, .modes = way ? modes : NULL};
-      bw_transient_factors f = {.load = &load, .support_acceleration = w * w};
+      double y_of[3] = {0, 0, w * w};
+      const bw_transient_factors f = {.load = &load, .support = y_of};
       bw_linear_transient *t = start(context, model, &options, &f);
       for (int k = 1; k <= steps; k++) {
         load = sin(w * h * k) * sin(w * h * k);
-        f.support = 1 - cos(w * h * k);
-        f.support_velocity = w * sin(w * h * k);
-        f.support_acceleration = w * w * cos(w * h * k);
+        y_of[0] = 1 - cos(w * h * k);
+        y_of[1] = w * sin(w * h * k);
+        y_of[2] = w * w * cos(w * h * k);
         check_ok(context, bw_linear_transient_step(context, t, &f));
       }
       u[way] = numbers(size);
@@ -645,6 +647,9 @@ static void test_bad_input(void **state) {
   double *field = numbers(3 * (int64_t)model->mesh->node_count);
   field[4] = INFINITY;
   REFUSED(BW_INVALID, bad.velocity = field);
+  const int32_t beyond = 1, below = -1;
+  REFUSED(BW_INVALID, bad.support_motion = &beyond);
+  REFUSED(BW_INVALID, bad.support_motion = &below);
 #undef REFUSED
   for (int64_t i = 0; i < 3 * (int64_t)model->mesh->node_count; i++)
     field[i] = 1;
@@ -658,7 +663,8 @@ static void test_bad_input(void **state) {
   free(field);
   options.step = 1e-4;
   t = start(context, model, &options, NULL);
-  const bw_transient_factors wrong = {.support = NAN};
+  const double no_number[3] = {NAN, 0, 0};
+  const bw_transient_factors wrong = {.support = no_number};
   assert_int_equal(bw_linear_transient_step(context, t, &wrong), BW_INVALID);
   assert_int_equal(t->steps, 0);
   const double g[3] = {0, 0, -9.81};
@@ -685,6 +691,14 @@ static void test_memory_failures(void **state) {
   const bw_linear_transient_options superposed = {.step = 1e-4, .modes = modes};
   check_allocations(context, t,
                     bw_linear_transient_create(context, model, NULL, &superposed, NULL, &t));
+  const bool all[3] = {true, true, true};
+  const double y[3] = {0, 0, 1e-3};
+  const int32_t motion[2] = {1, 0};
+  bw_selection *end = plane(context, model->mesh, 0, 1);
+  check_ok(context, bw_model_prescribe(context, model, end, all, y));
+  const bw_linear_transient_options apart = {.step = 1e-4, .support_motion = motion};
+  check_allocations(context, t, bw_linear_transient_create(context, model, NULL, &apart, NULL, &t));
+  bw_release(end);
   bw_release(modes);
   bw_release(model);
 }
