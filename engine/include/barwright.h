@@ -109,6 +109,7 @@
 
 #include "barwright/analysis.h"
 #include "barwright/buckling.h"
+#include "barwright/finite.h"
 #include "barwright/contact.h"
 #include "barwright/deposition.h"
 #include "barwright/drop.h"

@@ -59,6 +59,7 @@ typedef struct factorisation {
   const bwi_kernels *kernels;
   double unit; /* the matrix is taken times this */
   bool signs;
+  uint8_t *minus;                /* of the factor, or NULL */
   void *value;                   /* all panels, or NULL when L is not kept */
   const bwi_plan *plan;          /* of the supernodes wanted */
   const uint8_t *wanted;         /* NULL: all */
@@ -140,7 +141,8 @@ static bw_status do_front(factorisation *f, int32_t s, void *own, workspace *spa
                      .panel = panel,
                      .update = update,
                      .scale = space->scale,
-                     .signs = f->signs};
+                     .signs = f->signs,
+                     .minus = f->minus ? f->minus + symbolic->first[order->super[s]] : NULL};
   status = kernels->eliminate(context, &front);
   if (status == BW_SINGULAR)
     lower_to(&f->failed, symbolic->first[order->super[s]] + front.failed);
@@ -315,6 +317,7 @@ static void factor_destroy(void *object) {
   bwi_factor *factor = object;
   bw_release(factor->symbolic);
   bw_free(factor->value);
+  bw_free(factor->minus);
   bwi_cholmod_destroy(factor->cholmod);
   kept_destroy(factor->kept);
   bw_free(factor);
@@ -507,6 +510,48 @@ bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const b
                             bwi_factor **factor, int32_t *bad_node) {
   return bwi_factor_create_in(context, symbolic, matrix, NULL, &bwi_kernels_double, factor,
                               bad_node);
+}
+
+bw_status bwi_factor_create_indefinite(bw_context *context, bwi_symbolic *symbolic,
+                                       const bwi_matrix *matrix, bwi_factor **out, bool *trusted,
+                                       int32_t *bad_node) {
+  bw_status status = BW_OK;
+  store fronts = {0};
+  bwi_factor *factor = BW_NEW0(context, bwi_factor, 1);
+  if (!factor)
+    return BW_MEMORY;
+  bw_object_init(factor, &factor_kind);
+  factor->symbolic = bw_retain(symbolic);
+  factor->kernels = &bwi_kernels_double;
+  factor->unit = 1;
+  factor->value = bwi_alloc_once(context, (size_t)symbolic->panel[symbolic->order->super_count],
+                                 sizeof(double));
+  factor->minus = BW_NEW0(context, uint8_t, symbolic->unknowns);
+  BW_TRY_MEMORY(factor->value && factor->minus);
+  factorisation f = {.context = context,
+                     .symbolic = symbolic,
+                     .matrix = matrix,
+                     .kernels = factor->kernels,
+                     .unit = 1,
+                     .signs = true,
+                     .minus = factor->minus,
+                     .value = factor->value,
+                     .plan = &symbolic->plan,
+                     .store = &fronts};
+  BW_TRY(factorise(&f));
+  factor->negative = f.negative;
+  *trusted = f.weak == INT32_MAX;
+done:
+  if (status == BW_SINGULAR) {
+    *bad_node = node_of_unknown(symbolic, f.failed);
+    bw_fail(context, BW_SINGULAR, "the matrix is singular at node %d", *bad_node + 1);
+  }
+  store_clear(&fronts);
+  if (status == BW_OK)
+    *out = factor;
+  else
+    bw_release(factor);
+  return status;
 }
 
 bwi_elimination_reach *bwi_factor_reach(const bwi_factor *factor) {

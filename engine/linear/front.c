@@ -220,6 +220,8 @@ static bw_status diagonal_block(bw_context *context, elimination *work) {
     bw_free(copy);
     for (int j = 0; j < width; j++)
       work->negative_here += work->negative[j];
+    if (front->minus)
+      memcpy(front->minus + begin, work->negative, (size_t)width);
     front->negative += work->negative_here;
   } else
     POTRF("L", &width, block, &ld, &info);

@@ -190,6 +190,8 @@ typedef struct bwi_factor {
   struct bwi_cholmod *cholmod; /* its factor, of bwi_kernels_cholmod alone, or NULL */
   double unit;
   int64_t negative;               /* negative pivots */
+  uint8_t *minus;                 /* unknowns: 1 where a pivot is negative, in a factor L S L^T;
+                                     NULL: it is L L^T */
   struct bwi_refactor_data *kept; /* of a factor that can be updated in part, or NULL */
   bool broken;                    /* of such a factor: the last update failed */
 } bwi_factor;
@@ -203,6 +205,12 @@ bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
                                const bwi_matrix *matrix, bwi_elimination_reach *reach,
                                const struct bwi_kernels *kernels, bwi_factor **factor,
                                int32_t *bad_node);
+/* A = L S L^T with S = diag(+-1), of an indefinite matrix, without pivoting: *trusted as in
+ * bwi_count_negative. Solutions lose as many digits as the weakest pivot has lost. BW_SINGULAR for
+ * a pivot that is zero. */
+bw_status bwi_factor_create_indefinite(bw_context *context, bwi_symbolic *symbolic,
+                                       const bwi_matrix *matrix, bwi_factor **factor, bool *trusted,
+                                       int32_t *bad_node);
 /* Factor again, in place, what entries of the touched subdomains (NULL: all) reach (CHOLMOD: all,
  * where they reach anything): the same bits as a full refactorisation, when only entries of theirs
  * have changed since. *flops (may be NULL): work done. On failure, BW_CANCELLED included, the
@@ -259,6 +267,7 @@ typedef struct bwi_front {
   void *update;        /* of rows - pivots: assembled in, Schur complement out */
   const double *scale; /* pivots: size of each diagonal entry before elimination */
   bool signs;          /* allow negative pivots */
+  uint8_t *minus;      /* pivots: set to 1 where one is negative; or NULL */
   /* out */
   int negative;
   int failed; /* first pivot that is not positive (signs false), or -1 */

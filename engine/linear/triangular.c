@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* x = L^-T L^-1 x for several right-hand sides at once. The right-hand sides of one unknown lie
+/* x = L^-T S L^-1 x for several right-hand sides at once. The right-hand sides of one unknown lie
  * next to each other, so each number of L, which has to come from memory, is used for all of them:
  * eight cost little more than one.
  *
@@ -464,6 +464,9 @@ bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int wi
   collect(&solve);
   for (int32_t k = 0; k < symbolic->plan.top_count; k++)
     BW_TRY(forward_top(&solve, symbolic->plan.top[k]));
+  for (int64_t i = 0; factor->minus && i < symbolic->unknowns; i++)
+    for (int w = 0; w < width && factor->minus[i]; w++)
+      solve.x[i * width + w] = -solve.x[i * width + w];
   for (int32_t k = symbolic->plan.top_count - 1; k >= 0; k--)
     BW_TRY(backward_top(&solve, symbolic->plan.top[k]));
   BW_TRY(bw_parallel(context, symbolic->plan.task_count, 1, backward_tasks, &solve));

@@ -31,6 +31,7 @@ return {
     {"docs/theory/worst_case.md", "Worst case"},
     {"docs/theory/breaking_force.md", "Breaking force"}, {"docs/theory/strengthen.md", "Strengthening"},
     {"docs/theory/error_control.md", "Error control"}, {"docs/theory/stability.md", "Linear buckling"},
+    {"docs/theory/finite.md", "Large displacements"},
     {"docs/theory/heat.md", "Heat conduction"}, {"docs/theory/joints.md", "Joints"},
     {"docs/theory/symmetry.md", "Symmetry"},
     {"docs/theory/contact.md", "Contact"}, {"docs/theory/deposition.md", "Deposition"},
