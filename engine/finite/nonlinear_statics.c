@@ -256,6 +256,7 @@ static bw_status fail_step(bw_context *context, const path *p, outcome result, d
 static bw_status step_of_load(bw_context *context, path *p, double *change, int *cuts) {
   bw_status status = BW_OK;
   outcome result;
+  double least = p->options.factor / p->options.steps / (1 << CUTS);
   double *slope = BW_NEW(context, double, p->size);
   BW_TRY_MEMORY(slope);
   memcpy(slope, p->solution + p->size, (size_t)p->size * sizeof *slope);
@@ -264,7 +265,7 @@ static bw_status step_of_load(bw_context *context, path *p, double *change, int 
     BW_TRY(iterate(context, p, false, &result));
     if (result == CONVERGED)
       break;
-    if (*cuts == CUTS)
+    if (*cuts == CUTS || *change <= least)
       BW_TRY(fail_step(context, p, result, *change));
   }
 done:
@@ -276,7 +277,7 @@ done:
 static bw_status step_of_length(bw_context *context, path *p, bool first, int *cuts) {
   bw_status status = BW_OK;
   outcome result = SLOW;
-  double until = p->options.until, most = until / p->options.steps;
+  double until = p->options.factor, most = until / p->options.steps;
   double *slope = BW_NEW(context, double, p->size);
   BW_TRY_MEMORY(slope);
   memcpy(slope, p->solution + p->size, (size_t)p->size * sizeof *slope);
@@ -385,14 +386,14 @@ static void count_negative(const path *p, bw_nonlinear *out) {
 static bw_status follow(bw_context *context, path *p, bw_nonlinear *out) {
   bw_status status = BW_OK;
   const bw_nonlinear_options *o = &p->options;
-  double most = o->until / o->steps, change = most;
+  double most = o->factor / o->steps, change = most;
   int cuts = 0;
   for (;;) {
-    bw_progress(context, "load steps", fmin(1, fmax(0, p->lambda / o->until)));
+    bw_progress(context, "load steps", fmin(1, fmax(0, p->lambda / o->factor)));
     BW_TRY(tangent_at_state(context, p));
     count_negative(p, out);
     BW_TRY(choose_monitor(context, p, out));
-    if (p->lambda >= o->until * (1 - 1e-12)) {
+    if (p->lambda >= o->factor * (1 - 1e-12)) {
       out->end = BW_NONLINEAR_FACTOR;
       break;
     }
@@ -410,9 +411,9 @@ static bw_status follow(bw_context *context, path *p, bw_nonlinear *out) {
       BW_TRY(step_of_length(context, p, out->count == 0, &cuts));
       p->length *= fmin(growth, fmax(shrinkage, sqrt((double)WANTED_ITERATIONS / p->iterations)));
     } else {
-      change = fmin(change, o->until - p->lambda);
-      if (o->until - p->lambda - change < 1e-9 * o->until)
-        change = o->until - p->lambda;
+      change = fmin(change, o->factor - p->lambda);
+      if (o->factor - p->lambda - change < 1e-9 * o->factor)
+        change = o->factor - p->lambda;
       BW_TRY(step_of_load(context, p, &change, &cuts));
     }
     BW_TRY(accept(context, p, cuts, out));
@@ -427,14 +428,14 @@ done:
 
 void bw_nonlinear_options_default(bw_nonlinear_options *options) {
   *options = (bw_nonlinear_options){
-      .until = 1, .steps = 10, .max_steps = 500, .tolerance = 1e-8, .max_iterations = 20};
+      .factor = 1, .steps = 10, .max_steps = 500, .tolerance = 1e-8, .max_iterations = 20};
 }
 
 static bw_status check_options(bw_context *context, const bw_model *model,
                                const bw_nonlinear_options *o) {
-  if (!(o->until > 0 && o->until < INFINITY))
-    return bw_fail(context, BW_INVALID, "until is %g: a positive load factor is expected",
-                   o->until);
+  if (!(o->factor > 0 && o->factor < INFINITY))
+    return bw_fail(context, BW_INVALID, "the load factor is %g: a positive one is expected",
+                   o->factor);
   if (o->steps < 1 || o->steps > 100000 || o->max_steps < 1 || o->max_steps > 100000)
     return bw_fail(context, BW_INVALID, "1 to 100000 steps are expected, not %d and at most %d",
                    o->steps, o->max_steps);

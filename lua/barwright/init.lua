@@ -76,6 +76,7 @@ local bw = {
 require "barwright.fields"
 require "barwright.adaptive"
 require "barwright.buckling"
+require "barwright.nonlinear"
 require "barwright.deposition"
 require "barwright.harmonic"
 require "barwright.random_vibration"

@@ -178,7 +178,8 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_eigensolver_class, lbw_sparse_matrix_class, lbw_operator_class, lbw_eigenpairs_class,
     lbw_heat_class, lbw_heat_solution_class, lbw_heat_transient_class, lbw_buckling_class,
     lbw_harmonic_class, lbw_response_spectrum_class, lbw_linear_transient_class, lbw_contact_class,
-    lbw_contact_system_class, lbw_deposition_class, lbw_rigid_surface_class, lbw_drop_class;
+    lbw_contact_system_class, lbw_deposition_class, lbw_rigid_surface_class, lbw_drop_class,
+    lbw_nonlinear_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 
@@ -412,6 +413,7 @@ void lbw_open_pose(lua_State *L);
 void lbw_open_repair(lua_State *L);
 void lbw_open_refine(lua_State *L);
 void lbw_open_buckling(lua_State *L);
+void lbw_open_nonlinear(lua_State *L);
 void lbw_open_deposition(lua_State *L);
 void lbw_open_harmonic(lua_State *L);
 void lbw_open_response_spectrum(lua_State *L);

@@ -395,6 +395,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_repair(L);
   lbw_open_refine(L);
   lbw_open_buckling(L);
+  lbw_open_nonlinear(L);
   lbw_open_deposition(L);
   lbw_open_harmonic(L);
   lbw_open_response_spectrum(L);

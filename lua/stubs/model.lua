@@ -604,6 +604,29 @@ function Model:response_spectrum(options) end
 ---@field stiffness? number (s) b of it. Range: 0 or more. Default: 0
 ---@field loss? number|table<string, number> (-) loss factor h of the stiffness (1 + i h) K, or one by the name of each region, 0 where it has none; not in time. Range: 0 or more. Default: 0
 
+---Equilibrium under the loads, temperatures and prescribed displacements of the part, all times a load factor that grows from 0:
+---geometrically nonlinear statics. Displacements and rotations are of any size, strains are small (St. Venant-Kirchhoff law of the
+---part's material). Loads keep their directions and sizes, pressures too. Newton's method cuts steps that fail; `arc_length`
+---passes limit points. Each state has the number of its unstable directions.
+---
+---Errors: convergence (no state was found behind a load factor; `details.factor`, `details.node`), geometry (an element inverts;
+---`details.element`), unconstrained (the part can move freely), unsupported (bonds, attachments, couplings, cyclic symmetry),
+---singular (the stiffness, or the tangent at a state, is singular). A part on which nothing acts raises.
+---
+---Source: docs/theory/finite.md; Crisfield, Computers & Structures 13 (1981).
+---```lua
+---local mesh = bw.mesh.box {max = {0.2, 0.01, 0.002}, cells = {20, 1, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.pla}
+---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 0.2), force = {0, 0, 2}}
+---local path = assert(part:nonlinear {steps = 5, monitor = {{0.2, 0.005, 0.001}}})
+---print(path, path:path(1)(5, 3))
+---```
+---@param options? bw.NonlinearOptions steps and what is monitored
+---@return bw.Nonlinear? path the states
+---@return string? message
+---@return bw.Details? details
+function Model:nonlinear(options) end
+
 ---The part falls on a rigid floor, edge or peg and is followed in time: free fall, impacts, bounces. It is linear elastic about
 ---its motion as a rigid body. Its modes and the compliance that they leave out carry the contact, without friction. The mesh
 ---shows its attitude when it touches; positions and times count from then. The model keeps the equations, and `modes` of a former

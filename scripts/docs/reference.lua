@@ -16,7 +16,7 @@ local opts = script.read {
 local groups = {
   {"Basics", "barwright array json results"},
   {"Geometry", "surface shapes mesh selection picture canvas"},
-  {"Parts", "material model solver static contact heat deposition stress modes buckling harmonic "
+  {"Parts", "material model solver static contact heat deposition stress modes buckling nonlinear harmonic "
     .. "response_spectrum fatigue transient drop eigensolver system sparse_matrix operator singular"},
   {"Where a part breaks", "worst_case worst_buckling breaking_force strengthen drop_test brute_force worst_loads "
     .. "lp"},

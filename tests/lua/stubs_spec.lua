@@ -15,7 +15,7 @@ end
 
 local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   selection = "bw.Selection", material = "bw.Material", model = "bw.Model", static = "bw.Static",
-  modes = "bw.Modes", buckling = "bw.Buckling", harmonic = "bw.Harmonic",
+  modes = "bw.Modes", buckling = "bw.Buckling", nonlinear = "bw.Nonlinear", harmonic = "bw.Harmonic",
   response_spectrum = "bw.ResponseSpectrum", eigensolver = "bw.Eigensolver",
   heat = "bw.Heat", heat_solution = "bw.HeatSolution", heat_transient = "bw.HeatTransient",
   linear_transient = "bw.LinearTransient", contact = "bw.Contact", contact_system = "bw.ContactSystem",

@@ -27,8 +27,8 @@ BW_API bw_status bw_finite_stress(bw_context *context, const bw_model *model,
 
 /* How geometrically nonlinear statics go. */
 typedef struct bw_nonlinear_options {
-  double until;    /* (-) load factor at which it ends; default 1, above 0 */
-  int steps;       /* (count) a step changes the load factor by at most until / steps;
+  double factor;   /* (-) load factor at which it ends; default 1, above 0 */
+  int steps;       /* (count) a step changes the load factor by at most factor / steps;
                       default 10, 1 to 100000 */
   bool arc_length; /* passes limit points: the length of a step of displacements is given, not
                       its load; default false */

@@ -407,9 +407,9 @@ static void refused(void **state) {
   check_fails(context, BW_UNCONSTRAINED, "move freely",
               bw_nonlinear_statics(context, free_body, NULL, &path));
   bw_nonlinear_options_default(&options);
-  options.until = -1;
-  check_fails(context, BW_INVALID, "until", bw_nonlinear_statics(context, model, &options, &path));
-  options.until = 1;
+  options.factor = -1;
+  check_fails(context, BW_INVALID, "load factor", bw_nonlinear_statics(context, model, &options, &path));
+  options.factor = 1;
   options.max_iterations = 1;
   check_fails(context, BW_INVALID, "iterations",
               bw_nonlinear_statics(context, model, &options, &path));

@@ -104,6 +104,7 @@ makers.Static = {
   function(p) return assert(p.Model:solve()) end,
   function(p) return assert(part(p:variant("bw.Mesh", 2), bw.material.zp150):solve()) end,
 }
+makers.Nonlinear = {function(p) return assert(p.Model:nonlinear {steps = 2}) end}
 makers.Heat = {function(p)
   return bw.heat {mesh = p.Mesh, material = bw.material.steel}:prescribe(p.Mesh.boundary:below(1, 0), 300)
     :load {on = p.Mesh.boundary:above(1, 1), power = 10}
