@@ -24,7 +24,7 @@ const motions = (data.displacements || []).map((d) => {
   const values = floats(d.values);
   let largest = 0;
   for (let i = 0; i < values.length; i += 3) largest = Math.max(largest, Math.hypot(values[i], values[i + 1], values[i + 2]));
-  return { ...d, values, largest };
+  return { ...d, values, imaginary: d.imaginary && floats(d.imaginary), largest };
 });
 
 // Frame k of what has one for each instant of a motion in time; all that there is of what has a single one.
@@ -42,7 +42,9 @@ const { scene, camera, aim, start } = makeStage(document.getElementById("view"),
     const k = frameAt(times, ((now - state.since) / 1000 / seconds) % 1);
     return k === state.frame ? undefined : showFrame(k);
   }
-  state.phase = Math.sin((now / 1000) * 2 * Math.PI * 0.7);
+  const angle = (now / 1000) * 2 * Math.PI * 0.7;
+  state.phase = Math.sin(angle);
+  state.behind = Math.cos(angle);
   deform();
 });
 const body = makeBody(new Float32Array(rest), triangles);
@@ -78,7 +80,7 @@ const edges = new Edges(scene, data.lines || [], rest, size);
 // ---- state and controls ----------------------------------------------------------------------------
 
 const byId = (id) => document.getElementById(id);
-const state = { field: 0, motion: 0, scale: 1, range: 1, playing: false, phase: 1, frame: 0, since: 0 };
+const state = { field: 0, motion: 0, scale: 1, range: 1, playing: false, phase: 1, behind: 0, frame: 0, since: 0 };
 
 function fill(select, names) {
   for (const [i, name] of names.entries()) {
@@ -122,6 +124,7 @@ function deform() {
     const shown = state.scale * motion.factor;
     const values = frame(motion.values, state.frame, rest.length);
     for (let i = 0; i < p.length; i++) p[i] = rest[i] + state.phase * shown * values[i];
+    for (let i = 0; motion.imaginary && i < p.length; i++) p[i] += state.behind * shown * motion.imaginary[i];
     byId("scaletext").textContent = motion.kind === "mode" ? "" : `× ${number(shown)}`;
   }
   position.needsUpdate = true;
@@ -169,12 +172,18 @@ function showArrows() {
   arrows.place(position.array);
 }
 
+// What swings is shown where it is largest.
+function showLargest() {
+  state.phase = 1;
+  state.behind = 0;
+}
+
 function select(motion) {
   state.motion = motion;
   const chosen = motions[motion];
-  state.playing = !!chosen && (chosen.kind === "mode" || !!chosen.times);
+  state.playing = !!chosen && (chosen.kind === "mode" || chosen.kind === "harmonic" || !!chosen.times);
   byId("play").textContent = state.playing ? "Pause" : "Play";
-  state.phase = 1;
+  showLargest();
   if (chosen && chosen.field !== undefined && chosen.field !== null) {
     state.field = chosen.field;
     byId("field").value = state.field;
@@ -220,7 +229,7 @@ byId("range").addEventListener("input", (e) => {
 byId("play").addEventListener("click", () => {
   if (state.playing) state.playing = false;
   else play();
-  state.phase = 1;
+  showLargest();
   byId("play").textContent = state.playing ? "Pause" : "Play";
   deform();
 });
@@ -230,6 +239,7 @@ document.querySelectorAll("tr[data-motion]").forEach((row) =>
 drawBar(byId("bar"), colour);
 recolour();
 if (motions.length > 0) select(0);
+for (const id of ["shape", "deformation", "play", "true", "swings"]) byId(id).hidden = motions.length === 0;
 start();
 
 // For whoever drives the page by script.

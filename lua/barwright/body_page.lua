@@ -20,12 +20,13 @@ end
 
 --- Writes a page about a mesh: {title =, answer =, picture = function(path), and
 --- fields = {{name =, unit =, values =, scale =}},
---- displacements = {{name =, kind =, values =, field = from 0, or nil, arrows =, times =, seconds =}}:
---- values over the nodes, or where a `surface` is given over its points; a list with an array for each frame where
---- they change in time,
+--- displacements = {{name =, kind =, values =, imaginary =, field = from 0, or nil, arrows =, times =,
+--- seconds =}}: values over the nodes, or where a `surface` is given over its points; a list with an array for
+--- each frame where they change in time,
 --- lines =, line_name =, rigid =: lines that the view draws, and whether they stay where they are,
 --- view = function(surface, nodes) -> direction to the viewer,
---- body = HTML below the view, manifest = what it has besides the version and the number of elements}.
+--- body = HTML below the view, rows = what a row of its table shows,
+--- manifest = what it has besides the version and the number of elements}.
 function body_page.write(path, mesh, about)
   local surface, nodes = about.surface, nil
   if not surface then
@@ -40,8 +41,8 @@ function body_page.write(path, mesh, about)
   end
   for i, motion in ipairs(motions) do
     data.displacements[i] = {name = motion.name, kind = motion.kind, values = floats(motion.values, nodes),
-      field = motion.field or json.null, arrows = json.list(motion.arrows or {}), times = motion.times,
-      seconds = motion.seconds}
+      imaginary = motion.imaginary and floats(motion.imaginary, nodes), field = motion.field or json.null,
+      arrows = json.list(motion.arrows or {}), times = motion.times, seconds = motion.seconds}
   end
   data.lines, data.rigid = report.lines(about.lines), about.rigid
   if about.view then
@@ -52,7 +53,8 @@ function body_page.write(path, mesh, about)
   local manifest = {version = core.version, elements = mesh.element_count}
   for name, value in pairs(about.manifest or {}) do manifest[name] = value end
   return report.page(path, {title = about.title, answer = about.answer, data = data,
-    body = report.legend(about) .. (about.body or ""), manifest = manifest, picture = about.picture})
+    body = report.legend(about) .. (about.body or ""), rows = about.rows, manifest = manifest,
+    picture = about.picture})
 end
 
 return body_page

@@ -3,6 +3,7 @@
 -- docs/theory/dynamics.md
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
+local deflection = require "barwright.deflection"
 local fine_boundary = require "barwright.fine_boundary"
 local members = require "barwright.members"
 local nodal_files = require "barwright.nodal_files"
@@ -217,16 +218,6 @@ function harmonic:write(path, frequency, given)
   return nodal_files.write(self.mesh, values, path, given)
 end
 
--- Largest displacement over a period: its real part is largest at this phase, over all nodes together.
-local function largest_phase(real, imaginary)
-  local aa, bb, ab = real:dot(real), imaginary:dot(imaginary), real:dot(imaginary)
-  return 0.5 * math.atan(-2 * ab, aa - bb)
-end
-
-local function at_phase(real, imaginary, phase)
-  return real * math.cos(phase) - imaginary * math.sin(phase)
-end
-
 -- Pictures of phases, all with the same colours and deformation.
 local function draw(self, frequency, paths, phases, given)
   local opts = options.copied(given)
@@ -240,14 +231,14 @@ local function draw(self, frequency, paths, phases, given)
     opts.unit, opts.scale = opts.unit or "amplitude of von Mises stress, MPa", opts.scale or 1e-6
   end
   opts.title = opts.title or ("operating deflection shape at %s Hz"):format(shown.number(frequency))
-  local first = largest_phase(real, imaginary)
+  local first = deflection.largest_phase(real, imaginary)
   if not opts.deformation then
-    local moved = map("norm(a)", {a = at_phase(real, imaginary, first)}):max()
+    local moved = map("norm(a)", {a = deflection.at_phase(real, imaginary, first)}):max()
     local size = self.mesh.box.size
     opts.deformation = moved > 0 and 0.1 * math.max(size[1], size[2], size[3]) / moved or 1
   end
   for i, path in ipairs(paths) do
-    opts.displacement = at_phase(real, imaginary, first + phases[i])
+    opts.displacement = deflection.at_phase(real, imaginary, first + phases[i])
     local ok, message, more = core.picture(surface, path, opts)
     if not ok then return nil, message, more end
   end

@@ -163,7 +163,8 @@ local function picture(draw, path)
   return name and draw(name) and html.image(name, "picture") or ""
 end
 
---- Writes a page: {title, answer, manifest, body (HTML), data, picture = function(path)}.
+--- Writes a page: {title, answer, manifest, body (HTML), rows = what a row of its table shows, data,
+--- picture = function(path)}.
 function report.page(path, page)
   local template = beside.find "report.html"
   if not template then return nil, "the report's template was not found", {status = "io"} end
@@ -173,7 +174,7 @@ function report.page(path, page)
     answer = html.escape(page.answer),
     manifest = html.escape(json.encode(page.manifest, "  ")),
     body = page.body,
-    rows = page.body:find("data-motion", 1, true) and "; a row of the table shows its load" or "",
+    rows = page.body:find("data-motion", 1, true) and "; a row of the table shows its " .. page.rows or "",
     data = html.in_script(json.encode(page.data)),
     viewer = viewer and html.in_script(viewer) or "",
     picture = viewer and "" or picture(page.picture, path),
@@ -206,6 +207,7 @@ function report.write(worst, path, given)
     answer = opts.answer or tostring(worst),
     manifest = opts.manifest or {version = core.version, options = plain(worst.options)},
     body = report.legend(opts) .. table_of_regions(worst, drawn),
+    rows = "load",
     data = data,
     picture = function(name) return worst:picture(name, {lines = opts.lines, line_name = opts.line_name}) end,
   })

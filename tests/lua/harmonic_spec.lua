@@ -370,7 +370,7 @@ describe("barwright respond", function()
     end
     write(("frequency,density\n0,0.01\n%.17g,0.01\n"):format(2 * bending))
     local status, out = run(("--json --base 0,0,1g --duration 2min --life 160MPa,2e6,5 --vtu %sr.vtu "
-      .. "--picture %sr.png"):format(folder, folder))
+      .. "--picture %sr.png --report %sr.html"):format(folder, folder, folder))
     assert.equal(1, status, out) -- singular at the border of the support
     local object = bw.json.decode(out)
     local shaken = assert(beam():harmonic {
@@ -386,6 +386,11 @@ describe("barwright respond", function()
     check.near(fatigue.life, object.life_s, 1e-9)
     check.near(fatigue.by.narrow_band, object.damage_by.narrow_band, 1e-9)
     for _, name in ipairs {"r.vtu", "r.png"} do assert(io.open(folder .. name)):close() end
+    local page = check.read(folder .. "r.html")
+    for _, text in ipairs {"margin of 3 root mean squares", "Tovo and Benasciutti</td><td>",
+      "exceeds the strength", "Counted: none is missing", '"name":"damage"', "<svg"} do
+      assert.truthy(page:find(text, 1, true), text)
+    end
     status, out = run "--base 0,0,5g --duration 2min"
     assert.equal(1, status)
     for _, text in ipairs {"three times its root mean square", "the margin is", "of the time", "(Poisson)",
@@ -439,7 +444,7 @@ describe("barwright respond", function()
   end)
 
   it("writes a curve, a plot, fields and a picture", function()
-    local words = ("--csv @r.csv --plot @r.svg --vtu @r.vtu --picture @r.png"):gsub("@", folder)
+    local words = ("--csv @r.csv --plot @r.svg --vtu @r.vtu --picture @r.png --report @r.html"):gsub("@", folder)
     local status, out = check.run(("respond %s --material steel --fix min:x --force max:x=0,0,1 --to 500 "
       .. "--damping 0.02 %s"):format(path, words))
     assert.equal(0, status, out)
@@ -447,6 +452,21 @@ describe("barwright respond", function()
       assert.truthy(out:find(name, 1, true), out)
       assert(io.open(folder .. name)):close()
     end
+    -- the page has the command's sentences, both plots, the modes, and the deflection that is largest first
+    local page = check.read(folder .. "r.html")
+    for _, sentence in ipairs {"The displacement is largest", "The von Mises stress is largest", "Error of the"} do
+      local line = out:match(sentence .. "[^\n]*")
+      assert.truthy(page:find(line, 1, true), line)
+    end
+    local _, drawn = page:gsub("</figcaption>%s*<svg", "")
+    assert.equal(2, drawn)
+    local modes = tonumber(out:match "by (%d+) modes")
+    local _, rows = page:gsub("about [%d.]+ %% too high", "")
+    assert.equal(modes, rows)
+    local data = bw.json.decode((page:match '<script type="application/json" id="data">(.-)</script>'))
+    assert.equal("harmonic", data.displacements[1].kind)
+    assert.equal(#data.displacements[1].values, #data.displacements[1].imaginary)
+    assert.truthy(data.displacements[#data.displacements].name:find("mode " .. modes, 1, true))
   end)
 
   local floor = folder .. "floor.csv"
@@ -497,8 +517,8 @@ describe("barwright respond", function()
   it("says what a spectrum's response is made of and what it lacks, and writes files", function()
     write(floor, "10 5\n100 20\n4000 3\n")
     local status, out = check.run(("respond %s --material steel --fix min:x --damping 0.05 --spectrum %s "
-      .. "--direction 0,1,0 --direction 0,0,1 --vtu %ss.vtu --picture %ss.png"):format(path, floor, folder,
-      folder))
+      .. "--direction 0,1,0 --direction 0,0,1 --vtu %ss.vtu --picture %ss.png --report %ss.html"):format(path,
+      floor, folder, folder, folder))
     assert.equal(1, status, out)
     for _, text in ipairs {"not certain, as the stress may grow without end with finer elements",
       "Response spectrum along (0, 1, 0)", "none is missing", "has the base's 3 m/s2",
@@ -509,6 +529,11 @@ describe("barwright respond", function()
       assert.truthy(out:find(text, 1, true), out)
     end
     for _, name in ipairs {"s.vtu", "s.png"} do assert(io.open(folder .. name)):close() end
+    local page = check.read(folder .. "s.html")
+    for _, text in ipairs {"effective mass along (0, 1, 0)", "largest von Mises stress along (0, 0, 1)", "<svg",
+      "beyond the spectrum", out:match "The largest force on the supports[^\n]*"} do
+      assert.truthy(page:find(text, 1, true), text)
+    end
   end)
 
   it("refuses spectra that cannot be", function()

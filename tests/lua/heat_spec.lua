@@ -403,12 +403,17 @@ describe("barwright heat", function()
 
   it("prints sentences, writes files", function()
     local status, out = check.run(("heat %s --material steel --temperature min:x=80C --convection all=10,20C "
-      .. "--picture %sh.png --vtu %sh.vtu"):format(path, folder, folder))
+      .. "--picture %sh.png --vtu %sh.vtu --report %sh.html"):format(path, folder, folder, folder))
     assert.equal(0, status)
     assert.truthy(out:find("353.15 K (80 C)", 1, true), out)
     assert.truthy(out:find("the conductivity is 53.3 W/(m K), that of steel", 1, true), out)
     assert.truthy(out:find("error of the flux", 1, true), out)
     assert.truthy(out:find("h.png", 1, true))
+    local page = check.read(folder .. "h.html")
+    for _, text in ipairs {"highest temperature 80 C", "Balance of heat", "<td>convection</td><td>all</td>",
+      out:match "The temperature is highest[^\n]*", '"name":"temperature"', '"unit":"C"', "heat flux"} do
+      assert.truthy(page:find(text, 1, true), text)
+    end
   end)
 
   it("is sure only within the error of the places, which facets do not fill", function()

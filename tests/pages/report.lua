@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Makes the reports that tests/pages/run.mjs opens: FOLDER/report.html, FOLDER/session.html,
--- FOLDER/pulled.html, FOLDER/motion.html.
+-- FOLDER/pulled.html, FOLDER/motion.html, FOLDER/respond.html, FOLDER/warm.html.
 local bw = require "barwright"
 local mesh = bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {20, 4, 2}}
 local part = bw.model {mesh = mesh, material = bw.material.pla}
@@ -30,3 +30,15 @@ assert(static_picture.report(static, arg[1] .. "/pulled.html",
 local transient = assert(pulled:transient {step = 1e-4})
 local recording = assert(transient:run {time = 0.01, frames = 40, stress_every = 10})
 assert(recording:report(arg[1] .. "/motion.html", {title = "A bar under loads that act at once", seconds = 2}))
+
+-- The commands' pages of a bar that is shaken, and of one between heat and air.
+assert(mesh:write(arg[1] .. "/bar.msh"))
+for _, words in ipairs {
+  "respond FOLDER/bar.msh --material pla --fix min:x --base 0,0,1g --to 300 --damping 0.1 "
+    .. "--report FOLDER/respond.html",
+  "heat FOLDER/bar.msh --material steel --temperature min:x=80C --convection all=10,20C "
+    .. "--report FOLDER/warm.html"} do
+  local line = ("build/barwright " .. words):gsub("FOLDER", "'" .. arg[1] .. "'")
+  local _, _, status = os.execute(line .. " >/dev/null")
+  assert(status < 2, line)
+end

@@ -216,6 +216,37 @@ await test("without WebGL the view says so, and the answer is there", async () =
   await plain.close();
 });
 
+await test("the page of a vibration swings through both parts of the deflection, and its modes by their rows", async () => {
+  await page.goto(`file://${folder}/respond.html`);
+  await page.waitForFunction(() => window.barwright);
+  assert((await state()).playing, "the deflection should swing");
+  await until(async () => Math.abs((await state()).behind) > 0.3, "the phase stands still");
+  await page.click("#play");
+  const largest = await state();
+  assert(largest.phase === 1 && largest.behind === 0, `stops at ${largest.phase}, ${largest.behind}`);
+  assert(!(await page.isDisabled("#true")), "a deflection has a true scale");
+  assert((await page.$$("figure > svg")).length === 2, "two plots");
+  await page.click("tr[data-motion]:nth-child(2)");
+  const mode = await page.$eval("#motion", (select) => select.selectedOptions[0].textContent);
+  assert(/^mode 2: /.test(mode), mode);
+  assert(problems.length === 0, problems.join("; "));
+  if (process.env.BARWRIGHT_PICTURES)
+    await page.screenshot({ path: path.join(process.env.BARWRIGHT_PICTURES, "respond.png"), fullPage: true });
+});
+
+await test("the page of a warm part shows its temperature, and no controls of motions", async () => {
+  await page.goto(`file://${folder}/warm.html`);
+  await page.waitForFunction(() => window.barwright);
+  assert((await page.textContent("#unit")) === "C", await page.textContent("#unit"));
+  assert(Math.abs(Number(await page.textContent("#high")) - 80) < 0.1, await page.textContent("#high"));
+  for (const id of ["shape", "deformation", "play", "true"])
+    assert(!(await page.isVisible(`#${id}`)), `${id} is there`);
+  assert(/Balance of heat/.test(await page.textContent("body")), "no balance");
+  assert(problems.length === 0, problems.join("; "));
+  if (process.env.BARWRIGHT_PICTURES)
+    await page.screenshot({ path: path.join(process.env.BARWRIGHT_PICTURES, "warm.png"), fullPage: true });
+});
+
 // With BARWRIGHT_PICTURES=FOLDER pictures of the live view are left there, to be looked at.
 await study({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await site({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });

@@ -2,6 +2,7 @@
 -- barwright heat MODEL: how warm the part gets in the steady state.
 local bw = require "barwright"
 local core = require "barwright.core"
+local heat_page = require "barwright.command.heat_page"
 local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
@@ -229,6 +230,7 @@ local UNIFORM = 1e-9
 
 local function report(found, given, opts, out)
   local solution, estimated = found.solution, found.estimated
+  local say, sentences = out:recorded()
   local temperature = solution.temperature
   local node, highest, lowest = temperature:argmax(), temperature:max(), temperature:min()
   local verdict, words = judge(highest, estimated, given.limit)
@@ -238,30 +240,30 @@ local function report(found, given, opts, out)
     return ("%.5g K (%.4g C)"):format(kelvin, kelvin - ZERO_CELSIUS)
   end
   out:say("")
-  out:say("The temperature is highest at %s: %s; the lowest one is %s.", core.point(at), both(highest),
+  say("The temperature is highest at %s: %s; the lowest one is %s.", core.point(at), both(highest),
     both(lowest))
-  out:say("The estimated error of both is %.2g K%s.", estimated, found.by_places > 0
+  say("The estimated error of both is %.2g K%s.", estimated, found.by_places > 0
     and (", %.2g K of it as facets do not fill the places"):format(found.by_places) or "")
-  if words then out:say("The limit is %s: %s.", both(given.limit), words) end
+  if words then say("The limit is %s: %s.", both(given.limit), words) end
   local heats, gained = solution.heat_in:totable(), bw.json.list {}
   for i, heat in ipairs(heats) do
     local condition = given[i] or {place = "volume", kind = "volume-power"}
     gained[i] = {place = condition.place, kind = condition.kind, heat_w = heat,
       estimated_error_w = found.heat_error[i]}
-    out:say("Heat into the part by %s at %s: %s (estimated error %.2g W).", condition.kind, condition.place,
+    say("Heat into the part by %s at %s: %s (estimated error %.2g W).", condition.kind, condition.place,
       core.quantity(heat, "W"), found.heat_error[i])
   end
   local flux_error = highest - lowest > UNIFORM * math.abs(highest) and solution:error_estimate() or nil
   if flux_error then
-    out:say("Estimated error of the flux, over all of the part: %s.", shown.error(flux_error))
+    say("Estimated error of the flux, over all of the part: %s.", shown.error(flux_error))
   end
-  out:say("Steady state: the conductivity is %s, and surfaces do not see each other.",
+  say("Steady state: the conductivity is %s, and surfaces do not see each other.",
     conductivity_text(found.made, opts))
   out:json {verdict = verdict, value = highest, quantity = "highest temperature, K", estimated_error_k = estimated,
     place_error_k = found.by_places, at_m = at, lowest_k = lowest, limit_k = given.limit, heat_in = gained,
     imbalance_w = solution.imbalance, flux_error = flux_error,
     conductivity = #found.made.named == 0 and found.made.default.conductivity or nil}
-  return verdict
+  return verdict, words, sentences, gained
 end
 
 return {
@@ -287,6 +289,8 @@ return {
     {name = "limit", value = "TEMPERATURE", what = "the temperature that the part may have"},
     model.unit_option,
     model.elements_option,
+    {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
+      what = "write a page with a 3D view of the temperature, and the balance of heat"},
     {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
       what = "write temperature and flux, for ParaView"},
     {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
@@ -301,9 +305,14 @@ return {
     if not given then return out:misuse(message) end
     local found, why, details = analyse(opts, given, out)
     if not found then return out:fail(why, details) end
-    local verdict = report(found, given, opts, out)
+    local verdict, words, sentences, gained = report(found, given, opts, out)
     local failed = out:write_files {{opts.vtu, function() return found.solution:write(opts.vtu) end},
-      {opts.picture, function() return found.solution:picture(opts.picture) end}}
+      {opts.picture, function() return found.solution:picture(opts.picture) end},
+      {opts.report, function()
+        return heat_page.write(found.solution, opts.report, {name = model.name(opts.model), words = words,
+          answer = table.concat(sentences, "\n"), estimated = found.estimated, gained = gained,
+          manifest = {conductivity = conductivity_text(found.made, opts)}})
+      end}}
     if failed then return failed end
     return (verdict == "computed" or verdict == "holds") and 0 or 1
   end,

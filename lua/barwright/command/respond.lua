@@ -9,12 +9,13 @@ local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
+local respond_page = require "barwright.command.respond_page"
 local respond_random = require "barwright.command.respond_random"
 local respond_spectrum = require "barwright.command.respond_spectrum"
 local shown = require "barwright.shown"
 local static_picture = require "barwright.command.static_picture"
 
--- {response =, von_mises = of nodes, displacement =, stress =}, the largest of both with their places.
+-- {response =, envelope =, von_mises = of nodes, displacement =, stress =}, the largest of both with their places.
 local function respond(part, opts, given)
   local response, envelope, message, details
   response, message, details = model.try(part.harmonic, part,
@@ -22,7 +23,7 @@ local function respond(part, opts, given)
   if not response then return nil, message, details end
   envelope, message, details = response:envelope()
   if not envelope then return nil, message, details end
-  return {response = response, von_mises = envelope.von_mises,
+  return {response = response, envelope = envelope, von_mises = envelope.von_mises,
     displacement = envelope.largest.displacement, stress = envelope.largest.von_mises}
 end
 
@@ -106,22 +107,22 @@ local function judged(found, errors)
 end
 
 -- What the stress means for the part, in sentences and in JSON; the verdict.
-local function report_verdict(found, mesh, errors, opts, out)
+local function report_verdict(found, mesh, errors, opts, say, out)
   local stress, displacement, governing = found.stress, found.displacement, found.governing
   local used, judged_error, verdict, words = judged(found, errors)
   local large = model.beyond_linear(displacement.value, mesh.box)
-  if large then out:say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
-  if found.singular then out:say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
+  if large then say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
+  if found.singular then say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
   if found.mean then
-    out:say("The mean over a surface patch of radius %s is judged.", core.quantity(found.radius, "m"))
+    say("The mean over a surface patch of radius %s is judged.", core.quantity(found.radius, "m"))
   end
   if used then
-    out:say("The %sstress is %s%s of %s%s: %s.", found.mean and "judged " or "", found.mean
+    say("The %sstress is %s%s of %s%s: %s.", found.mean and "judged " or "", found.mean
       and shown.estimate(found.mean, "Pa") .. ", " or "", shown.percent(used),
       opts.strength and "the given strength" or "the strength of " .. made_of.governing_text(governing),
       found.mean and (" (estimated error %s)"):format(shown.error(judged_error)) or "", words)
   else
-    out:say("The stress is not judged: %s has no strength that is one number.", found.material.name)
+    say("The stress is not judged: %s has no strength that is one number.", found.material.name)
   end
   out:json {verdict = verdict, value = stress.value, at_m = stress.at, estimated_error = errors.stress,
     displacement_m = displacement.value, displacement_estimated_error = errors.displacement,
@@ -144,29 +145,42 @@ end
 local function report(found, opts, given, out)
   local response, displacement, stress = found.response, found.displacement, found.stress
   local equations = response.errors:max()
+  local say, sentences = out:recorded()
   local errors = errors_of(found, equations)
   out:say("")
-  out:say("The displacement is largest at %s Hz: amplitude %s at %s%s (estimated error %s, %s).",
+  say("The displacement is largest at %s Hz: amplitude %s at %s%s (estimated error %s, %s).",
     shown.number(displacement.frequency), shown.estimate(displacement.value, "m"), core.point(displacement.at),
     given.base and ", relative to the supports" or "", shown.error(errors.displacement), errors.way)
-  out:say("The von Mises stress is largest at %s Hz: amplitude %s at %s (estimated error %s, %s).",
+  say("The von Mises stress is largest at %s Hz: amplitude %s at %s (estimated error %s, %s).",
     shown.number(stress.frequency), shown.estimate(stress.value, "Pa"), core.point(stress.at),
     shown.error(errors.stress), errors.way)
   if stress.frequency == opts.to or stress.frequency == opts.from and opts.from > 0 then
-    out:say("That is an end of the range: the stress may be larger beyond it.")
+    say("That is an end of the range: the stress may be larger beyond it.")
   end
-  local verdict = report_verdict(found, response.mesh, errors, opts, out)
+  local verdict = report_verdict(found, response.mesh, errors, opts, say, out)
   local counted = response.modes.counted
-  out:say("Error of the equations: %s %.1e of the displacement, in energy, by %s (%s) and %s. The error of the "
+  say("Error of the equations: %s %.1e of the displacement, in energy, by %s (%s) and %s. The error of the "
     .. "mesh is not in it.", counted and "at most" or "about", equations,
     model.count(response.modes.count, "mode"), counted and "counted: none is missing" or "not counted",
     model.count(response.residual_vectors, "residual vector"))
-  out:say "Linear theory, one damping ratio in every mode. Fatigue is not judged."
+  say "Linear theory, one damping ratio in every mode. Fatigue is not judged."
   out:json {quantity = "largest amplitude of von Mises stress, Pa", frequency_hz = stress.frequency,
     displacement_frequency_hz = displacement.frequency, equations_error = equations, counted = counted,
     natural_frequencies_hz = bw.json.list(response.modes.frequencies:totable()),
     residual_vectors = response.residual_vectors}
-  return verdict
+  return verdict, sentences, errors
+end
+
+local function title_of(found, errors, opts)
+  return static_picture.title(model.name(opts.model), {stress = found.stress.value, error = errors.stress,
+    judged = found.singular and {}})
+end
+
+-- What the page says: sentences, and how it was made.
+local function words_of(found, errors, opts, sentences, picture)
+  return {title = title_of(found, errors, opts), answer = table.concat(sentences, "\n"), fix = opts.fix,
+    picture = picture, manifest = {material = found.material.name, damping_ratio = opts.damping,
+      fix = bw.json.list(opts.fix)}}
 end
 
 -- By a file of points: `way` is respond_random or respond_spectrum.
@@ -182,13 +196,16 @@ local function run_points(way, path, opts, given, out)
     if not ok then return out:fail(message, details) end
   end
   local errors = errors_of(found, found.equations or 0)
+  local say, sentences = out:recorded()
   out:say("")
-  way.report(found, errors, opts, out)
-  local verdict = report_verdict(found, found.response.mesh, errors, opts, out)
+  way.report(found, errors, opts, say, out)
+  local verdict = report_verdict(found, found.response.mesh, errors, opts, say, out)
+  local title = title_of(found, errors, opts)
+  local function picture(file) return found.response:picture(file, {title = title}) end
   local failed = out:write_files {{opts.vtu, function() return found.response:write(opts.vtu) end},
-    {opts.picture, function()
-      return found.response:picture(opts.picture, {title = static_picture.title(model.name(opts.model),
-        {stress = found.stress.value, error = errors.stress, judged = found.singular and {}})})
+    {opts.picture, function() return picture(opts.picture) end},
+    {opts.report, function()
+      return way.page(found, opts.report, words_of(found, errors, opts, sentences, picture), given)
     end}}
   if failed then return failed end
   return verdict == "holds" and 0 or 1
@@ -209,6 +226,8 @@ local options = {
     what = "of the critical damping, in every mode: 0.01, say, of a metal part, 0.03 of a bolted one"},
   model.unit_option,
   model.elements_option,
+  {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
+    what = "write a page with a 3D view of the deflection, plots, and a table of the modes"},
   {name = "csv", value = "FILE.csv", type = "file", endings = {"csv"},
     what = "write amplitude and phase over the frequency, where the displacement is largest"},
   {name = "plot", value = "FILE.svg", type = "file", endings = {"svg"}, what = "a plot of these amplitudes"},
@@ -256,17 +275,22 @@ return {
     end
     local found, why, details = analyse(respond, opts, given, out)
     if not found then return out:fail(why, details) end
-    local verdict = report(found, opts, given, out)
+    local verdict, sentences, errors = report(found, opts, given, out)
     local response, frequency = found.response, found.stress.frequency
     local curve
-    if opts.csv or opts.plot then
+    if opts.csv or opts.plot or opts.report then
       curve, why, details = response:curve {at = found.displacement.at}
       if not curve then return out:fail(why, details) end
     end
     local failed = out:write_files {{opts.csv, function() return curve:write(opts.csv) end},
       {opts.plot, function() return curve:figure():write(opts.plot) end},
       {opts.vtu, function() return response:write(opts.vtu, frequency) end},
-      {opts.picture, function() return response:picture(frequency, opts.picture) end}}
+      {opts.picture, function() return response:picture(frequency, opts.picture) end},
+      {opts.report, function()
+        return respond_page.harmonic(found, opts.report, words_of(found, errors, opts, sentences, function(file)
+          return response:picture(frequency, file)
+        end), curve)
+      end}}
     if failed then return failed end
     return verdict == "holds" and 0 or 1
   end,

@@ -5,6 +5,7 @@ local core = require "barwright.core"
 local history = require "barwright.history"
 local model = require "barwright.command.model"
 local quantity = require "barwright.command.quantity"
+local respond_page = require "barwright.command.respond_page"
 local shown = require "barwright.shown"
 local vibration = require "barwright.random_vibration"
 
@@ -82,8 +83,8 @@ local function largest_of(mesh, field)
   return {value = SIGMA * field(node, column), at = mesh.nodes:rows(node, node):totable()[1]}
 end
 
---- {response =, von_mises = of nodes, displacement =, stress =, of three deviations, equations = relative error of
---- these}, or nil, message, details.
+--- {response =, modes =, von_mises = of nodes, displacement =, stress =, of three deviations, equations = relative
+--- error of these}, or nil, message, details.
 function respond_random.measure(part, opts, given)
   local points = given.points
   local response, message, details = model.try(part.harmonic, part,
@@ -91,9 +92,9 @@ function respond_random.measure(part, opts, given)
   if not response then return nil, message, details end
   local random, why, more = model.try(response.random, response, {psd = points})
   if not random then return nil, why, more end
-  return {response = random, frequencies = response.modes.frequencies, equations = random.error,
-    von_mises = random.von_mises * SIGMA, stress = largest_of(part.mesh, random.von_mises),
-    displacement = largest_of(part.mesh, random.displacement)}
+  return {response = random, modes = response.modes, equations = random.error,
+    von_mises = random.von_mises * SIGMA,
+    stress = largest_of(part.mesh, random.von_mises), displacement = largest_of(part.mesh, random.displacement)}
 end
 
 --- Strength and fatigue, which coarser meshes do not need: `found` takes margins and damage. True, or nil,
@@ -112,34 +113,37 @@ function respond_random.judge(found, opts, given)
 end
 
 --- What was found, in sentences and in JSON.
-function respond_random.report(found, errors, opts, out)
+function respond_random.report(found, errors, opts, say, out)
   local random, stress, displacement, m = found.response, found.stress, found.displacement, found.margins
-  out:say("The largest component of the displacement is %s at %s, relative to the supports, three times its root "
+  say("The largest component of the displacement is %s at %s, relative to the supports, three times its root "
     .. "mean square (estimated error %s, %s).", shown.estimate(displacement.value, "m"),
     core.point(displacement.at), shown.error(errors.displacement), errors.way)
-  out:say("The largest von Mises stress is %s at %s, three times its root mean square (estimated error %s, "
+  say("The largest von Mises stress is %s at %s, three times its root mean square (estimated error %s, "
     .. "%s).", shown.estimate(stress.value, "Pa"), core.point(stress.at), shown.error(errors.stress),
     errors.way)
-  for _, sentence in ipairs(m and vibration.margin_sentences(m) or {}) do out:say("%s", sentence) end
+  for _, sentence in ipairs(m and vibration.margin_sentences(m) or {}) do say("%s", sentence) end
   local fatigue = found.fatigue
   if fatigue then
-    for _, sentence in ipairs(vibration.fatigue_sentences(fatigue)) do out:say("%s", sentence) end
-    out:say "Life curves scatter by factors of 2 to 10."
+    for _, sentence in ipairs(vibration.fatigue_sentences(fatigue)) do say("%s", sentence) end
+    say "Life curves scatter by factors of 2 to 10."
   else
-    out:say "Fatigue is not judged: no life curve is given (--life)."
+    say "Fatigue is not judged: no life curve is given (--life)."
   end
-  out:say("%s.", (vibration.equations(random):gsub("^%l", string.upper)))
+  say("%s.", (vibration.equations(random):gsub("^%l", string.upper)))
   local judged = m and (fatigue and "shares, probabilities and damage" or "shares and probabilities")
     or fatigue and "damage"
-  out:say("%s. The error of the quadrature is unknown%s.", vibration.assumptions,
+  say("%s. The error of the quadrature is unknown%s.", vibration.assumptions,
     judged and ", and that of the mesh in " .. judged or "")
   out:json {quantity = "largest von Mises stress, three times its root mean square, Pa",
     duration_s = opts.duration, exceedance = m and m.exceedance[m.node], crossing_rate_hz = m and m.rate[m.node],
     first_passage = m and m.first_passage[m.node], first_passage_poisson = m and m.poisson,
     margin = m and m.margin, beyond_three_deviations = m and m.beyond, equations_error = random.error,
-    counted = random.counted, natural_frequencies_hz = bw.json.list(found.frequencies:totable()),
+    counted = random.counted, natural_frequencies_hz = bw.json.list(found.modes.frequencies:totable()),
     damage = fatigue and fatigue.damage[fatigue.node],
     life_s = fatigue and fatigue.life < math.huge and fatigue.life or nil, damage_by = fatigue and fatigue.by}
 end
+
+--- Its page.
+respond_random.page = respond_page.random
 
 return respond_random

@@ -5,6 +5,7 @@ local core = require "barwright.core"
 local history = require "barwright.history"
 local model = require "barwright.command.model"
 local places = require "barwright.command.places"
+local respond_page = require "barwright.command.respond_page"
 local shown = require "barwright.shown"
 local spectra = require "barwright.response_spectrum"
 
@@ -101,12 +102,12 @@ function respond_spectrum.measure(part, opts, given)
 end
 
 --- What was found, in sentences and in JSON.
-function respond_spectrum.report(found, errors, opts, out)
+function respond_spectrum.report(found, errors, opts, say, out)
   local response, stress, displacement, list = found.response, found.stress, found.displacement, bw.json.list {}
   for k, one in ipairs(found.responses) do
     local lines = spectra.parts(one)
-    out:say("%s.", (lines[1]:gsub("^%l", string.upper)))
-    for i = 2, #lines do out:say("%s", lines[i]) end
+    say("%s.", (lines[1]:gsub("^%l", string.upper)))
+    for i = 2, #lines do say("%s", lines[i]) end
     list[k] = {direction = one.direction, mass_kg = one.mass, missing_mass_kg = one.missing_mass,
       base_acceleration_m_s2 = one.base_acceleration, counted = one.modes.counted,
       effective_masses_kg = bw.json.list(one.effective_masses:totable()),
@@ -114,20 +115,23 @@ function respond_spectrum.report(found, errors, opts, out)
   end
   local several, frequencies = #list > 1, {}
   for k = 1, #found.responses[1].accelerations do frequencies[k] = found.responses[1].modes.frequencies[k] end
-  if several then out:say("All directions at once are combined by the %s.", spectra.rule_words[opts.rule]) end
+  if several then say("All directions at once are combined by the %s.", spectra.rule_words[opts.rule]) end
   out:say("")
-  out:say("The largest component of the displacement is %s, relative to the supports, at %s (estimated error of "
+  say("The largest component of the displacement is %s, relative to the supports, at %s (estimated error of "
     .. "the mesh %s, %s).", shown.estimate(displacement.value, "m"), core.point(displacement.at),
     shown.error(errors.displacement), errors.way)
-  out:say("The largest von Mises stress is %s at %s (estimated error of the mesh %s, %s).",
+  say("The largest von Mises stress is %s at %s (estimated error of the mesh %s, %s).",
     shown.estimate(stress.value, "Pa"), core.point(stress.at), shown.error(errors.stress), errors.way)
-  out:say("The largest force on the supports is %s along the axes; its error by the mesh is unknown.",
+  say("The largest force on the supports is %s along the axes; its error by the mesh is unknown.",
     shown.vector(response.base_force, "N"))
-  out:say("The combination of modes%s is an estimate, whose error is unknown. Linear theory; loads and fatigue "
+  say("The combination of modes%s is an estimate, whose error is unknown. Linear theory; loads and fatigue "
     .. "are not in it.", several and " and of directions" or "")
   out:json {quantity = "largest von Mises stress, Pa", base_force_n = response.base_force, spectra = list,
     natural_frequencies_hz = bw.json.list(frequencies),
     rule = several and opts.rule or nil, combination = found.responses[1].combination}
 end
+
+--- Its page.
+respond_spectrum.page = respond_page.spectrum
 
 return respond_spectrum

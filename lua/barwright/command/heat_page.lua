@@ -1,0 +1,38 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The page of `barwright heat`: a view of the temperature, the balance of heat, and the sentences that the command
+-- says.
+local body_page = require "barwright.body_page"
+local core = require "barwright.core"
+local html = require "barwright.html"
+
+local heat_page = {}
+
+local ZERO_CELSIUS <const> = 273.15 -- K
+
+-- What goes in by each condition, and its sum, as HTML.
+local function balance(gained)
+  local rows, sum = {}, 0
+  for i, each in ipairs(gained) do
+    rows[i] = {each.kind, each.place, core.quantity(each.heat_w, "W"), ("%.2g W"):format(each.estimated_error_w)}
+    sum = sum + each.heat_w
+  end
+  rows[#rows + 1] = {"sum, which the equations leave", "", ("%.2g W"):format(sum), ""}
+  return "<h2>Balance of heat</h2>\n"
+    .. html.table({"condition", "at", "heat into the part", "estimated error"}, rows)
+end
+
+--- Writes a page. about: {name = of the part, words = of the verdict or nil, answer, estimated = error (K),
+--- gained = heat of each condition as in the JSON, manifest}.
+function heat_page.write(solution, path, about)
+  local highest = solution.temperature:max()
+  local title = ("%s: highest temperature %.4g C ± %.2g K%s"):format(about.name, highest - ZERO_CELSIUS,
+    about.estimated, about.words and "; " .. about.words or "")
+  return body_page.write(path, solution.mesh, {title = title, answer = about.answer, fields = {
+    {name = "temperature", unit = "C", values = solution.temperature - ZERO_CELSIUS},
+    {name = "heat flux", unit = "W/m2", values = solution.flux:map "norm(a)"}},
+    body = balance(about.gained), manifest = about.manifest, view = function(surface, nodes)
+      return core.picture_direction(surface, nil, {values = solution.temperature:gather(nodes)})
+    end, picture = function(name) return solution:picture(name, {title = title}) end})
+end
+
+return heat_page

@@ -1,0 +1,208 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The pages of `barwright respond`: a view of the part with its deflection and its modes, plots, tables, and the
+-- sentences that the command says.
+local bw = require "barwright"
+local body_page = require "barwright.body_page"
+local core = require "barwright.core"
+local deflection = require "barwright.deflection"
+local html = require "barwright.html"
+local places = require "barwright.command.places"
+local shown = require "barwright.shown"
+local static_picture = require "barwright.command.static_picture"
+
+local respond_page = {}
+
+local map = bw.array.map
+
+local MOST_VALUES <const> = 1.5e6 -- of the modes of a page, nodes times modes: more make it heavy
+local FEWEST_SHOWN <const> = 3
+
+-- Plots, a list of {caption, figure}, as HTML.
+local function plots(list)
+  local out = {}
+  for i, each in ipairs(list) do
+    local svg, message, details = each[2]:svg()
+    if not svg then return nil, message, details end
+    out[i] = ("<figure><figcaption>%s</figcaption>\n%s</figure>\n"):format(html.escape(each[1]), svg)
+  end
+  return '<div class="plots">' .. table.concat(out) .. "</div>\n"
+end
+
+-- Adds the modes to the motions of the page; their table as HTML. extra: {head =, cells = function(i)} of columns
+-- more, or nil.
+local function add_modes(modes, motions, extra)
+  local rows, errors = {}, modes:error_estimate()
+  local count = math.max(FEWEST_SHOWN, math.floor(MOST_VALUES / modes.mesh.node_count))
+  for i, frequency in ipairs(modes.frequencies:totable()) do
+    local text = core.quantity(frequency, "Hz")
+    rows[i] = {i, text, errors and ("about %s too high"):format(shown.error(2 ^ (errors[i] / 1200) - 1))
+      or "unknown"}
+    for k, cell in ipairs(extra and extra.cells(i) or {}) do rows[i][3 + k] = cell end
+    if i <= count then
+      rows[i]["data-motion"] = #motions
+      motions[#motions + 1] = {name = ("mode %d: %s"):format(i, text), kind = "mode", values = modes:shape(i)}
+    end
+  end
+  local head = {"mode", "natural frequency", "error of the mesh"}
+  for k, name in ipairs(extra and extra.head or {}) do head[3 + k] = name end
+  return ("<h2>Modes</h2>\n%s<p class=\"hint\">%s%s. The error of the mesh is estimated.</p>\n"):format(
+    html.table(head, rows), modes.counted and "Counted: none is missing" or "Not counted",
+    count < #rows and (". The view has the first %d"):format(count) or "")
+end
+
+-- The edges of the places that are held.
+local function borders(mesh, fix)
+  local lines = {}
+  for _, place in ipairs(fix) do
+    local border = static_picture.border(assert(places.select(mesh, place)))
+    table.move(border, 1, #border, #lines + 1, lines)
+  end
+  return lines
+end
+
+-- words: {title, answer, fix = places, picture, manifest}; the motions begin with what is `moved`, or with a mode.
+local function write(path, mesh, words, fields, motions, body)
+  local moved = motions[1]
+  return body_page.write(path, mesh, {title = words.title, answer = words.answer, fields = fields,
+    displacements = motions, body = body, rows = "mode", lines = borders(mesh, words.fix),
+    line_name = "border of the supports", view = moved and function(surface, nodes)
+      return core.picture_direction(surface, nil, {values = fields[1].values:gather(nodes),
+        displacement = moved.values:gather(nodes)})
+    end, manifest = words.manifest, picture = words.picture})
+end
+
+-- The largest length over a period of a displacement of two parts.
+local function amplitude(real, imaginary)
+  return map("sqrt((a*a + b*b) / 2 + hypot((a*a - b*b) / 2, (s*s - d*d) / 4))", {a = real:map "norm(a)",
+    b = imaginary:map "norm(a)", s = (real + imaginary):map "norm(a)", d = (real - imaginary):map "norm(a)"})
+end
+
+-- The deflection at a frequency as a motion of the page: its largest phase, and what it passes a quarter later.
+local function swing(response, frequency, field)
+  local real, imaginary, details = response:displacement(frequency)
+  if not real then return nil, imaginary, details end
+  local phase = deflection.largest_phase(real, imaginary)
+  return {name = ("deflection at %s Hz"):format(shown.number(frequency)), kind = "harmonic", field = field,
+    values = deflection.at_phase(real, imaginary, phase),
+    imaginary = deflection.at_phase(real, imaginary, phase + math.pi / 2)}, real, imaginary
+end
+
+--- Of a vibration over a range: `found` of the command, and the curve where the displacement is largest.
+function respond_page.harmonic(found, path, words, curve)
+  local response, frequency = found.response, found.stress.frequency
+  local motion, real, imaginary = swing(response, frequency, 0)
+  if not motion then return nil, real, imaginary end
+  local at, motions = (" at %s Hz"):format(shown.number(frequency)), {motion}
+  local fields = {
+    {name = "amplitude of von Mises stress" .. at, unit = "MPa", values = response:von_mises(frequency),
+      scale = 1e-6},
+    {name = "amplitude of displacement" .. at, unit = "mm", values = amplitude(real, imaginary), scale = 1e3},
+    {name = "von Mises stress, largest over the range", unit = "MPa", values = found.von_mises, scale = 1e-6}}
+  if found.displacement.frequency ~= frequency then
+    local other, message, details = swing(response, found.displacement.frequency)
+    if not other then return nil, message, details end
+    motions[2] = other
+  end
+  local drawn, message, details = plots {
+    {"Amplitude of the displacement where it is largest", curve:figure()},
+    {"Largest amplitude of von Mises stress in the part", found.envelope:figure()}}
+  if not drawn then return nil, message, details end
+  local body = "<h2>Over the frequency</h2>\n" .. drawn
+    .. add_modes(response.modes, motions)
+  return write(path, response.mesh, words, fields, motions, body)
+end
+
+-- A plot of the points of a file, {frequency, value}, those above 0.
+local function figure_of(points, name, unit)
+  local x, y = {}, {}
+  for _, point in ipairs(points) do
+    if point[1] > 0 and point[2] > 0 then x[#x + 1], y[#y + 1] = point[1], point[2] end
+  end
+  return bw.plot.lines {series = {{x = x, y = y}},
+    x = {label = "frequency", unit = "Hz", scale = "log", prefix = false},
+    y = {label = name, unit = unit, scale = "log", prefix = false}}
+end
+
+local METHODS <const> = {{"dirlik", "Dirlik"}, {"tovo_benasciutti", "Tovo and Benasciutti"},
+  {"wirsching_light", "Wirsching and Light"}, {"narrow_band", "narrow band"}}
+
+-- Tables of the margins and of the damage, where there are some.
+local function judgement(margins, fatigue)
+  local out = ""
+  if margins then
+    out = "<h2>Strength</h2>\n" .. html.table({"where it is least certain", "value"}, {
+      {("margin of %g root mean squares, at %s"):format(margins.sigma, core.point(margins.margin_at)),
+        shown.percent(margins.margin)},
+      {("von Mises stress above the strength at an instant, at %s"):format(core.point(margins.at)),
+        shown.number(margins.exceedance[margins.node])},
+      {"crossings of the strength per second, at most", shown.number(margins.rate[margins.node])},
+      {("a first crossing within %s, at most"):format(core.quantity(margins.duration, "s")),
+        shown.number(margins.first_passage[margins.node])},
+      {"the same if crossings were independent", shown.number(margins.poisson)}})
+  end
+  if fatigue then
+    local rows = {}
+    for i, method in ipairs(METHODS) do rows[i] = {method[2], shown.number(fatigue.by[method[1]])} end
+    out = out .. ("<h2>Fatigue</h2>\n%s<p class=\"hint\">At %s, within %s. Life to a damage of 1: %s, by Dirlik. "
+      .. "Life curves scatter by factors of 2 to 10.</p>\n"):format(html.table({"method", "damage"}, rows),
+      html.escape(core.point(fatigue.at)), core.quantity(fatigue.duration, "s"),
+      fatigue.life < math.huge and core.quantity(fatigue.life, "s") or "without end")
+  end
+  return out
+end
+
+--- Of a random vibration.
+function respond_page.random(found, path, words, given)
+  local random, margins, fatigue, motions = found.response, found.margins, found.fatigue, {}
+  local fields = {
+    {name = "von Mises stress, 3 root mean squares", unit = "MPa", values = found.von_mises, scale = 1e-6},
+    {name = "displacement, 3 root mean squares", unit = "mm", values = random.displacement:map "norm(a)",
+      scale = 3e3}}
+  if margins then
+    fields[3] = {name = ("%g root mean squares of the strength"):format(margins.sigma), unit = "%",
+      values = margins.used, scale = 100}
+    fields[4] = {name = "exceeds the strength within the duration, at most", unit = "%",
+      values = margins.first_passage, scale = 100}
+  end
+  if fatigue then fields[#fields + 1] = {name = "damage", unit = "", values = fatigue.damage} end
+  local density = figure_of(given.points, "density", "1/Hz")
+  local drawn, message, details = plots {{"The power spectral density", density}}
+  if not drawn then return nil, message, details end
+  local body = judgement(margins, fatigue) .. add_modes(found.modes, motions) .. "<h2>The vibration</h2>\n"
+    .. drawn
+  return write(path, random.mesh, words, fields, motions, body)
+end
+
+--- Of a response spectrum.
+function respond_page.spectrum(found, path, words, given)
+  local all, motions, head = found.response, {}, {}
+  local fields = {{name = "largest von Mises stress", unit = "MPa", values = all.von_mises, scale = 1e-6},
+    {name = "largest displacement", unit = "mm", values = all.displacement:map "norm(a)", scale = 1e3}}
+  for k, one in ipairs(found.responses) do
+    local along = "along " .. shown.vector(one.direction, "")
+    head[k] = "effective mass " .. along
+    if #found.responses > 1 then
+      fields[2 + k] = {name = "largest von Mises stress " .. along, unit = "MPa", values = one.von_mises,
+        scale = 1e-6}
+    end
+  end
+  local first = found.responses[1]
+  head[#head + 1] = "acceleration"
+  local function cells(i)
+    local out = {}
+    for k, one in ipairs(found.responses) do
+      out[k] = i <= #one.effective_masses and ("%s (%s)"):format(core.quantity(one.effective_masses[i], "kg"),
+        shown.percent(one.effective_masses[i] / one.mass)) or ""
+    end
+    out[#out + 1] = i <= #first.accelerations and core.quantity(first.accelerations[i], "m/s2")
+      or "beyond the spectrum"
+    return out
+  end
+  local spectrum = figure_of(given.points, "acceleration", "m/s2")
+  local drawn, message, details = plots {{"The response spectrum", spectrum}}
+  if not drawn then return nil, message, details end
+  local body = add_modes(first.modes, motions, {head = head, cells = cells}) .. "<h2>The spectrum</h2>\n" .. drawn
+  return write(path, all.mesh, words, fields, motions, body)
+end
+
+return respond_page
