@@ -51,6 +51,7 @@ static void problem_clear(bwi_contact_problem *c) {
   bw_free(c->place);
   bw_free(c->active);
   bw_free(c->s);
+  bwi_half_solves_clear(&c->halves);
   bw_free(c->pressed);
   bw_free(c->h);
 }

@@ -505,7 +505,7 @@ void bwi_contact_rows_pair_force(const bwi_contact_rows *rows, int pair, bool ta
 
 bw_status bwi_contact_rows_compliance(bw_context *context, const bwi_contact_rows *rows,
                                       bw_system *system, int count, const int32_t *row, int first,
-                                      double *s) {
+                                      bwi_half_solves *kept, double *s) {
   bw_status status = BW_OK;
   int64_t *start = BW_NEW0(context, int64_t, (int64_t)count + 1);
   int32_t *node = NULL;
@@ -523,7 +523,7 @@ bw_status bwi_contact_rows_compliance(bw_context *context, const bwi_contact_row
     memcpy(force + 3 * start[k], rows->value + 3 * from, 3 * entries * sizeof *force);
   }
   const bwi_nodal_columns columns = {count, start, node, force};
-  BW_TRY(bwi_compliance_of(context, system, &columns, first, s));
+  BW_TRY(bwi_compliance_of(context, system, &columns, first, kept, s));
 done:
   bw_free(start);
   bw_free(node);

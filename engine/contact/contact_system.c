@@ -190,7 +190,7 @@ static bw_status find_candidates(bw_context *context, bw_contact_system *c) {
   c->s = BW_NEW(context, double, (int64_t)c->count * c->count);
   BW_TRY_MEMORY(c->s);
   bw_progress(context, "contact", 0);
-  BW_TRY(bwi_contact_rows_compliance(context, c->rows, c->system, c->count, c->row, 0, c->s));
+  BW_TRY(bwi_contact_rows_compliance(context, c->rows, c->system, c->count, c->row, 0, NULL, c->s));
   leave_out_constrained(c);
   if (c->count == 0)
     BW_TRY(bw_fail(context, BW_INVALID,

@@ -81,7 +81,7 @@ bw_status bwi_contact_rows_linearise(bw_context *context, bwi_contact_rows *rows
 /* S = B G B^T of the rows in `row` (count), as bwi_compliance_of. */
 bw_status bwi_contact_rows_compliance(bw_context *context, const bwi_contact_rows *rows,
                                       bw_system *system, int count, const int32_t *row, int first,
-                                      double *s);
+                                      bwi_half_solves *kept, double *s);
 /* gap (row_count) = B u. */
 void bwi_contact_rows_measure(const bwi_contact_rows *rows, const double *u, double *gap);
 /* force (node_count x 3) = B^T p for p (row_count). */
@@ -215,9 +215,10 @@ typedef struct bwi_contact_problem {
   uint8_t *active; /* (count) by place: not 0, or with friction bwi_contact_status, */
   int row_count;   /* their rows, */
   int32_t *row;    /* (rows) which, */
-  double *s;       /* (row_count x row_count) and their part of S */
-  double elastic;  /* the largest mean displacement that pressure causes at a candidate */
-  double rounded;  /* (m) of gaps between coordinates */
+  double *s;       /* (row_count x row_count) and their part of S, */
+  bwi_half_solves halves;  /* with what more rows take */
+  double elastic;          /* the largest mean displacement that pressure causes at a candidate */
+  double rounded;          /* (m) of gaps between coordinates */
   double epsilon, softest; /* springs on motions */
   bool last_try;           /* springs are not made stiffer */
   double *h;               /* (motions x motions) */

@@ -27,8 +27,10 @@ static bw_status take_compliance(bw_context *context, bwi_contact_problem *c, in
   bw_free(c->s);
   c->s = larger;
   bw_progress(context, "contact", (double)c->working / c->count);
-  BW_TRY(
-      bwi_contact_rows_compliance(context, &c->rows, c->system, c->row_count, c->row, first, c->s));
+  if (first == 0)
+    bwi_half_solves_clear(&c->halves);
+  BW_TRY(bwi_contact_rows_compliance(context, &c->rows, c->system, c->row_count, c->row, first,
+                                     &c->halves, c->s));
   c->solves += (int)n - first;
 done:
   return status;

@@ -67,7 +67,7 @@ static bw_status take_rows(bw_context *context, bwi_drop_run *run, int first) {
       b[i * m + k] /= run->motion.omega[k];
   }
   const bwi_nodal_columns columns = {n, start, node, t->push};
-  BW_TRY(bwi_compliance_of(context, run->system, &columns, first, t->flexibility));
+  BW_TRY(bwi_compliance_of(context, run->system, &columns, first, NULL, t->flexibility));
   run->solves += later;
   for (int64_t i = first; i < n; i++)
     t->whole[i] = t->flexibility[i * n + i];

@@ -1,8 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* C = F^T A^-1 F = Y^T Y with Y = L^-1 F: the forward half of the solves is enough. A column of F
  * begins at its own nodes and passes only the supernodes above them. In each of these, the columns
- * that pass it are one dense block, so that all work is in products of matrices. No sum depends on
- * who did what: chunks of columns are the same for any number of threads.
+ * that pass it are one dense block, so that all work is in products of matrices. Y can stay, so
+ * that more columns take only their own solves. No sum depends on who did what: chunks of columns
+ * are the same for any number of threads.
  *
  * Of a body that moves freely, G = (1 - R R^T W) A^-1 (1 - W R R^T), where A has isostatic
  * constraints. With E = F^T R, Z = A^-1 W R and V = F^T Z - E (R^T W Z) / 2 that is
@@ -16,7 +17,7 @@
 #include "linear/blas.h"
 #include "linear/internal.h"
 
-enum { COLUMNS = 64, TILE = 128, SIDES = 16, SLOTS = 6 };
+enum { COLUMNS = 128, TILE = 128, SIDES = 16, SLOTS = 6 };
 
 static const double one = 1, minus_one = -1, zero = 0;
 
@@ -29,25 +30,32 @@ typedef struct bwi_relaxed {
   size_t bytes;
 } bwi_relaxed;
 
-/* The columns that pass a supernode. */
+/* Y at a supernode: all columns that pass it. */
+typedef struct bwi_half_columns {
+  int count;
+  int32_t *column; /* (count) ascending */
+  double *value;   /* (pivots x count) by columns */
+} bwi_half_columns;
+
+/* The last columns of these, on their way to the parent. */
 typedef struct passing {
   int columns;
-  int32_t *column; /* ascending */
-  double *value;   /* (rows of the supernode x columns) by columns */
-  int32_t next;    /* another child of the same parent, or -1 */
+  double *value; /* (outer unknowns x columns) by columns */
+  int32_t next;  /* another child of the same parent, or -1 */
 } passing;
 
 typedef struct half_solve {
   const bwi_factor *factor;
   int count, first;
   double *matrix;
-  passing *at;      /* (super_count) */
-  int32_t *child;   /* (super_count) first of those with columns, or -1 */
-  int32_t *row;     /* (unknowns) row in the supernode at work */
-  int32_t *unknown; /* (max_rows) */
-  int32_t *place;   /* (count) column of the block at work, or -1 */
-  double *tile;     /* (workers x TILE x TILE) */
-  int32_t s;        /* at work */
+  bwi_half_columns *y; /* (super_count) */
+  passing *at;         /* (super_count) */
+  int32_t *child;      /* (super_count) first of those with columns, or -1 */
+  int32_t *row;        /* (unknowns) row in the supernode at work */
+  int32_t *unknown;    /* (max_rows) */
+  int32_t *place;      /* (count) column of the block at work, or -1 */
+  double *tile;        /* (workers x TILE x TILE) */
+  int32_t s;           /* at work */
 } half_solve;
 
 /* An entry of F. */
@@ -70,12 +78,12 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* The entries of F on unknowns, by supernodes; how many. */
+/* The entries of F from column `first` on, on unknowns, by supernodes; how many. */
 static int64_t list_entries(const bwi_symbolic *symbolic, const bw_dof_map *dof_map,
-                            const bwi_nodal_columns *f, entry *list) {
+                            const bwi_nodal_columns *f, int first, entry *list) {
   const bwi_order *order = symbolic->order;
   int64_t count = 0;
-  for (int32_t j = 0; j < f->count; j++)
+  for (int32_t j = first; j < f->count; j++)
     for (int64_t k = f->start[j]; k < f->start[j + 1]; k++) {
       int32_t node = f->node[k], low = 0, high = order->super_count - 1;
       const double *frame = dof_map->frame_count > 0 && dof_map->frame_of[node] >= 0
@@ -99,118 +107,146 @@ static int64_t list_entries(const bwi_symbolic *symbolic, const bw_dof_map *dof_
   return count;
 }
 
-/* The columns of entries and children that pass the supernode at work, with the sums of what
- * these bring. */
+static const int32_t *columns_of(const half_solve *h, int32_t s) {
+  return h->y[s].column + h->y[s].count - h->at[s].columns;
+}
+
+/* The columns of entries and children that pass the supernode at work, behind those it has, with
+ * the sums of what these bring. */
 static bw_status assemble(bw_context *context, half_solve *h, const entry *list, int64_t count) {
   bw_status status = BW_OK;
   const bwi_symbolic *symbolic = h->factor->symbolic;
+  bwi_half_columns *y = &h->y[h->s];
   passing *here = &h->at[h->s];
-  int64_t most = count, rows = symbolic->rows[h->s];
-  int32_t pivots = bwi_pivots(symbolic, h->s);
-  int32_t begin = symbolic->first[symbolic->order->super[h->s]], outer;
+  int64_t most = count;
+  int32_t pivots = bwi_pivots(symbolic, h->s), outer = symbolic->rows[h->s] - pivots, below;
+  int32_t begin = symbolic->first[symbolic->order->super[h->s]];
+  int32_t *column = NULL;
+  double *value;
   for (int32_t c = h->child[h->s]; c >= 0; c = h->at[c].next)
     most += h->at[c].columns;
-  if (most > h->count)
-    most = h->count;
-  here->column = BW_NEW(context, int32_t, most);
-  BW_TRY_MEMORY(here->column);
+  column = bw_resize(context, y->column, (size_t)(y->count + most), sizeof *column);
+  BW_TRY_MEMORY(column);
+  y->column = column;
+  column += y->count;
   for (int64_t k = 0; k < count; k++)
     if (h->place[list[k].column] < 0) {
       h->place[list[k].column] = 0;
-      here->column[here->columns++] = list[k].column;
+      column[here->columns++] = list[k].column;
     }
   for (int32_t c = h->child[h->s]; c >= 0; c = h->at[c].next)
     for (int k = 0; k < h->at[c].columns; k++)
-      if (h->place[h->at[c].column[k]] < 0) {
-        h->place[h->at[c].column[k]] = 0;
-        here->column[here->columns++] = h->at[c].column[k];
+      if (h->place[columns_of(h, c)[k]] < 0) {
+        h->place[columns_of(h, c)[k]] = 0;
+        column[here->columns++] = columns_of(h, c)[k];
       }
-  qsort(here->column, (size_t)here->columns, sizeof *here->column, ascending);
+  qsort(column, (size_t)here->columns, sizeof *column, ascending);
   for (int k = 0; k < here->columns; k++)
-    h->place[here->column[k]] = k;
-  here->value = BW_NEW0(context, double, rows * here->columns);
+    h->place[column[k]] = k;
+  value = bw_resize(context, y->value, (size_t)pivots * (size_t)(y->count + here->columns),
+                    sizeof *value);
+  BW_TRY_MEMORY(value);
+  y->value = value;
+  value += (int64_t)pivots * y->count;
+  y->count += here->columns;
+  memset(value, 0, (size_t)pivots * (size_t)here->columns * sizeof *value);
+  here->value = BW_NEW0(context, double, (int64_t)outer * here->columns);
   BW_TRY_MEMORY(here->value);
   for (int32_t i = 0; i < pivots; i++)
     h->row[begin + i] = i;
-  outer = bwi_outer_unknowns(symbolic, h->s, h->unknown);
+  bwi_outer_unknowns(symbolic, h->s, h->unknown);
   for (int32_t i = 0; i < outer; i++)
     h->row[h->unknown[i]] = pivots + i;
-  for (int64_t k = 0; k < count; k++)
-    here->value[h->place[list[k].column] * rows + h->row[list[k].unknown]] += list[k].value;
+  for (int64_t k = 0; k < count; k++) /* F has unknowns of this supernode alone */
+    value[(int64_t)h->place[list[k].column] * pivots + h->row[list[k].unknown]] += list[k].value;
   for (int32_t c = h->child[h->s]; c >= 0; c = h->at[c].next) {
     passing *child = &h->at[c];
-    int64_t below = bwi_pivots(symbolic, c);
-    outer = bwi_outer_unknowns(symbolic, c, h->unknown);
+    below = bwi_outer_unknowns(symbolic, c, h->unknown);
+    for (int32_t i = 0; i < below; i++)
+      h->unknown[i] = h->row[h->unknown[i]];
     for (int k = 0; k < child->columns; k++) {
-      double *to = here->value + h->place[child->column[k]] * rows;
-      const double *from = child->value + k * (below + outer) + below;
-      for (int32_t i = 0; i < outer; i++)
-        to[h->row[h->unknown[i]]] += from[i];
+      int64_t at = h->place[columns_of(h, c)[k]];
+      double *inside = value + at * pivots, *outside = here->value + at * outer - pivots;
+      const double *from = child->value + (int64_t)k * below;
+      for (int32_t i = 0; i < below; i++)
+        (h->unknown[i] < pivots ? inside : outside)[h->unknown[i]] += from[i];
     }
-    bw_free(child->column);
     bw_free(child->value);
-    child->column = NULL;
     child->value = NULL;
   }
 done:
-  for (int k = 0; k < here->columns; k++)
-    h->place[here->column[k]] = -1;
+  for (int k = 0; column && k < here->columns; k++)
+    h->place[column[k]] = -1;
   return status;
 }
 
-/* X_1 = L_11^-1 X_1, X_2 -= L_21 X_1 for some columns. */
+/* X_1 = L_11^-1 X_1, X_2 -= L_21 X_1 for some of the last columns. */
 static bw_status eliminate(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const half_solve *h = data;
   const bwi_symbolic *symbolic = h->factor->symbolic;
+  const bwi_half_columns *y = &h->y[h->s];
   int rows = symbolic->rows[h->s], pivots = bwi_pivots(symbolic, h->s), outer = rows - pivots;
   int columns = (int)(end - begin);
   const double *panel = (const double *)h->factor->value + symbolic->panel[h->s];
-  double *x = h->at[h->s].value + begin * rows;
-  dtrsm_("L", "L", "N", "N", &pivots, &columns, &one, panel, &rows, x, &rows);
+  double *x = y->value + (y->count - h->at[h->s].columns + begin) * pivots;
+  dtrsm_("L", "L", "N", "N", &pivots, &columns, &one, panel, &rows, x, &pivots);
   if (outer > 0)
-    dgemm_("N", "N", &outer, &columns, &pivots, &minus_one, panel + pivots, &rows, x, &rows, &one,
-           x + pivots, &rows);
+    dgemm_("N", "N", &outer, &columns, &pivots, &minus_one, panel + pivots, &rows, x, &pivots, &one,
+           h->at[h->s].value + begin * outer, &outer);
   return BW_OK;
 }
 
 /* X_1^T X_1 into the lower triangle of the result, for some rows of tiles. */
 static bw_status multiply(void *data, int64_t begin, int64_t end, int worker) {
   const half_solve *h = data;
-  const bwi_symbolic *symbolic = h->factor->symbolic;
-  const passing *here = &h->at[h->s];
-  int rows = symbolic->rows[h->s], pivots = bwi_pivots(symbolic, h->s), ld = TILE;
+  const bwi_half_columns *y = &h->y[h->s];
+  int pivots = bwi_pivots(h->factor->symbolic, h->s), ld = TILE;
   double *tile = h->tile + (int64_t)worker * TILE * TILE;
   for (int64_t t = begin; t < end; t++) {
-    int i = (int)t * TILE, height = here->columns - i < TILE ? here->columns - i : TILE;
-    if (here->column[i + height - 1] < h->first)
+    int i = (int)t * TILE, height = y->count - i < TILE ? y->count - i : TILE;
+    if (y->column[i + height - 1] < h->first)
       continue;
     for (int j = 0; j <= i; j += TILE) {
-      int width = here->columns - j < TILE ? here->columns - j : TILE;
-      dgemm_("T", "N", &width, &height, &pivots, &one, here->value + (int64_t)j * rows, &rows,
-             here->value + (int64_t)i * rows, &rows, &zero, tile, &ld);
+      int width = y->count - j < TILE ? y->count - j : TILE;
+      dgemm_("T", "N", &width, &height, &pivots, &one, y->value + (int64_t)j * pivots, &pivots,
+             y->value + (int64_t)i * pivots, &pivots, &zero, tile, &ld);
       for (int a = 0; a < height; a++) {
-        double *to = h->matrix + (int64_t)here->column[i + a] * h->count;
-        if (here->column[i + a] < h->first)
+        double *to = h->matrix + (int64_t)y->column[i + a] * h->count;
+        if (y->column[i + a] < h->first)
           continue;
         for (int b = 0; b < width && j + b <= i + a; b++)
-          to[here->column[j + b]] += tile[a * TILE + b];
+          to[y->column[j + b]] += tile[a * TILE + b];
       }
     }
   }
   return BW_OK;
 }
 
-/* The lower triangle of F^T A^-1 F, from row `first` on. */
+void bwi_half_solves_clear(bwi_half_solves *y) {
+  for (int32_t s = 0; s < y->super_count; s++) {
+    bw_free(y->at[s].column);
+    bw_free(y->at[s].value);
+  }
+  bw_free(y->at);
+  *y = (bwi_half_solves){0};
+}
+
+/* The lower triangle of F^T A^-1 F, from row `first` on. Y stays where `stays`. */
 static bw_status by_halves(bw_context *context, const bw_system *system, const bwi_nodal_columns *f,
-                           int first, double *matrix) {
+                           int first, bwi_half_solves *y, bool stays, double *matrix) {
   bw_status status = BW_OK;
   const bwi_symbolic *symbolic = system->factor->symbolic;
   const bwi_order *order = symbolic->order;
   int32_t supers = order->super_count;
   int64_t entries = 0, next = 0;
-  entry *list = BW_NEW(context, entry, 3 * f->start[f->count]);
+  entry *list = BW_NEW(context, entry, 3 * (f->start[f->count] - f->start[y->count]));
   half_solve h = {.factor = system->factor, .count = f->count, .first = first, .matrix = matrix};
+  if (!y->at) {
+    y->at = BW_NEW0(context, bwi_half_columns, supers);
+    y->super_count = y->at ? supers : 0;
+  }
+  h.y = y->at;
   h.at = BW_NEW0(context, passing, supers);
   h.child = BW_NEW(context, int32_t, supers);
   h.row = BW_NEW(context, int32_t, symbolic->unknowns);
@@ -218,12 +254,11 @@ static bw_status by_halves(bw_context *context, const bw_system *system, const b
   h.place = BW_NEW(context, int32_t, f->count);
   h.tile = BW_NEW(context, double, (int64_t)bw_threads(context) * TILE * TILE);
   bwi_blas_enter();
-  BW_TRY_MEMORY(list && h.at && h.child && h.row && h.unknown && h.place && h.tile);
-  entries = list_entries(symbolic, system->dof_map, f, list);
+  BW_TRY_MEMORY(list && h.y && h.at && h.child && h.row && h.unknown && h.place && h.tile);
+  entries = list_entries(symbolic, system->dof_map, f, y->count, list);
   memset(h.child, 0xff, (size_t)supers * sizeof *h.child);
   memset(h.place, 0xff, (size_t)f->count * sizeof *h.place);
   for (h.s = 0; h.s < supers; h.s++) {
-    passing *here = &h.at[h.s];
     int64_t from = next;
     while (next < entries && list[next].super == h.s)
       next++;
@@ -231,19 +266,22 @@ static bw_status by_halves(bw_context *context, const bw_system *system, const b
       continue;
     BW_TRY(bw_check_cancel(context));
     BW_TRY(assemble(context, &h, list + from, next - from));
-    BW_TRY(bw_parallel(context, here->columns, COLUMNS, eliminate, &h));
-    BW_TRY(bw_parallel(context, (here->columns + TILE - 1) / TILE, 1, multiply, &h));
+    BW_TRY(bw_parallel(context, h.at[h.s].columns, COLUMNS, eliminate, &h));
+    BW_TRY(bw_parallel(context, (h.y[h.s].count + TILE - 1) / TILE, 1, multiply, &h));
     if (order->parent[h.s] >= 0) {
-      here->next = h.child[order->parent[h.s]];
+      h.at[h.s].next = h.child[order->parent[h.s]];
       h.child[order->parent[h.s]] = h.s;
     }
+    if (!stays) {
+      bw_free(h.y[h.s].value);
+      h.y[h.s].value = NULL;
+    }
   }
+  y->count = f->count;
 done:
   bwi_blas_leave();
-  for (int32_t s = 0; h.at && s < supers; s++) {
-    bw_free(h.at[s].column);
+  for (int32_t s = 0; h.at && s < supers; s++)
     bw_free(h.at[s].value);
-  }
   bw_free(list);
   bw_free(h.at);
   bw_free(h.child);
@@ -399,15 +437,17 @@ bool bwi_compliance_by_halves(const bw_system *system) {
 }
 
 bw_status bwi_compliance_of(bw_context *context, bw_system *system,
-                            const bwi_nodal_columns *columns, int first, double *matrix) {
+                            const bwi_nodal_columns *columns, int first, bwi_half_solves *kept,
+                            double *matrix) {
   bw_status status = BW_OK;
   int64_t n = columns->count;
   bool halves = bwi_compliance_by_halves(system);
   bool is_free = halves && system->dof_map->rigid_mode_count > 0;
+  bwi_half_solves local = {0}, *y = kept ? kept : &local;
   memset(matrix + first * n, 0, (size_t)((n - first) * n) * sizeof *matrix);
   if (is_free && !system->relaxed)
     BW_TRY(relax(context, system));
-  BW_TRY(halves ? by_halves(context, system, columns, first, matrix)
+  BW_TRY(halves ? by_halves(context, system, columns, first, y, kept != NULL, matrix)
                 : by_solves(context, system, columns, first, matrix));
   if (is_free)
     BW_TRY(free_bodies(context, system, columns, first, matrix));
@@ -415,5 +455,7 @@ bw_status bwi_compliance_of(bw_context *context, bw_system *system,
     for (int64_t j = 0; j < i; j++)
       matrix[j * n + i] = matrix[i * n + j];
 done:
+  if (!kept || status != BW_OK)
+    bwi_half_solves_clear(y);
   return status;
 }

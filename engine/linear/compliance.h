@@ -16,9 +16,20 @@ typedef struct bwi_nodal_columns {
 
 /* Whether half of each solve is enough: the system has a factor of doubles of the engine's own. */
 bool bwi_compliance_by_halves(const bw_system *system);
+/* What the forward halves of columns leave for others to come. Zeros at first. */
+typedef struct bwi_half_solves {
+  int count;                   /* columns so far */
+  int32_t super_count;         /* of the factor */
+  struct bwi_half_columns *at; /* (super_count) */
+} bwi_half_solves;
+void bwi_half_solves_clear(bwi_half_solves *kept);
 /* Rows and columns from `first` on of `matrix` (count x count); the others are left as they are.
- * The system keeps what that takes for bodies that are free. Statuses of bw_system_solve. */
+ * `kept` has at most `first` columns of the same system before, and all of them after; empty after
+ * a failure. It takes 8 bytes for each column and unknown above its nodes in the factor. NULL: all
+ * columns are solved. The system keeps what that takes for bodies that are free. Statuses of
+ * bw_system_solve. */
 bw_status bwi_compliance_of(bw_context *context, bw_system *system,
-                            const bwi_nodal_columns *columns, int first, double *matrix);
+                            const bwi_nodal_columns *columns, int first, bwi_half_solves *kept,
+                            double *matrix);
 
 #endif

@@ -86,6 +86,27 @@ static double difference(const double *a, const double *b) {
   return worst / largest;
 }
 
+/* In parts, of which one is empty: each leaves the halves of its solves for the next. */
+static void grown(bw_context *context, bw_system *system, const sides *s, double *matrix) {
+  static const int end[] = {20, 70, 70, 71, COLUMNS};
+  static double part[COLUMNS * COLUMNS];
+  bwi_half_solves kept = {0};
+  int first = 0;
+  for (size_t k = 0; k < sizeof end / sizeof *end; k++) {
+    bwi_nodal_columns columns = s->columns;
+    columns.count = end[k];
+    for (int i = 0; i < end[k]; i++)
+      for (int j = 0; j < end[k]; j++)
+        part[i * end[k] + j] = i < first && j < first ? matrix[i * COLUMNS + j] : NAN;
+    check_ok(context, bwi_compliance_of(context, system, &columns, first, &kept, part));
+    first = end[k];
+    for (int i = 0; i < first; i++)
+      memcpy(matrix + i * COLUMNS, part + i * first, (size_t)first * sizeof *part);
+  }
+  assert_int_equal(kept.count, bwi_compliance_by_halves(system) ? COLUMNS : 0);
+  bwi_half_solves_clear(&kept);
+}
+
 static void whole_solves(void **state) {
   bw_context *context = check_context(state);
   static double wanted[COLUMNS * COLUMNS], found[COLUMNS * COLUMNS], again[COLUMNS * COLUMNS];
@@ -105,7 +126,7 @@ static void whole_solves(void **state) {
       if (k == 0)
         obvious(context, system, &s, wanted);
       assert_int_equal(bwi_compliance_by_halves(system), k == 0);
-      check_ok(context, bwi_compliance_of(context, system, &s.columns, 0, found));
+      check_ok(context, bwi_compliance_of(context, system, &s.columns, 0, NULL, found));
       assert_true(difference(found, wanted) < (k < 2 ? 1e-12 : 1e-6));
       for (int i = 0; i < COLUMNS; i++)
         for (int j = 0; j < i; j++)
@@ -115,7 +136,9 @@ static void whole_solves(void **state) {
         for (int j = 0; j < COLUMNS; j++)
           if (i >= 70 || j >= 70)
             again[i * COLUMNS + j] = NAN;
-      check_ok(context, bwi_compliance_of(context, system, &s.columns, 70, again));
+      check_ok(context, bwi_compliance_of(context, system, &s.columns, 70, NULL, again));
+      assert_true(difference(again, wanted) < (k < 2 ? 1e-12 : 1e-6));
+      grown(context, system, &s, again);
       assert_true(difference(again, wanted) < (k < 2 ? 1e-12 : 1e-6));
       bw_release(system);
       bw_release(solver);
@@ -134,16 +157,24 @@ static void same_bits(void **state) {
     random_sides(model->mesh, &s);
     check_ok(context, bw_system_of_model(context, model, NULL, NULL, &system));
     check_ok(context, bw_set_threads(context, 1));
-    check_ok(context, bwi_compliance_of(context, system, &s.columns, 0, one));
+    check_ok(context, bwi_compliance_of(context, system, &s.columns, 0, NULL, one));
     check_ok(context, bw_set_threads(context, 3));
-    check_ok(context, bwi_compliance_of(context, system, &s.columns, 0, other));
+    check_ok(context, bwi_compliance_of(context, system, &s.columns, 0, NULL, other));
     assert_memory_equal(one, other, sizeof one);
     check_ok(context, bw_set_threads(context, 1));
     check_each_allocation(context, status, 1) {
       bw_release(system->relaxed);
       system->relaxed = NULL;
-      status = bwi_compliance_of(context, system, &s.columns, 0, other);
+      status = bwi_compliance_of(context, system, &s.columns, 0, NULL, other);
     }
+    assert_memory_equal(one, other, sizeof one);
+    bwi_half_solves kept = {0};
+    check_each_allocation(context, status, 1) {
+      bwi_half_solves_clear(&kept);
+      status = bwi_compliance_of(context, system, &s.columns, 0, &kept, other);
+      assert_int_equal(kept.count, status == BW_OK ? COLUMNS : 0);
+    }
+    bwi_half_solves_clear(&kept);
     assert_memory_equal(one, other, sizeof one);
     bw_release(system);
     bw_release(model);
