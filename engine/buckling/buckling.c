@@ -118,15 +118,22 @@ done:
   return status;
 }
 
+bw_status bwi_buckling_refuse_contact(bw_context *context, const bw_static *solution) {
+  if (!solution->in_contact)
+    return BW_OK;
+  return bw_fail(context, BW_UNSUPPORTED,
+                 "forces of contact are among the loads of this static solution, and load "
+                 "factors do not know contact: replace it by supports or bonds");
+}
+
 bw_status bw_buckling_of_static(bw_context *context, const bw_static *solution,
                                 const bw_buckling_options *options, bw_buckling **buckling) {
   bw_status status = bw_model_refuse_joints(context, solution->model);
   if (status != BW_OK)
     return status;
-  if (solution->in_contact)
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "forces of contact are among the loads of this static solution, and load "
-                   "factors do not know contact: replace it by supports or bonds");
+  status = bwi_buckling_refuse_contact(context, solution);
+  if (status != BW_OK)
+    return status;
   if (!solution->system)
     return bw_fail(context, BW_UNSUPPORTED,
                    "buckling needs the equations of the static solution in this process: solve the "

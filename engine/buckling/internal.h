@@ -29,6 +29,8 @@ enum { BWI_STABILITY_SIDES = 8 };
 
 /* A result without load factors, of a model that it retains. */
 bw_status bwi_buckling_empty(bw_context *context, const bw_model *model, bw_buckling **buckling);
+/* BW_UNSUPPORTED for a static solution with forces of contact. */
+bw_status bwi_buckling_refuse_contact(bw_context *context, const bw_static *solution);
 bw_status bwi_buckling_options_check(bw_context *context, const bw_buckling_options *given,
                                      bw_buckling_options *options);
 /* The load factors of smallest size, into `out`. */

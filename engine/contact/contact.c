@@ -75,7 +75,6 @@ static double find_facet(const bwi_contact_rows *rows) {
 static bw_status prepare(bw_context *context, bwi_contact_problem *c, int pair_count,
                          const bw_contact_pair *pair, bw_system *given) {
   bw_status status = BW_OK;
-  bw_statics_options without = {.inertia_relief = true, .tolerance = 1e-6};
   double min[3], max[3];
   for (int i = 0; i < pair_count; i++)
     c->finite = c->finite || (pair[i].against && c->options->finite_sliding);
@@ -83,10 +82,8 @@ static bw_status prepare(bw_context *context, bwi_contact_problem *c, int pair_c
   c->facet = find_facet(&c->rows);
   for (int i = 0; i < pair_count; i++)
     c->curved = c->curved || (pair[i].with && pair[i].with->kind != BW_RIGID_PLANE);
-  BW_TRY(bw_system_of_model(context, c->model, c->options->solver, given, &c->system));
-  BW_TRY(bw_statics(context, c->model, c->system, &without, &c->start));
+  BW_TRY(bwi_contact_bodies_open(context, c, given));
   c->count = c->rows.count;
-  c->motions = c->system->dof_map->rigid_mode_count;
   bw_mesh_box(c->model->mesh, min, max);
   for (int k = 0; k < 3; k++)
     max[k] -= min[k];
@@ -152,7 +149,7 @@ static bw_status linearise(bw_context *context, bwi_contact_problem *c, const do
   for (int k = 0; k < m; k++) {
     memset(field, 0, (size_t)bwi_contact_size(c) * sizeof *field);
     unit[k] = 1;
-    bw_rigid_modes_add(c->system->dof_map, unit, field);
+    bwi_contact_motions_add(c, unit, field);
     unit[k] = 0;
     bwi_contact_rows_measure(&c->rows, field, row);
     for (int i = 0; i < rows; i++)
@@ -172,7 +169,9 @@ done:
 static bw_status fail_unheld(bw_context *context, const bwi_contact_problem *c,
                              const double *motion, double reach) {
   char text[300], within[60] = "";
-  bwi_describe_motion(c->system->dof_map, motion, text, sizeof text);
+  bw_status status = bwi_contact_motions_describe(context, c, motion, text, sizeof text);
+  if (status != BW_OK)
+    return status;
   if (isfinite(reach))
     snprintf(within, sizeof within, " Its first %.3g m meet no surface.", fmin(reach, far_away));
   bw_fail(context, BW_UNCONSTRAINED,
@@ -222,7 +221,7 @@ static bw_status find_start(bw_context *context, bwi_contact_problem *c) {
     BW_TRY(fail_unheld(context, c, unheld, start.reach));
   c->softest = c->epsilon = spring * start.scale;
   if (c->options->after)
-    bw_rigid_modes_measure(c->system->dof_map, c->now, c->a);
+    bwi_contact_motions_measure(c, c->now, c->a);
 done:
   bw_free(unheld);
   bw_free(q);
@@ -311,7 +310,7 @@ static double find_displacement(bwi_contact_problem *c) {
   for (int64_t i = 0; i < bwi_contact_size(c); i++)
     c->pressed[i] += c->base[i];
   if (c->motions > 0)
-    bw_rigid_modes_add(c->system->dof_map, c->a, c->pressed);
+    bwi_contact_motions_add(c, c->a, c->pressed);
   for (int64_t i = 0; i < bwi_contact_size(c); i++)
     moved = fmax(moved, fabs(c->pressed[i] - c->now[i]));
   memcpy(c->now, c->pressed, (size_t)bwi_contact_size(c) * sizeof *c->now);
@@ -443,6 +442,10 @@ static bw_status begin(bw_context *context, bwi_contact_problem *c) {
     return bw_fail(context, BW_INVALID,
                    "contact follows another of a part with the same supports: these have changed. "
                    "Prescribe other displacements of the same nodes, or change the loads");
+  if (!bwi_joined_parts_same(after->joined, c->joined))
+    return bw_fail(context, BW_INVALID,
+                   "contact follows another of a part with the same bonds, springs and couplings: "
+                   "these have changed. Give the shortening of a bolt from the first contact on");
   memcpy(c->now, after->solution->displacement, (size_t)bwi_contact_size(c) * sizeof *c->now);
   memcpy(c->before, c->now, (size_t)bwi_contact_size(c) * sizeof *c->now);
   memcpy(c->work, after->work, (size_t)after->pair_count * sizeof *c->work);
@@ -459,9 +462,9 @@ static bw_status solve_contact(bw_context *context, bwi_contact_problem *c) {
   BW_TRY_MEMORY(load && first);
   BW_TRY(begin(context, c));
   if (c->motions > 0) {
-    bw_rigid_modes_dot(c->system->dof_map, c->start->force, load);
+    bwi_contact_motions_dot(c, c->start->force, load);
     if (from)
-      bw_rigid_modes_dot(c->system->dof_map, from->force, first);
+      bwi_contact_motions_dot(c, from->force, first);
   }
   for (c->step = 1; c->step <= c->options->steps; c->step++) {
     double part = (double)c->step / c->options->steps, rest = 1 - part;

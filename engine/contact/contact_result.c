@@ -50,13 +50,9 @@ static const bw_kind contact_kind = {"contact", contact_destroy, contact_bytes};
 /* The static solution of the model with the forces of contact, at the place that contact gives. */
 static bw_status take_solution(bw_context *context, bwi_contact_problem *c, bw_contact *out) {
   bw_status status = BW_OK;
-  const bw_dof_map *dof_map = c->system->dof_map;
-  bw_statics_options options = {.tolerance = 10 * BWI_CONTACT_BALANCED};
   bw_model *loaded = NULL;
   bw_array *force = NULL;
-  double *a = BW_NEW(context, double, c->motions);
   bool closed = false;
-  BW_TRY_MEMORY(a);
   for (int i = 0; i < c->count; i++)
     closed = closed || c->p[c->rows.first[i]] > 0;
   BW_TRY(bw_model_moved(context, c->model, c->model->mesh, &loaded));
@@ -64,20 +60,12 @@ static bw_status take_solution(bw_context *context, bwi_contact_problem *c, bw_c
   bwi_contact_rows_force(&c->rows, c->p, force->data);
   if (closed)
     BW_TRY(bw_model_nodal_forces(context, loaded, force));
-  BW_TRY(bw_statics(context, loaded, c->system, &options, &out->solution));
+  BW_TRY(bwi_contact_bodies_static(context, c, loaded, &out->solution));
   out->solution->in_contact = closed;
-  if (c->motions > 0) { /* which differ by a rigid-body motion */
-    double *u = out->solution->displacement;
-    for (int64_t i = 0; i < bwi_contact_size(c); i++)
-      c->now[i] -= u[i];
-    bw_rigid_modes_measure(dof_map, c->now, a);
-    bw_rigid_modes_add(dof_map, a, u);
-  }
   memcpy(c->now, out->solution->displacement, (size_t)bwi_contact_size(c) * sizeof *c->now);
 done:
   bw_release(force);
   bw_release(loaded);
-  bw_free(a);
   return status;
 }
 
@@ -235,7 +223,7 @@ static bw_status take_undetermined(bw_context *context, const bwi_contact_proble
     char *end = out->free_text + strlen(out->free_text);
     if (out->free_count++)
       *end++ = '\n';
-    bwi_describe_motion(c->system->dof_map, c->h + (size_t)k * (size_t)m, end, 299);
+    BW_TRY(bwi_contact_motions_describe(context, c, c->h + (size_t)k * (size_t)m, end, 299));
   }
 done:
   bw_free(value);
@@ -445,6 +433,7 @@ bw_status bwi_contact_take_result(bw_context *context, bwi_contact_problem *c,
   out->has_friction = c->before != NULL;
   if (out->has_friction) {
     out->start = bw_retain(c->start);
+    out->joined = c->joined;
     out->traction = BW_NEW0(context, double, 3 * nodes);
     out->slip = BW_NEW0(context, double, 3 * nodes);
     out->status = BW_NEW0(context, uint8_t, nodes);

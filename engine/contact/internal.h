@@ -7,6 +7,7 @@
 
 #include "barwright/contact.h"
 #include "barwright/statics.h"
+#include "joint/joined_solution.h"
 #include "linear/compliance.h"
 
 /* ---- rigid_surface.c ------------------------------------------------------------------------- */
@@ -189,8 +190,9 @@ typedef struct bwi_contact_problem {
   const bw_model *model;
   const bw_contact_options *options;
   bw_system *system;
-  bw_static *start; /* the solution without contact */
-  int step;         /* of options->steps, from 1 */
+  const bwi_joined_solution *joined; /* borrowed from the system: of a joined model, or NULL */
+  bw_static *start;                  /* the solution without contact */
+  int step;                          /* of options->steps, from 1 */
   bwi_contact_rows rows;
   int count, motions;
   bool curved;     /* rigid surfaces are */
@@ -233,6 +235,21 @@ static inline double bwi_contact_small_gap(const bwi_contact_problem *problem) {
 }
 /* Of the load: what springs on motions may carry in the end. */
 #define BWI_CONTACT_BALANCED 1e-6
+
+/* ---- bodies.c -------------------------------------------------------------------------------- */
+
+/* Equations, motions, and the solution without contact. */
+bw_status bwi_contact_bodies_open(bw_context *context, bwi_contact_problem *problem,
+                                  bw_system *given);
+/* As bw_rigid_modes_dot, bw_rigid_modes_measure, bw_rigid_modes_add and bwi_describe_motion. */
+void bwi_contact_motions_dot(const bwi_contact_problem *problem, const double *force, double *a);
+void bwi_contact_motions_measure(const bwi_contact_problem *problem, const double *u, double *a);
+void bwi_contact_motions_add(const bwi_contact_problem *problem, const double *a, double *u);
+bw_status bwi_contact_motions_describe(bw_context *context, const bwi_contact_problem *problem,
+                                       const double *a, char *text, size_t size);
+/* The static solution of the model with the contact's forces among its loads. */
+bw_status bwi_contact_bodies_static(bw_context *context, const bwi_contact_problem *problem,
+                                    const bw_model *loaded, bw_static **result);
 
 /* ---- working_set.c --------------------------------------------------------------------------- */
 

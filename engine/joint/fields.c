@@ -126,12 +126,16 @@ bw_status bwi_joined_mass(bw_context *context, const bwi_joined_fields *e, const
   return status;
 }
 
+bw_status bwi_joined_multiply(bw_context *context, const bw_model *model,
+                              const bwi_joined_equations *q, const double *u, double *f) {
+  bw_status status = bw_block_multiply(context, q->pattern, q->stiffness, 9, 3, 1, u, f);
+  add_points(model, true, u, f);
+  return status;
+}
+
 bw_status bwi_joined_stiffness(bw_context *context, const bwi_joined_fields *e, const double *u,
                                double *f) {
-  const bwi_joined_equations *q = &e->equations;
-  bw_status status = bw_block_multiply(context, q->pattern, q->stiffness, 9, 3, 1, u, f);
-  add_points(e->model, true, u, f);
-  return status;
+  return bwi_joined_multiply(context, e->model, &e->equations, u, f);
 }
 
 bw_status bwi_joined_solve(bw_context *context, const bwi_joined_fields *e, const double *f,

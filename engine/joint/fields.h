@@ -33,6 +33,9 @@ bw_status bwi_joined_stiffness(bw_context *context, const bwi_joined_fields *fie
 /* u = T (T^T K T)^-1 T^T f */
 bw_status bwi_joined_solve(bw_context *context, const bwi_joined_fields *fields, const double *f,
                            double *u);
+/* f = K u of the equations of a model. */
+bw_status bwi_joined_multiply(bw_context *context, const bw_model *model,
+                              const bwi_joined_equations *equations, const double *u, double *f);
 /* The largest component of T^T f. */
 bw_status bwi_joined_largest(bw_context *context, const bwi_joined_fields *fields, const double *f,
                              double *largest);

@@ -123,7 +123,9 @@ typedef struct bwi_joined_equations {
   bw_block_pattern *pattern;
   double *stiffness;          /* with springs */
   bw_operator *k;             /* T^T K T */
-  const bw_operator *inverse; /* borrowed: of k, or NULL */
+  const bw_operator *inverse; /* borrowed: of k, or NULL; */
+  const uint8_t *held;        /* borrowed: of k where these unknowns are held, or NULL, */
+  const double *place;        /* borrowed: their values; 0 at others */
   int rigid_count;
   int32_t rigid_body;
 } bwi_joined_equations;

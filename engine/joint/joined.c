@@ -186,6 +186,28 @@ bw_status bwi_joined_check_residual(bw_context *context, double residual) {
   return BW_SINGULAR;
 }
 
+/* x of K x = b, where the unknowns that are held have the values of `place`: b is balanced. */
+static bw_status solve_held(bw_context *context, const bwi_joined_equations *q, const double *b,
+                            double *x) {
+  bw_status status = BW_OK;
+  int64_t unknowns = q->reduction.unknown_count;
+  double *rest = BW_NEW(context, double, unknowns), *more = BW_NEW(context, double, unknowns);
+  BW_TRY_MEMORY(rest && more);
+  memcpy(x, q->place, (size_t)unknowns * sizeof *x);
+  for (int pass = 0; pass < 2; pass++) { /* the second refines */
+    BW_TRY(bw_sparse_matrix_apply(context, q->k->matrix, 1, x, rest));
+    for (int64_t i = 0; i < unknowns; i++)
+      rest[i] = q->held[i] ? 0 : b[i] - rest[i];
+    BW_TRY(bw_operator_apply(context, q->inverse, 1, rest, more));
+    for (int64_t i = 0; i < unknowns; i++)
+      x[i] += more[i];
+  }
+done:
+  bw_free(rest);
+  bw_free(more);
+  return status;
+}
+
 static bw_status solve(bw_context *context, const bwi_joined_equations *q, const bw_solver *solver,
                        const bw_model *model, bw_static *result) {
   bw_status status = BW_OK;
@@ -212,7 +234,13 @@ static bw_status solve(bw_context *context, const bwi_joined_equations *q, const
   BW_TRY(bwi_preload_add(context, model, r, rest));
   BW_TRY(bw_sparse_matrix_apply(context, r->transposed, 1, rest, b));
   bwi_points_load(r, gravity, b);
-  if (unknowns > 0)
+  if (unknowns > 0 && q->held) {
+    result->report = (bw_solver_report){.solver = bw_solver_word(BW_SOLVER_CHOLESKY),
+                                        .backend = "",
+                                        .preconditioner = "",
+                                        .reason = "a factor serves all forces of contact"};
+    status = solve_held(context, q, b, x);
+  } else if (unknowns > 0)
     status = bwi_linear_solve_by(context, q->k, &(bw_linear_solve_options){.solver = solver},
                                  q->inverse, 1, b, x, &result->report);
   if (status == BW_SINGULAR)
@@ -265,7 +293,7 @@ bw_status bwi_joined_static(bw_context *context, const bw_model *model,
   bw_static *result = NULL;
   bw_statics_options opts = options ? *options : (bw_statics_options){0};
   opts.inertia_relief = true; /* balance is judged for the joined bodies */
-  if (q->rigid_count > 0)
+  if (q->rigid_count > 0 && !q->held)
     BW_TRY(model->cyclic ? fail_free_sector(context, q) : bwi_joined_fail_free(context, q));
   BW_TRY(bwi_static_begin(context, model, &opts, q->reduction.dof_map, &result));
   BW_TRY(solve(context, q, opts.solver, model, result));

@@ -60,6 +60,7 @@ static bw_status prepare(bw_context *context, const bw_static *solution, pencil 
   double *values = NULL;
   if (solution->model->cyclic)
     return bw_model_refuse_joints(context, solution->model);
+  BW_TRY(bwi_buckling_refuse_contact(context, solution));
   BW_TRY(bwi_joined_open(context, solution->model, true, NULL, q));
   if (q->rigid_count > 0)
     BW_TRY(bwi_joined_fail_free(context, q));

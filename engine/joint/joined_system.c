@@ -1,77 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The equations of joined models for many right-hand sides (docs/theory/joints.md, "Many loads").
- *
- * Invariant: the motions R that supports, springs and points leave free move all bodies as one, and
- * T reproduces them. So they span the null space of T^T K T, and as many unknowns held at 0 make it
- * positive definite; a balanced load exerts nothing there. */
+/* The equations of joined models for many right-hand sides (docs/theory/joints.md, "Many loads"):
+ * the motions that supports, springs and points leave free move all bodies as one. */
 #include <math.h>
 #include <string.h>
 
 #include "base/dense.h"
-#include "joint/internal.h"
+#include "joint/joined_solution.h"
 #include "linear/internal.h"
-#include "linear/matrix_factor.h"
-
-/* Of a displacement of size 1, what bonds may miss of a rigid-body mode. */
-static const double reproduced = 1e-6;
-
-typedef struct joined_solution {
-  bwi_joined_equations q;
-  int motions;
-  double *motion;   /* motions x 3 node_count: R */
-  double *weighted; /* motions x 3 node_count: W R, with R^T W R = 1 */
-  uint8_t *held;    /* unknown_count: not 0 where an unknown is 0 instead of a motion */
-  bw_operator *inverse;
-} joined_solution;
-
-static void solution_destroy(void *data) {
-  joined_solution *s = data;
-  if (!s)
-    return;
-  bwi_joined_clear(&s->q);
-  bw_free(s->motion);
-  bw_free(s->weighted);
-  bw_free(s->held);
-  bw_release(s->inverse);
-  bw_free(s);
-}
-
-/* v -= sum of `out` (`in` . v): P^T with R and W R, P with these exchanged. */
-static void project(const joined_solution *s, int64_t size, const double *in, const double *out,
-                    double *v) {
-  double part[6];
-  for (int m = 0; m < s->motions; m++)
-    part[m] = bwi_dot(size, in + m * size, v);
-  for (int m = 0; m < s->motions; m++)
-    for (int64_t i = 0; i < size; i++)
-      v[i] -= part[m] * out[m * size + i];
-}
-
-static bw_status solution_apply(bw_context *context, void *data, int64_t count, const double *force,
-                                double *displacement) {
-  joined_solution *s = data;
-  bw_status status = BW_OK;
-  const bwi_reduction *r = &s->q.reduction;
-  int64_t size = 3 * (int64_t)r->dof_map->mesh->node_count, unknowns = r->unknown_count;
-  double *b = BW_NEW(context, double, count *unknowns),
-         *x = BW_NEW(context, double, count *unknowns);
-  BW_TRY_MEMORY(b && x);
-  memcpy(displacement, force, (size_t)(count * size) * sizeof *displacement);
-  for (int64_t k = 0; k < count; k++)
-    project(s, size, s->motion, s->weighted, displacement + k * size);
-  BW_TRY(bw_sparse_matrix_apply(context, r->transposed, count, displacement, b));
-  for (int64_t i = 0; i < count * unknowns; i++)
-    b[i] = s->held[i % unknowns] ? 0 : b[i];
-  if (unknowns > 0)
-    BW_TRY(bw_operator_apply(context, s->inverse, count, b, x));
-  BW_TRY(bw_sparse_matrix_apply(context, r->t, count, x, displacement));
-  for (int64_t k = 0; k < count; k++)
-    project(s, size, s->weighted, s->motion, displacement + k * size);
-done:
-  bw_free(b);
-  bw_free(x);
-  return status;
-}
 
 /* ---- rigid-body modes of all bodies together ------------------------------------------------- */
 
@@ -126,7 +61,7 @@ done:
 }
 
 /* Centre, size and 1/V integral of |y|^2 1 - y y^T of all bodies, by the mass of density 1. */
-static bw_status find_moments(conditions *c, const joined_solution *s, const double *mass,
+static bw_status find_moments(conditions *c, const bwi_joined_solution *s, const double *mass,
                               double inertia[9], double *volume) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = s->q.reduction.dof_map->mesh;
@@ -181,37 +116,8 @@ done:
   return status;
 }
 
-/* Whether the nodes that follow in bonds follow the motions too. */
-static bw_status check_bonds(bw_context *context, const bw_model *model, const joined_solution *s,
-                             double length) {
-  int64_t size = 3 * (int64_t)model->mesh->node_count;
-  for (int b = 0; b < model->bond_count; b++) {
-    const bw_bond *bond = &model->bond[b];
-    const bw_sparse_matrix *f = bond->follows;
-    for (int64_t i = 0; i < 3 * (int64_t)bond->node_count * s->motions; i++) {
-      int m = (int)(i % s->motions), k = (int)(i / s->motions % 3);
-      int32_t row = (int32_t)(i / s->motions / 3);
-      const double *u = s->motion + m * size + k;
-      double off = u[3 * (int64_t)bond->node[row]];
-      for (int64_t e = f->start[row]; e < f->start[row + 1]; e++)
-        off -= f->value[e] * u[3 * (int64_t)f->column[e]];
-      if (fabs(off) <= reproduced)
-        continue;
-      bw_fail(context, BW_GEOMETRY,
-              "bond %d closes a gap of up to %.3g m, and resists a rotation of the joined body by "
-              "that: it is in balance with no load exactly. Make the sides touch within %.1g m, or "
-              "support the model",
-              b + 1, bond->gap, reproduced * length);
-      bw_detail_number(context, "bond", b + 1.0);
-      bw_detail_number(context, "gap", bond->gap);
-      return BW_GEOMETRY;
-    }
-  }
-  return BW_OK;
-}
-
 /* R, W R, and the modes into the DOF map. */
-static bw_status find_motions(bw_context *context, const bw_model *model, joined_solution *s,
+static bw_status find_motions(bw_context *context, const bw_model *model, bwi_joined_solution *s,
                               bw_dof_map *dof_map) {
   bw_status status = BW_OK;
   conditions c = {.context = context};
@@ -228,22 +134,18 @@ static bw_status find_motions(bw_context *context, const bw_model *model, joined
   s->motions = bwi_rigid_modes(&whole, 0, inertia, c.length, (int64_t)c.count,
                                (const double(*)[6])c.row, motion);
   s->motion = BW_NEW(context, double, s->motions *size);
-  s->weighted = BW_NEW(context, double, s->motions *size);
-  BW_TRY_MEMORY(s->motion && s->weighted);
+  BW_TRY_MEMORY(s->motion);
   for (int m = 0; m < s->motions; m++) {
     motion[m].component = -1;
     for (int64_t i = 0; i < size / 3; i++)
       bwi_motion_at(&motion[m], model->mesh->node + 3 * i, s->motion + m * size + 3 * i);
   }
-  BW_TRY(bw_block_multiply(context, s->q.pattern, mass, 1, 3, s->motions, s->motion, s->weighted));
-  for (int64_t i = 0; i < s->motions * size; i++)
-    s->weighted[i] /= volume;
   if (s->q.rigid_count > s->motions)
     BW_TRY(bw_fail(context, BW_UNCONSTRAINED,
                    "bonds and couplings leave %d rigid-body modes, and the joined body as one has "
                    "%d: some bodies move against one another. Join them by bonds, or support each",
                    s->q.rigid_count, s->motions));
-  BW_TRY(check_bonds(context, model, s, c.length));
+  BW_TRY(bwi_joined_solution_weigh(context, model, mass, volume, c.length, s));
   bw_free(dof_map->rigid_mode);
   dof_map->rigid_mode = motion;
   motion = NULL;
@@ -258,129 +160,11 @@ done:
   return status;
 }
 
-/* ---- the factor ------------------------------------------------------------------------------ */
-
-/* Chooses unknowns that are displacements of nodes along global axes, one for each motion: each
- * that the motions move most, less what the ones before hold. */
-static bw_status hold(bw_context *context, joined_solution *s) {
-  const bwi_reduction *r = &s->q.reduction;
-  int64_t size = 3 * (int64_t)r->dof_map->mesh->node_count;
-  double base[6][6];
-  s->held = BW_NEW0(context, uint8_t, r->unknown_count);
-  if (!s->held)
-    return BW_MEMORY;
-  for (int h = 0; h < s->motions; h++) {
-    double most = 1e-6;
-    int32_t best = -1;
-    for (int64_t i = 0; i < size; i++) {
-      double row[6];
-      if (r->t->start[i + 1] - r->t->start[i] != 1 || r->t->value[r->t->start[i]] != 1)
-        continue;
-      for (int m = 0; m < s->motions; m++)
-        row[m] = s->motion[m * size + i];
-      for (int k = 0; k < h; k++) {
-        double part = bwi_dot(s->motions, row, base[k]);
-        for (int m = 0; m < s->motions; m++)
-          row[m] -= part * base[k][m];
-      }
-      double length = sqrt(bwi_dot(s->motions, row, row));
-      if (length <= most)
-        continue;
-      most = length;
-      best = r->t->column[r->t->start[i]];
-      for (int m = 0; m < s->motions; m++)
-        base[h][m] = row[m] / length;
-    }
-    if (best < 0)
-      return bw_fail(context, BW_UNSUPPORTED,
-                     "too few nodes of the joined body move freely along the axes: support it");
-    s->held[best] = 1;
-  }
-  return BW_OK;
-}
-
-/* The matrix without the rows and columns that are held, but for their diagonal. */
-static bw_status without_held(bw_context *context, const joined_solution *s,
-                              bw_sparse_matrix **out) {
-  bw_status status = BW_OK;
-  const bw_sparse_matrix *a = s->q.k->matrix;
-  int64_t count = 0, *start = BW_NEW(context, int64_t, (int64_t)a->rows + 1);
-  int32_t *column = BW_NEW(context, int32_t, a->start[a->rows]);
-  double *value = BW_NEW(context, double, a->start[a->rows]);
-  BW_TRY_MEMORY(start && column && value);
-  start[0] = 0;
-  for (int32_t i = 0; i < a->rows; i++) {
-    for (int64_t e = a->start[i]; e < a->start[i + 1]; e++)
-      if (a->column[e] == i || !(s->held[i] || s->held[a->column[e]])) {
-        column[count] = a->column[e];
-        value[count++] = a->value[e];
-      }
-    start[i + 1] = count;
-  }
-  BW_TRY(bw_sparse_matrix_adopt(context, a->rows, a->rows, start, column, value, out));
-  start = NULL;
-  column = NULL;
-  value = NULL;
-done:
-  bw_free(start);
-  bw_free(column);
-  bw_free(value);
-  return status;
-}
-
-/* A probe of random unknowns: what is left of its forces. */
-static bw_status check_residual(bw_context *context, const joined_solution *s,
-                                const bw_sparse_matrix *matrix) {
-  bw_status status = BW_OK;
-  int64_t n = matrix->rows;
-  double square = 0, whole = 0;
-  bw_random random;
-  double *b = BW_NEW(context, double, n), *x = BW_NEW(context, double, n),
-         *kx = BW_NEW(context, double, n);
-  BW_TRY_MEMORY(b && x && kx);
-  bw_random_seed(&random, 1);
-  for (int64_t i = 0; i < n; i++)
-    b[i] = s->held[i] ? 0 : 2 * bw_random_uniform(&random) - 1;
-  BW_TRY(bw_operator_apply(context, s->inverse, 1, b, x));
-  BW_TRY(bw_sparse_matrix_apply(context, matrix, 1, x, kx));
-  for (int64_t i = 0; i < n; i++) {
-    square += (b[i] - kx[i]) * (b[i] - kx[i]);
-    whole += b[i] * b[i];
-  }
-  BW_TRY(bwi_joined_check_residual(context, whole > 0 ? sqrt(square / whole) : 0));
-done:
-  bw_free(b);
-  bw_free(x);
-  bw_free(kx);
-  return status;
-}
-
-static bw_status factor(bw_context *context, const bw_solver *solver, joined_solution *s) {
-  bw_status status = BW_OK;
-  bw_sparse_matrix *matrix = NULL;
-  if (s->q.reduction.unknown_count == 0)
-    return BW_OK;
-  BW_TRY(without_held(context, s, &matrix));
-  status = bw_operator_inverse(context, matrix, solver, &s->inverse);
-  if (status == BW_SINGULAR)
-    status = bwi_joined_check_residual(context, -1);
-  BW_TRY(status);
-  BW_TRY(check_residual(context, s, matrix));
-done:
-  bw_release(matrix);
-  return status;
-}
-
 /* ---- together -------------------------------------------------------------------------------- */
 
-static bw_status check_model(bw_context *context, const bw_model *model, const bw_solver *solver) {
+static bw_status check_model(bw_context *context, const bw_model *model) {
   if (model->cyclic)
     return bw_model_refuse_joints(context, model);
-  if (solver && solver->options.kind != BW_SOLVER_CHOLESKY)
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "many loads on a joined model are solved by a factor, not by \"%s\": leave the "
-                   "solver out, or give cholesky",
-                   bw_solver_word(solver->options.kind));
   bw_status status = bwi_model_refuse_preloads(
       context, model,
       "strains the bodies without any other load: the stress is not linear in the loads, leave the "
@@ -394,12 +178,10 @@ bw_status bw_joined_system(bw_context *context, const bw_model *model, const bw_
                            bw_system **out) {
   bw_status status = BW_OK;
   bw_dof_map *dof_map = NULL;
-  bw_operator *solution = NULL;
-  bw_system *system = NULL;
-  joined_solution *s = NULL;
-  double start = bw_seconds(), assembled;
-  BW_TRY(check_model(context, model, solver));
-  s = BW_NEW0(context, joined_solution, 1);
+  bwi_joined_solution *s = NULL;
+  double start = bw_seconds();
+  BW_TRY(check_model(context, model));
+  s = BW_NEW0(context, bwi_joined_solution, 1);
   BW_TRY_MEMORY(s);
   BW_TRY(bwi_dof_map_apart(context, model, &dof_map));
   if (dof_map->prescribed)
@@ -408,35 +190,15 @@ bw_status bw_joined_system(bw_context *context, const bw_model *model, const bw_
                    "with fixed supports only"));
   BW_TRY(bwi_joined_open(context, model, false, NULL, &s->q));
   BW_TRY(find_motions(context, model, s, dof_map));
-  assembled = bw_seconds();
-  BW_TRY(hold(context, s));
-  BW_TRY(factor(context, solver, s));
-  bw_release(s->q.k);
-  s->q.k = NULL;
-  bw_free(s->q.stiffness);
-  s->q.stiffness = NULL;
-  const bw_operator *inverse = s->inverse;
-  BW_TRY(bw_operator_create(context, 3 * (int64_t)model->mesh->node_count, solution_apply, s,
-                            solution_destroy, "solution of the joined bodies", &solution));
+  bwi_joined_solution *whole = s;
   s = NULL;
-  BW_TRY(bwi_system_by_operator(context, model, dof_map, solution, &system));
-  system->times.stiffness = assembled - start;
-  system->times.factor = bw_seconds() - assembled;
-  system->report =
-      (bw_solver_report){.solver = "cholesky",
-                         .backend = "",
-                         .preconditioner = "",
-                         .reason = "many loads on joined bodies are solved by a factor"};
-  const bwi_factor *l = bwi_operator_factor(inverse);
-  if (l) {
-    system->times.factor_entries = bwi_factor_entries(l);
-    system->times.factor_flops = system->report.flops = bwi_factor_flops(l);
-    system->report.bytes = (double)bwi_factor_bytes(l);
-  }
-  *out = system;
+  BW_TRY(bwi_joined_solution_system(context, model, solver, dof_map, start, whole, out));
+  bw_release(whole->q.k);
+  whole->q.k = NULL;
+  bw_free(whole->q.stiffness);
+  whole->q.stiffness = NULL;
 done:
-  solution_destroy(s);
+  bwi_joined_solution_destroy(s);
   bw_release(dof_map);
-  bw_release(solution);
   return status;
 }

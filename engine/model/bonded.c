@@ -52,9 +52,8 @@ bw_status bw_model_refuse_joints(bw_context *context, const bw_model *model) {
   return bw_fail(
       context, BW_UNSUPPORTED,
       "the model has %s: it gives static solutions, modes, load factors, harmonic responses, "
-      "response spectra, transients, the worst case and edit sessions; for other analyses, join "
-      "the "
-      "bodies in one mesh, and leave masses, springs and remote points out",
+      "response spectra, transients, the worst case, contact and edit sessions; for other "
+      "analyses, join the bodies in one mesh, and leave masses, springs and remote points out",
       list);
 }
 
@@ -223,16 +222,22 @@ static void take_coupling(const bwi_motions *m, const bw_coupling *coupling, int
   }
 }
 
+/* Whether motion i of the eigenvectors fulfils the conditions. */
+static bool is_free(const bwi_motions *m, int i) {
+  double largest = 0;
+  for (int64_t k = 0; k < m->count; k++)
+    largest = fmax(largest, m->square[k * m->count + k]);
+  return m->square[i * (int64_t)m->count + i] <= free_square * largest;
+}
+
 void bwi_count_rigid_modes(const bwi_motions *m, int *count, int32_t *body) {
-  double largest = 0, most = 0;
+  double most = 0;
   int64_t n = m->count;
   *count = 0;
   *body = -1;
   bwi_symmetric_eigen(m->count, m->count, m->square, m->vector, 1e-28, SWEEPS);
-  for (int64_t i = 0; i < n; i++)
-    largest = fmax(largest, m->square[i * n + i]);
-  for (int64_t i = 0; i < n; i++) {
-    if (m->square[i * n + i] > free_square * largest)
+  for (int i = 0; i < n; i++) {
+    if (!is_free(m, i))
       continue;
     for (int64_t k = 0; *count == 0 && k < m->bodies; k++)
       if (fabs(m->vector[i * n + k]) > most) {
@@ -243,32 +248,71 @@ void bwi_count_rigid_modes(const bwi_motions *m, int *count, int32_t *body) {
   }
 }
 
-bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
-                                 const bw_dof_map *dof_map, bool locked, int *count,
-                                 int32_t *body) {
+/* The conditions of a joined model. Clear with bwi_motions_clear in any case. */
+static bw_status take_all(bw_context *context, const bw_model *model, const bw_dof_map *dof_map,
+                          bool locked, bwi_motions *m) {
   bw_status status = BW_OK;
   int32_t constrained = 0;
   bwi_constraint *constraint = NULL;
-  bwi_motions m = {0};
   int64_t of_bodies = 6 * (int64_t)dof_map->mesh->component_count;
   int64_t sliding = of_bodies + 6 * (int64_t)model->coupling_count, n = sliding;
   for (int i = 0; i < model->bond_count; i++)
     n += !locked && model->bond[i].preload == BW_PRELOAD_FORCE;
-  BW_TRY(bwi_motions_open(context, dof_map, (int)n, &m));
-  m.bodies = (int)of_bodies;
+  BW_TRY(bwi_motions_open(context, dof_map, (int)n, m));
+  m->bodies = (int)of_bodies;
   BW_TRY(bwi_node_constraints(context, model, &constrained, &constraint));
-  bwi_take_supports(&m, constrained, constraint);
+  bwi_take_supports(m, constrained, constraint);
   for (int i = 0; i < model->bond_count; i++) {
     bool slides = !locked && model->bond[i].preload == BW_PRELOAD_FORCE;
-    bwi_take_bond(&m, &model->bond[i], slides ? sliding++ : -1);
+    bwi_take_bond(m, &model->bond[i], slides ? sliding++ : -1);
   }
   for (int i = 0; i < model->attachment_count; i++)
-    bwi_take_spring(&m, &model->attachment[i]);
+    bwi_take_spring(m, &model->attachment[i]);
   for (int i = 0; i < model->coupling_count; i++)
-    take_coupling(&m, &model->coupling[i], i);
-  bwi_count_rigid_modes(&m, count, body);
+    take_coupling(m, &model->coupling[i], i);
+done:
+  bw_free(constraint);
+  return status;
+}
+
+bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
+                                 const bw_dof_map *dof_map, bool locked, int *count,
+                                 int32_t *body) {
+  bwi_motions m = {0};
+  bw_status status = take_all(context, model, dof_map, locked, &m);
+  if (status == BW_OK)
+    bwi_count_rigid_modes(&m, count, body);
+  bwi_motions_clear(&m);
+  return status;
+}
+
+bw_status bwi_bonded_rigid_fields(bw_context *context, const bw_model *model,
+                                  const bw_dof_map *dof_map, int *count, double **field) {
+  bw_status status = BW_OK;
+  const bw_mesh *mesh = dof_map->mesh;
+  int64_t nodes = mesh->node_count, made = 0;
+  int32_t body;
+  bwi_motions m = {0};
+  BW_TRY(take_all(context, model, dof_map, false, &m));
+  bwi_count_rigid_modes(&m, count, &body);
+  *field = BW_NEW(context, double, 3 * nodes * *count);
+  BW_TRY_MEMORY(*field);
+  for (int i = 0; i < m.count; i++) {
+    if (!is_free(&m, i))
+      continue;
+    for (int64_t n = 0; n < nodes; n++) {
+      const double *motion = m.vector + i * (int64_t)m.count + 6 * (int64_t)mesh->component[n];
+      const double *centre = dof_map->body_centre + 3 * (int64_t)mesh->component[n];
+      double size = cbrt(dof_map->body_volume[mesh->component[n]]), y[3], turn[3];
+      for (int k = 0; k < 3; k++)
+        y[k] = (mesh->node[3 * n + k] - centre[k]) / size;
+      bw_cross(motion + 3, y, turn);
+      for (int k = 0; k < 3; k++)
+        (*field)[3 * (made * nodes + n) + k] = motion[k] + turn[k];
+    }
+    made++;
+  }
 done:
   bwi_motions_clear(&m);
-  bw_free(constraint);
   return status;
 }

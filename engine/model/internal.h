@@ -60,6 +60,10 @@ bw_status bwi_dof_map_apart(bw_context *context, const bw_model *model, bw_dof_m
  * their sides move along the normal, unless they are `locked`. */
 bw_status bwi_bonded_rigid_modes(bw_context *context, const bw_model *model,
                                  const bw_dof_map *dof_map, bool locked, int *count, int32_t *body);
+/* The displacements of these modes, preloads not locked (m, *count x node_count x 3), not
+ * orthogonal; release with bw_free. */
+bw_status bwi_bonded_rigid_fields(bw_context *context, const bw_model *model,
+                                  const bw_dof_map *dof_map, int *count, double **field);
 /* Motions of rigid bodies, six for each, and the sum of squares of conditions on them. */
 typedef struct bwi_motions {
   const bw_dof_map *dof_map;

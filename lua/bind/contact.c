@@ -203,7 +203,7 @@ static int model_contact(lua_State *L) {
   bw_contact *contact = NULL;
   bw_status status = bw_contact_solve(lbw_enter(L), (const bw_model *)model->object, count, pair,
                                       (bw_system *)model->extra, &options, &contact);
-  if (status == BW_OK && contact->solution->system != model->extra) {
+  if (status == BW_OK && contact->solution->system && contact->solution->system != model->extra) {
     bw_release(model->extra);
     model->extra = bw_retain(contact->solution->system);
   }

@@ -145,7 +145,7 @@ function Model:prescribe(selection, displacement) end
 
 ---Bonds two surfaces of the mesh, whose nodes need not match. Side a follows side b where they touch. Make a the side that the
 ---other one covers. Constant stress passes through a plane bond exactly. A model with bonds gives static solutions, modes, load factors,
----harmonic responses with random vibration, response spectra, transients and `bw.worst_case`. Other analyses
+---harmonic responses with random vibration, response spectra, transients, contact and `bw.worst_case`. Other analyses
 ---refuse it. A side without a facet, and a node on both sides, raise.
 ---
 ---A bond can have a preload across a plane section, as of a bolt: give the force first, then keep the `shortening` that the
@@ -655,16 +655,20 @@ function Model:nonlinear(options) end
 function Model:drop(options) end
 
 ---The part in contact with rigid surfaces, or parts of its mesh with each other, without friction or with Coulomb's, for
----small displacements: contact pressure, friction, resultants and the static solution. Supports may leave motions that
----contact restrains. The factor is that of the part's equations; each candidate that
+---small displacements: contact pressure, friction, resultants and the static solution. Supports and joints may leave motions
+---that contact restrains. The factor is that of the part's equations; each candidate that
 ---may touch takes one solution with it.
+---
+---Bonds, couplings, attachments and preloads act as in `solve`, and `static` of the result has their forces. So a bolted joint
+---may open: tighten the bolt by a bond with `preload`, then give the `shortening` of that result, and the loads.
 ---
 ---A warning names pairs that stay open or penetrate for want of smaller facets, motions that nothing decides, and rotations that
 ---are not small.
 ---
 ---Errors: unconstrained (neither supports nor contact balance the load; `details.motion` says along which motion), convergence
 ---(the part slides far on a curved surface, or friction finds no equilibrium: the message says where), invalid (supports
----press the part into a surface), empty (a pair without a facet); those of `solve`.
+---press the part into a surface), empty (a pair without a facet), unsupported (a sector of cyclic symmetry; a part with bonds,
+---attachments or couplings and a solver that makes no factor); those of `solve`.
 ---
 ---Source: docs/theory/contact.md.
 ---```lua
@@ -718,7 +722,7 @@ function Model:contact_system(pairs, options) end
 ---@field max_iterations? integer (count) of linearisations of curved surfaces in each step, 1 or more. Default: 30
 ---@field steps? integer (count) in which the loads grow in proportion, 1 or more; with friction the result depends on their path. Default: 1
 ---@field finite_sliding? boolean between parts: what faces what is found in the displaced shape, again until it stays; rotations are at most 0.2 rad. Default: false, what faces what is that of the undeformed shape
----@field after? bw.Contact with friction: the path goes on from the loads, the place and the slip of this contact with the same mesh, material, supported nodes and selections. Default: from rest, without load
+---@field after? bw.Contact with friction: the path goes on from the loads, the place and the slip of this contact with the same mesh, material, joints, supported nodes and selections. Default: from rest, without load
 
 ---The equations of the model, ready for many right-hand sides: with a factor, or with the preconditioner of conjugate
 ---gradients. The model keeps them for what follows.

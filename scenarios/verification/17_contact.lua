@@ -378,6 +378,41 @@ scenario("Loaded pin with friction (NAFEMS)", function(t)
     :near(-160.40053222751e6, {relative = 0.02, source = source})
 end)
 
+-- A bolt in a sleeve between a fixed end and a rigid one: it is tightened, and then the rigid end is pulled. While
+-- the sleeve touches, both are springs in parallel. Behind that the bolt carries all.
+scenario("A bolted joint that opens", function(t)
+  local L, tight, young = 0.04, 1e4, 2e11
+  local bolt_area, sleeve_area = 1e-4, 8e-4
+  local mesh = bw.mesh.box {min = {-0.015, -0.015, 0}, max = {0.015, 0.015, L}, cells = {3, 3, 4}, order = 2}
+  local function in_bolt(x, y) return math.max(abs(x), abs(y)) < 0.005 end
+  mesh = mesh:split(function(x, y, z) return z > L / 2 and in_bolt(x, y) end, "upper bolt")
+  mesh = mesh:split(function(x, y, z) return z < L / 2 and in_bolt(x, y) end, "lower bolt")
+  mesh = mesh:split(function(x, y, z) return z > L / 2 and not in_bolt(x, y) end, "upper sleeve")
+  for _, region in ipairs {"upper bolt", "lower bolt", "upper sleeve"} do
+    mesh = t:require(mesh:separated(region))
+  end
+  local cut = mesh.boundary:plane({0, 0, L / 2}, {0, 0, 1}, 1e-9)
+  local function side(region) return cut & mesh.boundary:region(region) end
+  local pairs = {{on = side "upper sleeve", with = side "rest"}}
+  local function solve(bolt, pull)
+    local part = bw.model {mesh = mesh, material = bw.material.isotropic {young = young, poisson = 0}}
+    part:fix(mesh.boundary:below("z", 0))
+    part:couple {on = mesh.boundary:above("z", L), kind = "rigid", force = {0, 0, pull}}
+    part:bond {a = side "upper bolt", b = side "lower bolt", preload = bolt.preload, shortening = bolt.shortening}
+    return t:require(part:contact(pairs))
+  end
+  local bond = solve({preload = tight}, 0).static.bonds[1]
+  expect(bond.shortening, "shortening of the tightened bolt", "m")
+    :near(tight * L / young * (1 / bolt_area + 1 / sleeve_area), {relative = 1e-8, source = "springs in series"})
+  for _, part in ipairs {0.5, 0.9, 1.01, 2} do
+    local pull = part * tight * (bolt_area + sleeve_area) / sleeve_area
+    expect(solve({shortening = bond.shortening}, pull).static.bonds[1].preload,
+      ("force in the bolt at %g times the force that opens the joint"):format(part), "N")
+      :near(part > 1 and pull or tight + pull * bolt_area / (bolt_area + sleeve_area),
+        {relative = 1e-8, source = part > 1 and "equilibrium" or "springs in parallel"})
+  end
+end)
+
 -- A bar without Poisson's ratio on springs, a gap away from a plane and pressed at its other end: the springs
 -- alone take the force that closes the gap, and then they stand beside E A / L.
 scenario("A bar that closes a gap, under many loads", function(t)

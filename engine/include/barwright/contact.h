@@ -110,33 +110,36 @@ struct bw_contact {
                           mean, summed over the steps in which they slip; 0 at mid-edge nodes */
   double *corner_slip; /* (m, candidates x 3) the same by candidates of all pairs */
   double *work;        /* (J, pair_count) that friction took */
-  bw_static *start;    /* retained: the solution without contact */
-  uint8_t *status;     /* (node_count) bw_contact_status of the corners of `on` */
-  int steps;           /* in which the loads grew, with those of the contact before */
-  int iterations;      /* linearisations */
-  int changes;         /* of the active set: candidates that entered or left it */
-  int solves;          /* right-hand sides solved for */
-  double rotation;     /* (rad) the largest of a body, by least squares over its nodes */
-  int free_count;      /* motions along which nothing decides the position */
-  char *free_text;     /* these motions, one in each line; "" without */
+  bw_static *start;    /* retained: the solution without contact, */
+  const struct bwi_joined_solution *joined; /* and what its system has of a joined model, or NULL */
+  uint8_t *status; /* (node_count) bw_contact_status of the corners of `on` */
+  int steps;       /* in which the loads grew, with those of the contact before */
+  int iterations;  /* linearisations */
+  int changes;     /* of the active set: candidates that entered or left it */
+  int solves;      /* right-hand sides solved for */
+  double rotation; /* (rad) the largest of a body, by least squares over its nodes */
+  int free_count;  /* motions along which nothing decides the position */
+  char *free_text; /* these motions, one in each line; "" without */
   char *notes; /* what the result leaves undecided and what is beyond its theory: the warnings of
                   bw_contact_solve, one in each line; "" without */
   bw_solver_report report; /* of the equations */
 };
 /* A model in contact by pair (pair_count, 1 or more), for small strains and rotations, and for
- * small sliding unless `finite_sliding`.
- * `given` as of bw_system_of_model. `options` may be NULL. A warning names pairs that stay open or
- * penetrate for want of smaller facets, motions that nothing decides, and rotations that are not
- * small. BW_UNCONSTRAINED where neither supports nor contact balance the load, and for loads of
- * bw_statics that no support takes; BW_CONVERGENCE where the linearisation of curved surfaces or
- * the active set do not come to an end, and where friction finds no equilibrium; BW_INVALID for a
- * selection of another mesh, a pair without exactly one of `with` and `against`, which may have no
- * node in common with `on`, facets of which none faces those, an `after` of another mesh, material,
- * facets or supported nodes or without friction, and where supports press the body into a surface;
- * BW_EMPTY for a selection without a facet, BW_LIMIT for a body that rotates by more than 0.2 rad
- * in finite sliding, for more than 8000 unknowns of corners that touch, one each or three with
- * friction, or 6000 free rigid-body modes, BW_UNSUPPORTED for an external solver; those of
- * bw_statics and bw_system_solve. */
+ * small sliding unless `finite_sliding`. Of a joined model by the factor of a solver NULL or
+ * Cholesky; the static solution has what its joints exert.
+ * `given` as of bw_system_of_model; unused for a joined model. `options` may be NULL. A warning
+ * names pairs that stay open or penetrate for want of smaller facets, motions that nothing decides,
+ * and rotations that are not small. BW_UNCONSTRAINED where neither supports nor contact balance the
+ * load, and for loads of bw_statics that no support takes; BW_CONVERGENCE where the linearisation
+ * of curved surfaces or the active set do not come to an end, and where friction finds no
+ * equilibrium; BW_INVALID for a selection of another mesh, a pair without exactly one of `with` and
+ * `against`, which may have no node in common with `on`, facets of which none faces those, an
+ * `after` of another mesh, material, facets, joints or supported nodes or without friction, and
+ * where supports press the body into a surface; BW_EMPTY for a selection without a facet, BW_LIMIT
+ * for a body that rotates by more than 0.2 rad in finite sliding, for more than 8000 unknowns of
+ * corners that touch, one each or three with friction, or 6000 free rigid-body modes, 200 of a
+ * joined model, BW_UNSUPPORTED for an external solver, and for a sector and a solver without a
+ * factor of a joined one; those of bw_statics, bw_joined_system and bw_system_solve. */
 BW_API bw_status bw_contact_solve(bw_context *context, const bw_model *model, int pair_count,
                                   const bw_contact_pair *pair, bw_system *given,
                                   const bw_contact_options *options, bw_contact **contact);
