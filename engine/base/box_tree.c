@@ -110,3 +110,34 @@ int32_t bwi_box_tree_nearest(const bwi_box_tree *tree, const double *point,
   return tree->dimension == 2 ? nearest(tree, 2, point, distance, data, square)
                               : nearest(tree, 3, point, distance, data, square);
 }
+
+static bool meets(const bwi_box_tree *tree, int64_t node, const double *min, const double *max) {
+  const double *box = tree->box + 2 * tree->dimension * node;
+  for (int k = 0; k < tree->dimension; k++)
+    if (box[k] > max[k] || box[tree->dimension + k] < min[k])
+      return false;
+  return true;
+}
+
+bw_status bwi_box_tree_in_box(const bwi_box_tree *tree, const double *min, const double *max,
+                              bwi_item_visit *visit, void *data) {
+  bw_status status = BW_OK;
+  int64_t stack[80]; /* one sibling per level */
+  int depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    int64_t node = stack[--depth];
+    if (!meets(tree, node, min, max))
+      continue;
+    if (node < tree->leaves - 1) {
+      stack[depth++] = 2 * node + 2;
+      stack[depth++] = 2 * node + 1;
+      continue;
+    }
+    int64_t first = (node - (tree->leaves - 1)) * tree->leaf;
+    for (int64_t i = first; i < first + tree->leaf && i < tree->count; i++)
+      BW_TRY(visit(data, tree->item[i]));
+  }
+done:
+  return status;
+}

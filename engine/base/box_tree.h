@@ -33,4 +33,10 @@ size_t bwi_box_tree_bytes(const bwi_box_tree *tree);
 int32_t bwi_box_tree_nearest(const bwi_box_tree *tree, const double *point,
                              bwi_item_distance *distance, void *data, double *square);
 
+/* Called with each item of the leaves whose boxes meet a box; another status than BW_OK ends the
+ * search and is its result. The item's own box may lie apart. */
+typedef bw_status bwi_item_visit(void *data, int32_t item);
+bw_status bwi_box_tree_in_box(const bwi_box_tree *tree, const double *min, const double *max,
+                              bwi_item_visit *visit, void *data);
+
 #endif

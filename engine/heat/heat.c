@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* A body and its conditions of heat, each checked when it is added. */
 #include "heat/internal.h"
+#include "mesh/mesh_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -36,6 +37,8 @@ bw_status bw_heat_create(bw_context *context, const bw_mesh *mesh, const bw_mate
   if (!mesh || !material)
     return bw_fail(context, BW_INVALID, "heat needs a mesh and a material");
   bw_status status = bw_material_fits(context, material, mesh->element_count);
+  if (status == BW_OK)
+    status = bwi_mesh_check_overlaps(context, mesh);
   if (status != BW_OK)
     return status;
   for (int32_t i = 0; i < bw_material_part_count(material); i++)

@@ -3,7 +3,6 @@
  * along a Morton curve through their centroids. One search serves both questions: an element that
  * holds the point has the distance 0. */
 #include "mesh/locator.h"
-#include "base/box_tree.h"
 
 #include <math.h>
 #include <string.h>
@@ -247,4 +246,9 @@ int32_t bw_locator_find(const bw_locator *locator, const double point[3], double
   corners_of(locator->mesh, found, x);
   on_element(point, x, weight);
   return found;
+}
+
+bw_status bwi_locator_in_box(const bw_locator *locator, const double *min, const double *max,
+                             bwi_item_visit *visit, void *data) {
+  return bwi_box_tree_in_box(&locator->tree, min, max, visit, data);
 }

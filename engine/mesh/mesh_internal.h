@@ -30,6 +30,10 @@ bw_status bwi_mesh_set_regions(bw_context *context, bw_mesh *mesh, const bw_mesh
 double bwi_tet_determinant(const double *x0, const double *x1, const double *x2, const double *x3,
                            double *error);
 
+/* Refuses a mesh whose bodies overlap in a large part of one of them, and warns of one whose bodies
+ * overlap visibly: for the analyses that take a mesh (mesh_overlaps.c). */
+bw_status bwi_mesh_check_overlaps(bw_context *context, const bw_mesh *mesh);
+
 /* Sort items that carry a key and a tie-breaker: the order is total, so the result is unique. */
 typedef struct bwi_keyed {
   uint64_t key;

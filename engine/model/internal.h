@@ -233,8 +233,9 @@ typedef struct bwi_overlaps {
   double area;      /* (m2) of the plane of the facet that was looked at last */
   double normal[3]; /* (-) of that plane, outwards */
   bwi_box_tree tree;
+  double min[3], max[3]; /* (m) the box of that facet, larger by the gap */
   size_t near_count, capacity;
-  int32_t *near; /* facets of side b near that facet */
+  int32_t *near; /* facets of side b whose boxes meet it */
   int points;
   double point[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS];
 } bwi_overlaps;

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "mesh/mesh_internal.h"
 #include "model/internal.h"
 
 static void clear_load(bw_load *load) {
@@ -55,6 +56,8 @@ bw_status bw_model_create(bw_context *context, const bw_mesh *mesh, const bw_mat
   if (!mesh || !material)
     return bw_fail(context, BW_INVALID, "a model needs a mesh and a material");
   bw_status status = bw_material_fits(context, material, mesh->element_count);
+  if (status == BW_OK)
+    status = bwi_mesh_check_overlaps(context, mesh);
   if (status != BW_OK)
     return status;
   bw_model *made = BW_NEW0(context, bw_model, 1);

@@ -139,35 +139,17 @@ static double distance_to(void *data, int32_t facet, const double *p) {
   return bwi_boundary_nearest(((const bwi_overlaps *)data)->mesh, facet, p, weight);
 }
 
-static bool apart(const double *box, const double *min, const double *max, double gap) {
+static bw_status take_near(void *data, int32_t facet) {
+  bwi_overlaps *o = (bwi_overlaps *)data;
+  double box[6];
+  box_of(o, facet, box, box + 3);
   for (int k = 0; k < 3; k++)
-    if (box[k] > max[k] + gap || box[3 + k] < min[k] - gap)
-      return true;
-  return false;
-}
-
-static bw_status find_below(bwi_overlaps *o, int64_t at, const double *min, const double *max) {
-  bw_status status = BW_OK;
-  const bwi_box_tree *tree = &o->tree;
-  if (apart(tree->box + 6 * at, min, max, o->gap))
-    return BW_OK;
-  if (at < tree->leaves - 1) {
-    BW_TRY(find_below(o, 2 * at + 1, min, max));
-    BW_TRY(find_below(o, 2 * at + 2, min, max));
-    return BW_OK;
-  }
-  int64_t first = (at - (tree->leaves - 1)) * LEAF;
-  for (int64_t i = first; i < first + LEAF && i < tree->count; i++) {
-    double box[6];
-    box_of(o, tree->item[i], box, box + 3);
-    if (apart(box, min, max, o->gap))
-      continue;
-    if (!bw_grow(o->context, (void **)&o->near, &o->capacity, o->near_count, 1, sizeof *o->near))
-      return BW_MEMORY;
-    o->near[o->near_count++] = tree->item[i];
-  }
-done:
-  return status;
+    if (box[k] > o->max[k] || box[3 + k] < o->min[k])
+      return BW_OK;
+  if (!bw_grow(o->context, (void **)&o->near, &o->capacity, o->near_count, 1, sizeof *o->near))
+    return BW_MEMORY;
+  o->near[o->near_count++] = facet;
+  return BW_OK;
 }
 
 /* Whether the corners of two facets are the same places. */
@@ -188,12 +170,15 @@ static bool same_corners(const bw_mesh *mesh, int32_t facet, int32_t other, doub
 
 bw_status bwi_overlaps_of(bwi_overlaps *o, int32_t facet, bwi_overlap_function *visit, void *data) {
   bw_status status = BW_OK;
-  double box[6];
   plane s;
   open_plane(o->mesh, facet, &s);
-  box_of(o, facet, box, box + 3);
+  box_of(o, facet, o->min, o->max);
+  for (int k = 0; k < 3; k++) {
+    o->min[k] -= o->gap;
+    o->max[k] += o->gap;
+  }
   o->near_count = 0;
-  BW_TRY(find_below(o, 0, box, box + 3));
+  BW_TRY(bwi_box_tree_in_box(&o->tree, o->min, o->max, take_near, o));
   o->area = s.area;
   memcpy(o->normal, s.normal, sizeof o->normal);
   for (size_t i = 0; i < o->near_count; i++)

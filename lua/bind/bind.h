@@ -363,6 +363,7 @@ int lbw_mesh_region(lua_State *L);
 int lbw_mesh_with_regions(lua_State *L);
 int lbw_mesh_split(lua_State *L);
 int lbw_mesh_interface(lua_State *L);
+int lbw_mesh_overlaps(lua_State *L);
 int lbw_mesh_separated(lua_State *L);
 /* The region that the argument names; raises where there is none. */
 int32_t lbw_check_region(lua_State *L, int argument, const bw_mesh *mesh);

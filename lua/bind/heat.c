@@ -28,6 +28,8 @@ static int heat_new(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_heat_class);
   bw_heat *heat = NULL;
   bw_status status = bw_heat_create(lbw_enter(L), mesh, material, &heat);
+  if (status == BW_GEOMETRY)
+    lbw_leave_or_raise(L, status);
   return lbw_leave_object(L, box, heat, status);
 }
 

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Regions of tetrahedral meshes: lists, names, splits and interfaces. Those of grids are in
- * region.c. */
+/* Regions of tetrahedral meshes: lists, names, splits and interfaces; bodies that overlap. Regions
+ * of grids are in region.c. */
 #include "bind.h"
 
 #include <math.h>
@@ -253,5 +253,47 @@ int lbw_mesh_interface(lua_State *L) {
   lbw_leave_or_raise(L, bw_mesh_interface_find(lbw_enter(L), f.mesh, f.a, f.b, &f.interface));
   int failure = lua_pcall(L, 1, 1, 0);
   bw_mesh_interface_clear(&f.interface);
+  return failure ? lua_error(L) : 1;
+}
+
+/* The overlaps as a list; runs protected. */
+static int push_overlaps(lua_State *L) {
+  const bw_mesh_overlaps *overlaps = (const bw_mesh_overlaps *)lua_touserdata(L, 1);
+  lua_createtable(L, overlaps->count, 1);
+  for (int32_t i = 0; i < overlaps->count; i++) {
+    const bw_mesh_overlap *o = &overlaps->overlap[i];
+    lua_createtable(L, 0, 6);
+    lbw_push_indices(L, 1, 2, o->body);
+    lua_setfield(L, -2, "bodies");
+    lbw_push_indices(L, 1, 2, o->element);
+    lua_setfield(L, -2, "elements");
+    lbw_push_vector(L, o->at);
+    lua_setfield(L, -2, "at");
+    lua_pushnumber(L, o->depth);
+    lua_setfield(L, -2, "depth");
+    lua_pushnumber(L, o->volume);
+    lua_setfield(L, -2, "volume");
+    lua_pushnumber(L, o->fraction);
+    lua_setfield(L, -2, "fraction");
+    lua_pushfstring(L, "bodies %d and %d overlap by at least %s, volume %s", (int)o->body[0] + 1,
+                    (int)o->body[1] + 1, lbw_quantity(o->depth, "m").text,
+                    lbw_quantity(o->volume, "m3").text);
+    lbw_prints(L);
+    lua_rawseti(L, -2, i + 1);
+  }
+  lua_pushboolean(L, overlaps->more);
+  lua_setfield(L, -2, "more");
+  return 1;
+}
+
+/* mesh:overlaps(): {{bodies, elements, at, depth, volume, fraction}, ..., more =} */
+int lbw_mesh_overlaps(lua_State *L) {
+  bw_mesh_overlaps overlaps;
+  const bw_mesh *mesh = self(L);
+  lua_pushcfunction(L, push_overlaps);
+  lua_pushlightuserdata(L, &overlaps);
+  lbw_leave_or_raise(L, bw_mesh_overlaps_find(lbw_enter(L), mesh, &overlaps));
+  int failure = lua_pcall(L, 1, 1, 0);
+  bw_mesh_overlaps_clear(&overlaps);
   return failure ? lua_error(L) : 1;
 }

@@ -57,6 +57,8 @@ static int model_new(lua_State *L) {
   lbw_box_fill(L, box, model);
   if (status == BW_OK && formulation != material->formulation)
     status = bw_model_formulate(context, model, formulation);
+  if (status == BW_GEOMETRY)
+    lbw_leave_or_raise(L, status);
   return lbw_leave(L, status, 1);
 }
 

@@ -18,7 +18,7 @@ local bw = {}
 ---heat:load {on = mesh.boundary:above("x", 0.1), convection = {coefficient = 25, temperature = 293}}
 ---print(assert(heat:solve()))
 ---```
----A material without conductivity raises.
+---A material without conductivity raises, and so do bodies that overlap in more than a tenth of the smaller one.
 ---
 ---Source: docs/theory/heat.md.
 ---@param options bw.HeatOptions mesh and material

@@ -349,6 +349,32 @@ function Mesh:interface(a, b) end
 ---@return bw.Details? details
 function Mesh:separated(region) end
 
+---The pairs of bodies that overlap by more than a millionth of the diagonal of the mesh's box, at most 100 of them. Bodies
+---that touch are none. The list is empty for a sound assembly, but for interference fits and for facets of curved faces.
+---`bw.model` and `bw.heat` refuse a mesh where a pair takes up more than a tenth of its smaller body together. They warn of
+---one that is deeper than a twentieth of an edge.
+---```lua
+---local nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}, {1.5, 0, 0}, {0.5, 1, 0}, {0.5, 0, 1}}
+---local mesh = assert(bw.mesh.new {nodes = nodes, elements = {{1, 2, 3, 4}, {5, 6, 7, 8}}})
+---print(mesh:overlaps()[1]) -- bodies 1 and 2 overlap by at least 288.7 mm, volume 20830 cm3
+---```
+---@return bw.MeshOverlaps overlaps ascending by the numbers of their bodies
+function Mesh:overlaps() end
+
+---The pairs of bodies that overlap.
+---@class bw.MeshOverlaps
+---@field [integer] bw.MeshOverlap a pair
+---@field more boolean whether there may be others than the 100 of the list
+
+---Two bodies that overlap. `print` shows its size.
+---@class bw.MeshOverlap
+---@field bodies bw.Array (index from 1, 1 × 2) as in `mesh.components`
+---@field elements bw.Array (index from 1, 1 × 2) one of each body, where the overlap is deepest
+---@field at bw.Vector (m) a place there
+---@field depth number (m) a lower bound of the motion that takes the bodies apart
+---@field volume number (m3) that both take up, of elements with straight edges
+---@field fraction number (-) of the volume of the smaller body
+
 ---The facets between two regions.
 ---@class bw.MeshInterface
 ---@field facets bw.Array (index from 1, n × 3 or × 6) corners, counter-clockwise seen from region b, then mid-edge nodes

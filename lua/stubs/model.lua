@@ -10,7 +10,7 @@
 local bw = {}
 
 ---A model without supports and loads. B-bar elements cure volumetric locking of quadratic elements in nearly incompressible
----materials. B-bar with linear elements raises.
+---materials. B-bar with linear elements raises, and so do bodies that overlap in more than a tenth of the smaller one.
 ---
 ---Source: T. J. R. Hughes, Int. J. Numer. Meth. Eng. 15 (1980); docs/theory/elements.md.
 ---```lua

@@ -286,6 +286,19 @@ end)
 
 -- ---- what they answer ----------------------------------------------------------------------------------
 
+-- A mesh and its copy behind it along x, which goes into it by a depth.
+local function two_of(mesh, depth)
+  local nodes, elements = mesh.nodes:totable(), mesh.elements:totable()
+  local shift, points, count = mesh.box.max[1] - mesh.box.min[1] - depth, #nodes, #elements
+  for i = 1, points do nodes[points + i] = {nodes[i][1] + shift, nodes[i][2], nodes[i][3]} end
+  for e = 1, count do
+    local copy = {}
+    for k, node in ipairs(elements[e]) do copy[k] = node + points end
+    elements[count + e] = copy
+  end
+  return assert(bw.mesh.new {nodes = nodes, elements = elements, order = mesh.order})
+end
+
 -- A folder with small models, good and bad.
 local function models()
   local folder = check.folder() .. "/"
@@ -301,7 +314,10 @@ local function models()
   check.write(folder .. "empty.obj", "")
   check.write(folder .. "flat.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\n"
     .. "vertex 0 9 0\nendloop\nendfacet\nendsolid a\n")
-  assert(check.beam({8, 2, 2}):write(folder .. "beam.vtu"))
+  local beam = check.beam({8, 2, 2})
+  assert(beam:write(folder .. "beam.vtu"))
+  assert(two_of(beam, 0.003):write(folder .. "pressed.vtu"))
+  assert(two_of(beam, 0.5 * (beam.box.max[1] - beam.box.min[1])):write(folder .. "overlapping.vtu"))
   assert(bw.outline.rectangle {width = 0.05, height = 0.02}:write(folder .. "plate.svg"))
   check.write(folder .. "crossed.svg", '<svg xmlns="http://www.w3.org/2000/svg" width="10mm" height="10mm" '
     .. 'viewBox="0 0 10 10"><path d="M 1 1 L 9 9 L 9 1 L 1 9 Z"/></svg>')
@@ -340,6 +356,31 @@ describe("barwright check", function()
     assert.is_nil(object.repairable)
     _, object = answer("check " .. folder .. "plate.svg")
     check.near(1e-3, object.area_m2, 1e-9)
+  end)
+
+  it("reports bodies that overlap, with place and depth", function()
+    local status, object = answer("check " .. folder .. "pressed.vtu")
+    assert.equal(0, status)
+    assert.equal(1, #object.overlaps)
+    check.near(0.003, object.overlaps[1].depth_m, 1e-9)
+    status, object = answer("check " .. folder .. "overlapping.vtu")
+    assert.equal(1, status)
+    local overlap = object.overlaps[1]
+    assert.same({1, 2}, overlap.bodies)
+    check.near(0.5, overlap.fraction_of_smaller, 1e-9)
+    local _, out = check.run("check " .. folder .. "overlapping.vtu")
+    assert.truthy(out:find("50 % of the smaller one.\nAnalyses refuse it", 1, true), out)
+  end)
+
+  it("of them every command refuses those that overlap by much", function()
+    for _, words in ipairs {"statics %s --fix min:x --force max:x=10,0,0", "modes %s", "drop %s",
+      "drop %s --drops 2", "buckle %s --fix min:x --force max:x=-1,0,0", "buckle %s --fix min:x --worst 1",
+      "respond %s --fix min:x --base 0,0,1g --to 500 --damping 0.02", "worst %s",
+      "heat %s --temperature min:x=80C --convection all=10,20C"} do
+      local status, object = answer(words:format(folder .. "overlapping.vtu"))
+      assert.equal(2, status, words)
+      assert.truthy(object.error.message:find("bodies 1 and 2 of the mesh overlap", 1, true), object.error.message)
+    end
   end)
 
   it("guesses a unit where the size is no part's", function()

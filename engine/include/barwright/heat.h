@@ -56,7 +56,7 @@ typedef struct bw_heat {
   bw_heat_condition *condition; /* condition_count of them */
 } bw_heat;
 /* A body without conditions. BW_INVALID for a material without conductivity, or one rotated by
- * element for another mesh. */
+ * element for another mesh, BW_GEOMETRY where bodies overlap as for bw_model_create. */
 BW_API bw_status bw_heat_create(bw_context *context, const bw_mesh *mesh,
                                 const bw_material *material, bw_heat **heat);
 /* Adds a condition. Where several prescribe the temperature of a node, the last one counts.

@@ -342,6 +342,29 @@ BW_API bw_status bw_mesh_interface_find(bw_context *context, const bw_mesh *mesh
                                         int32_t b, bw_mesh_interface *interface);
 BW_API void bw_mesh_interface_clear(bw_mesh_interface *interface);
 
+/* Two bodies of a mesh that overlap: elements of both take up the same space. */
+typedef struct bw_mesh_overlap {
+  int32_t body[2];    /* (index) as in mesh->component, the lower one first */
+  int32_t element[2]; /* (index) one of each body, where the overlap is deepest */
+  double at[3];       /* (m) a place there */
+  double depth;       /* (m) a lower bound of the motion that takes the bodies apart */
+  double edge;        /* (m) of the regular tetrahedron of the volume of the smaller one of these */
+  double volume;      /* (m3) that both take up, of straight-edged elements */
+  double fraction;    /* (-) of the volume of the smaller body */
+} bw_mesh_overlap;
+/* The pairs of bodies that overlap. */
+typedef struct bw_mesh_overlaps {
+  int32_t count;            /* of pairs, at most BW_MESH_OVERLAPS */
+  bool more;                /* others were not looked for */
+  bw_mesh_overlap *overlap; /* count of them, ascending by their bodies */
+} bw_mesh_overlaps;
+enum { BW_MESH_OVERLAPS = 100 /* the most that are listed */ };
+/* Which bodies of a mesh overlap by more than a millionth of the diagonal of its box; those that
+ * touch do not. Elements count as straight-edged. Release the list with bw_mesh_overlaps_clear. */
+BW_API bw_status bw_mesh_overlaps_find(bw_context *context, const bw_mesh *mesh,
+                                       bw_mesh_overlaps *overlaps);
+BW_API void bw_mesh_overlaps_clear(bw_mesh_overlaps *overlaps);
+
 /* Which of `count` points, at (m, count x 3), are inside: inside (count) gets 0 or 1. */
 typedef bw_status bw_inside(void *data, int64_t count, const double *at, uint8_t *inside);
 /* How well elements follow the surface that a mesh was split at. */

@@ -251,7 +251,9 @@ BW_API bw_status bw_model_cuts(bw_context *context, const bw_model *model, bw_se
 BW_API bw_status bw_material_by_region(bw_context *context, const bw_mesh *mesh,
                                        const bw_material *const *part, bw_material **material);
 /* A model without supports and loads. BW_INVALID for a material with parts (material.h) that is of
- * another mesh. */
+ * another mesh, BW_GEOMETRY where bodies of the mesh overlap in more than a tenth of the smaller
+ * one (bw_mesh_overlaps_find). Bodies that overlap visibly, by more than a twentieth of an edge,
+ * give a warning. */
 BW_API bw_status bw_model_create(bw_context *context, const bw_mesh *mesh,
                                  const bw_material *material, bw_model **model);
 /* Gives the elements of a region (index; -1: all elements) another material, without parts. Their

@@ -17,7 +17,8 @@ local function analyse(opts, loads, out)
   if opts.threads then bw.threads(opts.threads) end
   local mesh, read, why = model.body(opts, out)
   if not mesh then return nil, read, why end
-  local part, message, details = loads_of.set_up(model.part(read, mesh, opts), opts, loads, out)
+  local part, message, details = model.part(read, mesh, opts)
+  if part then part, message, details = loads_of.set_up(part, opts, loads, out) end
   if not part then return nil, message, details end
   out:json {supported_area_m2 = message}
   local static, buckling, errors

@@ -254,6 +254,35 @@ end
 
 -- ---- meshes ----------------------------------------------------------------------------------------
 
+-- How many overlaps are said, and what fraction of the smaller body analyses refuse.
+local MAX_OVERLAPS, REFUSED = 5, 0.1
+
+-- Whether analyses take the mesh.
+local function report_overlaps(mesh, out)
+  local overlaps, list, largest = mesh:overlaps(), bw.json.list {}, 0
+  for i, overlap in ipairs(overlaps) do
+    local a, b = overlap.bodies(1, 1), overlap.bodies(1, 2)
+    list[i] = {bodies = {a, b}, depth_m = overlap.depth, volume_m3 = overlap.volume, at_m = overlap.at,
+      fraction_of_smaller = overlap.fraction}
+    largest = math.max(largest, overlap.fraction)
+    if i <= MAX_OVERLAPS then
+      out:say("Bodies %d and %d overlap: at least %s deep at %s, volume %s, %s of the smaller one.", a, b,
+        core.quantity(overlap.depth, "m"), core.point(overlap.at), core.quantity(overlap.volume, "m3"),
+        shown.percent(overlap.fraction))
+    end
+  end
+  if #overlaps > MAX_OVERLAPS then
+    out:say("%s%d other pairs overlap.", overlaps.more and "At least " or "", #overlaps - MAX_OVERLAPS)
+  end
+  if largest > REFUSED then
+    out:say "Analyses refuse it: move the bodies apart, or remove the elements of one there."
+  elseif #overlaps > 0 then
+    out:say "That is right for interference fits in contact and for facets of curved faces; else it is a mistake."
+  end
+  out:json {overlaps = list}
+  return largest <= REFUSED
+end
+
 local function check_mesh(read, opts, out)
   local mesh = read.mesh
   out:say("%s: %s, a mesh of %s tetrahedra of %d nodes.", model.name(read.path), read.format,
@@ -269,19 +298,20 @@ local function check_mesh(read, opts, out)
     core.quantity(quality.volume_min, "m3"), core.quantity(quality.volume_max, "m3"),
     model.count(mesh.component_count, "body", "bodies"))
   out:json {order = mesh.order, dihedral_min_degrees = min, dihedral_max_degrees = max,
-    volume_min_m3 = quality.volume_min, volume_max_m3 = quality.volume_max, sound = true}
+    volume_min_m3 = quality.volume_min, volume_max_m3 = quality.volume_max}
   local ok, message, details = report_marked(mesh:surface(), opts, out)
   if not ok then return nil, message, details end
+  local sound = min >= 1
   if mesh.component_count > 1 then
     out:say("The bodies are not connected: a load on one has no effect on the others.")
+    sound = report_overlaps(mesh, out) and sound
   end
   if min < 1 then
     out:say("Its flattest element has an angle of %s degrees: stresses there are not to be trusted.",
       shown.number(min))
-    out:json {sound = false}
-    return false
   end
-  return true
+  out:json {sound = sound}
+  return sound
 end
 
 -- ---- drawings --------------------------------------------------------------------------------------
@@ -305,7 +335,8 @@ return {
   summary = "whether a model is sound, and what is wrong with it",
   about = "Reads a surface (STL OBJ OFF PLY), a mesh of tetrahedra (MSH VTU PVTU MEDIT INP TetGen) or a drawing "
     .. "(SVG DXF) and reports what is in it: size, and whether the unit can be right; whether the surface is "
-    .. "closed, faces outwards, crosses itself; how thin its walls are; what a repair would do.\n\n"
+    .. "closed, faces outwards, crosses itself; how thin its walls are; what a repair would do; which bodies of a "
+    .. "mesh overlap.\n\n"
     .. output.codes("sound", "it has faults (also where they can be repaired)"),
   arguments = {{name = "model", type = "file", what = "the file"}},
   options = {

@@ -81,8 +81,9 @@ end
 
 -- `count`: of modes; chosen if left out.
 local function drop_of(read, mesh, opts, given, count)
-  local part = model.part(read, mesh, opts)
-  local modes, drop, message, details
+  local part, message, details = model.part(read, mesh, opts)
+  if not part then return nil, message, details end
+  local modes, drop
   if count then
     modes, message, details = model.try(part.modes, part, {count = count})
     if not modes then return nil, message, details end
@@ -276,8 +277,10 @@ end
 local function run_many(opts, given, out)
   local mesh, read, why = body(opts, out)
   if not mesh then return out:fail(read, why) end
-  local part = model.part(read, mesh, opts)
-  local drops, message, details = model.try(bw.random_drops, part, {drops = opts.drops, seed = opts.seed,
+  local part, message, details = model.part(read, mesh, opts)
+  if not part then return out:fail(message, details) end
+  local drops
+  drops, message, details = model.try(bw.random_drops, part, {drops = opts.drops, seed = opts.seed,
     height = opts.height, onto = given.onto, damping = damping_of(opts)})
   out:warnings()
   if not drops then return fail(out, message, details, "give fewer --elements") end

@@ -11,9 +11,10 @@ local shown = require "barwright.shown"
 
 local function analyse(opts, out)
   if opts.threads then bw.threads(opts.threads) end
-  local mesh, read, details = model.body(opts.error and model.first_mesh(opts) or opts, out)
-  if not mesh then return nil, read, details end
-  local part, message = (model.part(read, mesh, opts))
+  local mesh, read, why = model.body(opts.error and model.first_mesh(opts) or opts, out)
+  if not mesh then return nil, read, why end
+  local part, message, details = model.part(read, mesh, opts)
+  if not part then return nil, message, details end
   local fixed = 0
   for _, place in ipairs(opts.fix) do
     local selection

@@ -48,7 +48,8 @@ end
 -- Largest stress and displacement on a coarser mesh, and its elements; nil where there is none to compare with.
 local function on_coarser(measure, read, opts, given, radius)
   return model.on_coarser(read, opts, 2, function(mesh)
-    local part = loads_of.set_up(model.part(read, mesh, opts), opts, given, {say = function() end})
+    local part = model.part(read, mesh, opts)
+    part = part and loads_of.set_up(part, opts, given, {say = function() end})
     local found = part and measure(part, opts, given)
     return found and {stress = found.stress.value, mean = patch_mean(part, found, radius),
       displacement = found.displacement.value, elements = mesh.element_count}
@@ -60,7 +61,8 @@ local function analyse(measure, opts, given, out)
   if opts.threads then bw.threads(opts.threads) end
   local mesh, read, why = model.body(setmetatable({order = 2}, {__index = opts}), out)
   if not mesh then return nil, read, why end
-  local part, message, details = loads_of.set_up(model.part(read, mesh, opts), opts, given, out)
+  local part, message, details = model.part(read, mesh, opts)
+  if part then part, message, details = loads_of.set_up(part, opts, given, out) end
   if not part then return nil, message, details end
   if given.base then
     out:say(opts.psd and "The supports are accelerated by %s times the random process."

@@ -30,7 +30,8 @@ end
 -- The same on a coarser mesh with the same loads; nil where there is none to compare with.
 local function on_coarser(read, opts, loads, radius)
   return model.on_coarser(read, opts, opts.order, function(mesh)
-    local part = loads_of.set_up(model.part(read, mesh, opts), opts, loads, {say = function() end})
+    local part = model.part(read, mesh, opts)
+    part = part and loads_of.set_up(part, opts, loads, {say = function() end})
     local static = part and model.try(part.solve, part, {solver = model.solver(opts)})
     return static and measure(static, read, radius)
   end)
