@@ -37,7 +37,7 @@ print(("root mean square of von Mises stress: %.2f MPa (coarser mesh: %.2f MPa)"
   before / 1e6))
 assert(math.abs(stress / before - 1) < 0.2)
 
--- Does it survive an hour of that? The margin of three deviations, and the probability that the strength is exceeded.
+-- Does it survive an hour? The margin of three deviations, and the probability that the strength is exceeded.
 local margins = assert(random:margins {duration = 3600})
 print(margins)
 print(("margin %.2f; the strength is exceeded within the hour with a probability of at most %.2g"):format(
