@@ -43,8 +43,9 @@ const { scene, camera, aim, start } = makeStage(document.getElementById("view"),
     return k === state.frame ? undefined : showFrame(k);
   }
   const angle = (now / 1000) * 2 * Math.PI * 0.7;
-  state.phase = Math.sin(angle);
   state.behind = Math.cos(angle);
+  // What lies on something rigid swings to one side.
+  state.phase = data.rigid && motions[state.motion]?.kind === "load" ? (1 - state.behind) / 2 : Math.sin(angle);
   deform();
 });
 const body = makeBody(new Float32Array(rest), triangles);
@@ -56,9 +57,10 @@ for (const line of data.lines || []) for (const [x, y, z] of line) seen.expandBy
 const extentAtRest = seen.getSize(new THREE.Vector3()).length();
 
 // Scale 1: the largest displacement is a tenth of the diagonal of the box. A motion in time is never drawn smaller than
-// it is, since it may carry the body away: the view has room for it.
+// it is, since it may carry the body away: the view has room for it. Data may give the factor of scale 1.
 function factorOf(motion) {
   if (motion.kind === "shape") return 1;
+  if (motion.factor) return motion.factor;
   const factor = motion.largest > 0 ? (0.1 * extentAtRest) / motion.largest : 0;
   return motion.times ? Math.max(1, factor) : factor;
 }

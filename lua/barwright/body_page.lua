@@ -20,8 +20,8 @@ end
 
 --- Writes a page about a mesh: {title =, answer =, picture = function(path), and
 --- fields = {{name =, unit =, values =, scale =}},
---- displacements = {{name =, kind =, values =, imaginary =, field = from 0, or nil, arrows =, times =,
---- seconds =}}: values over the nodes, or where a `surface` is given over its points; a list with an array for
+--- displacements = {{name =, kind =, values =, imaginary =, field = from 0, or nil, arrows =, times =, seconds =,
+--- factor =}}: values over the nodes, or where a `surface` is given over its points; a list with an array for
 --- each frame where they change in time,
 --- lines =, line_name =, rigid =: lines that the view draws, and whether they stay where they are,
 --- view = function(surface, nodes) -> direction to the viewer,
@@ -42,7 +42,8 @@ function body_page.write(path, mesh, about)
   for i, motion in ipairs(motions) do
     data.displacements[i] = {name = motion.name, kind = motion.kind, values = floats(motion.values, nodes),
       imaginary = motion.imaginary and floats(motion.imaginary, nodes), field = motion.field or json.null,
-      arrows = json.list(motion.arrows or {}), times = motion.times, seconds = motion.seconds}
+      arrows = json.list(motion.arrows or {}), times = motion.times, seconds = motion.seconds,
+      factor = motion.factor}
   end
   data.lines, data.rigid = report.lines(about.lines), about.rigid
   if about.view then

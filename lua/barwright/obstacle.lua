@@ -5,6 +5,7 @@ local core = require "barwright.core"
 local obstacle = {}
 
 local SEGMENTS = 48 -- of an arc
+local ROUNDS, SETTLED = 100, 1e-7 -- of a search for a place, and the part of the way that it may leave
 
 local function cross(a, b)
   return {a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1] * b[3], a[1] * b[2] - a[2] * b[1]}
@@ -97,6 +98,26 @@ function obstacle.gap(surface, mesh)
   if surface.kind == "plane" then return given.s end
   given.l = surface.radius
   return core.array.map("sqrt((x - p - s * a)^2 + (y - q - s * b)^2 + (z - r - s * c)^2) - l", given)
+end
+
+--- A displacement of the nodes (array of n x 3) by which the part, drawn at `factor` times it, lies on the surface
+--- without entering it: the displacement `u` and a motion of the whole part along `up`, of length 1.
+function obstacle.above(surface, mesh, u, factor, up)
+  local nodes, rows, way = mesh.nodes, u:totable(), 0
+  local function moved()
+    local out = {}
+    for i, row in ipairs(rows) do out[i] = {row[1] + way * up[1], row[2] + way * up[2], row[3] + way * up[3]} end
+    return core.array.new(out)
+  end
+  -- A motion changes no gap by more than its length.
+  local shown = moved()
+  for _ = 1, ROUNDS do
+    local change = -obstacle.gap(surface, {nodes = nodes + factor * shown}):min() / factor
+    way = way + change
+    shown = moved()
+    if math.abs(change) <= SETTLED * math.abs(way) then break end
+  end
+  return shown
 end
 
 --- The surface in the axes of a part that falls along `down` (of length 1), of one given in axes whose z is up;

@@ -105,6 +105,30 @@ describe("drop", function()
     end
   end)
 
+  -- The plane's direction need not be that of the fall; a plane is touched at the factor, and at none before.
+  it("is drawn above what it falls on, however large its deformation is drawn", function()
+    local obstacle = require "barwright.obstacle"
+    local length, inside = math.sqrt(14), false
+    local plate = bw.mesh.box {max = {0.1, 0.06, 0.004}, cells = {8, 5, 1}, order = 2}
+    local part = bw.model {mesh = plate, material = bw.material.pla}
+    for _, onto in ipairs {false, bw.rigid.plane {normal = {0.2, 0.5, 0.8}}, bw.rigid.sphere {radius = 0.04},
+      bw.rigid.cylinder {axis = {0.3, 1, 0}, radius = 0.05}} do
+      local drop = assert(part:drop {height = 0.5, down = {-1, -2, -3}, onto = onto or nil})
+      local function least(shown, factor)
+        return obstacle.gap(drop.onto, {nodes = drop.mesh.nodes + factor * shown}):min()
+      end
+      local factor = 0.02 / drop.displacement:map("norm(a)"):max()
+      inside = inside or least(drop.displacement, factor) < -1e-3
+      local shown = obstacle.above(drop.onto, drop.mesh, drop.displacement, factor,
+        {1 / length, 2 / length, 3 / length})
+      for _, part_of in ipairs {0.25, 0.5, 0.75, 1} do
+        assert.is_true(least(shown, part_of * factor) > -1e-8, tostring(drop.onto))
+      end
+      if drop.onto.kind == "plane" then assert.near(0, least(shown, factor), 1e-8) end
+    end
+    assert.is_true(inside) -- as it is, it would be seen inside
+  end)
+
   it("writes its history, fields and a picture", function()
     local drop = assert(box():drop {down = {-1, -2, -3}, samples = 5})
     local csv, vtu, png = os.tmpname(), os.tmpname() .. ".vtu", os.tmpname() .. ".png"
@@ -336,6 +360,8 @@ describe("barwright drop", function()
     end
     for _, name in ipairs {"d.csv", "d.vtu", "d.png"} do assert(io.open(folder .. name)):close() end
     local page = check.read(folder .. "d.html")
+    assert.truthy(page:find("so that no drawing enters what it falls on", 1, true))
+    assert.truthy(page:find('"factor":%d'))
     for _, sentence in ipairs {"The impact lasts", "The impulse is", "Verdict: "} do
       local line = out:match(sentence .. "[^\n]*")
       assert.truthy(page:find(line, 1, true), line)
