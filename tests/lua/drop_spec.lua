@@ -349,6 +349,21 @@ describe("barwright drop", function()
     assert.is_true(object.touch.utilisation < 0.1)
   end)
 
+  it("calls a mesh too coarse where nothing is singular", function()
+    local ball = folder .. "ball.stl"
+    assert(assert(bw.surface.implicit(bw.shapes.sphere({0, 0, 0}, 0.02), {min = {-0.03, -0.03, -0.03},
+      max = {0.03, 0.03, 0.03}, cells = 30})):write(ball))
+    local words = "--elements 300 --height 1m --down -1,-2,-3 --material pla " .. ball
+    local status, object = answer(words)
+    assert.equal(1, status)
+    assert.equal("unsure", object.verdict)
+    assert.is_true(object.too_coarse)
+    assert.is_false(object.singular)
+    local _, out = check.run("drop " .. words)
+    assert.truthy(out:find("the mesh is too coarse. Give more --elements.", 1, true), out)
+    assert.is_nil(out:find("no finite value", 1, true))
+  end)
+
   it("says what is assumed, and writes files", function()
     local words = ("--csv @d.csv --vtu @d.vtu --picture @d.png --report @d.html"):gsub("@", folder)
     local status, out = check.run(("drop %s --height 10mm --spin 0,10,0 %s"):format(rod, words))

@@ -152,16 +152,20 @@ end
 
 local function assess(found, coarse, part, read)
   local touch, rest = found.touch, found.rest
-  found.singular = rest.stress > 0 and model.find_singular(part, read, rest.at, rest,
+  local singular = rest.stress > 0 and model.find_singular(part, read, rest.at, rest,
     coarse and coarse.same.rest) or nil
-  judge("rest", found, coarse, found.singular ~= nil)
+  judge("rest", found, coarse, singular ~= nil)
   judge("touch", found, coarse, not coarse)
+  -- Growth from one mesh to the other at no place where it is expected may be that of a mesh which is too coarse.
+  found.too_coarse = coarse ~= nil and (rest.error >= 1 or singular ~= nil and singular.by == "growth")
+  found.singular = not found.too_coarse and singular or nil
   if rest.verdict == "breaks" or touch.verdict == "breaks" then return "breaks", "it breaks" end
   if rest.verdict == "holds" and touch.verdict == "holds" then return "holds", "it holds" end
   if rest.verdict == "holds" and touch.grows then
     return "unsure", "it holds but for the places that touch, where the stress depends on the mesh"
   end
   if not touch.used then return "unsure", "the strength is not known" end
+  if found.too_coarse then return "unsure", "unsure, since the mesh is too coarse for the stress" end
   if rest.grows or touch.grows then return "unsure", "unsure, since the stress depends on the mesh" end
   return "unsure", "too close to decide"
 end
@@ -210,6 +214,7 @@ local function run_one(opts, given, out)
   local impact, touch, rest = drop.impacts[1], found.touch, found.rest
   local way = coarse and "by a coarser mesh and half the modes" or "error unknown: one mesh"
   local function error_text(error)
+    if error and error >= 1 then return "the estimated error is larger than the value, " .. way end
     return error and ("estimated error %s, %s"):format(shown.error(error), way) or way
   end
   local errors, texts = {}, {}
@@ -233,6 +238,11 @@ local function run_one(opts, given, out)
     say("Elsewhere it is %s at %s%s (%s).", shown.estimate(rest.stress, "Pa"), core.point(rest.at),
       of_strength(rest), coarse and error_text(rest.error) or ("error unknown, taken as %s: one mesh"):format(
       shown.error(rest.error)))
+  end
+  if found.too_coarse then
+    say("From the coarser mesh to this one that stress changes from %s to %s. No place without a finite stress is "
+      .. "known there: the mesh is too coarse. Give more --elements.",
+      shown.estimate(coarse.same.rest.stress, "Pa"), shown.estimate(rest.stress, "Pa"))
   end
   if found.singular then say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
   say("Verdict: %s.", words)
@@ -261,7 +271,7 @@ local function run_one(opts, given, out)
     speed_m_s = drop.speed, height_m = opts.height, down = given.down, spin_rad_s = given.spin,
     peg_m = opts.peg, edge_m = opts.edge, obstacle_depth_m = given.onto and drop.obstacle_depth,
     energy_j = drop.initial_energy, energy_error = drop.energy_error, modes = drop.modes.count,
-    damping_ratio = opts.damping, singular = found.singular ~= nil}
+    damping_ratio = opts.damping, singular = found.singular ~= nil, too_coarse = found.too_coarse}
   local title = ("%s: dropped from %s; %s"):format(model.name(opts.model), core.quantity(opts.height, "m"), words)
   local failed = out:write_files {{opts.csv, function() return drop:write_history(opts.csv) end},
     {opts.vtu, function() return drop:write(opts.vtu) end},
