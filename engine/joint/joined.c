@@ -235,8 +235,9 @@ static bw_status solve(bw_context *context, const bwi_joined_equations *q, const
   BW_TRY(bw_sparse_matrix_apply(context, r->transposed, 1, rest, b));
   bwi_points_load(r, gravity, b);
   if (unknowns > 0 && q->held) {
+    const bwi_factor *l = bwi_operator_factor(q->inverse);
     result->report = (bw_solver_report){.solver = bw_solver_word(BW_SOLVER_CHOLESKY),
-                                        .backend = "",
+                                        .backend = l ? l->kernels->backend : "",
                                         .preconditioner = "",
                                         .reason = "a factor serves all forces of contact"};
     status = solve_held(context, q, b, x);

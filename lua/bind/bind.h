@@ -285,6 +285,8 @@ int lbw_option_missing(lua_State *L, const char *function, const char *key, cons
 /* An option with what was found, which is on the top of the stack: "a string" expected. */
 int lbw_option_refused(lua_State *L, const char *function, const char *key, const char *expected);
 
+/* Adds lines of what the joints of a static solution do. */
+void lbw_add_joints(lua_State *L, luaL_Buffer *out, const bw_static *result);
 /* Pushes a table of what a report says; fields that do not apply are left out. */
 void lbw_push_report(lua_State *L, const bw_solver_report *report);
 /* Whether there was a solution to report. */

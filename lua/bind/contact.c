@@ -385,6 +385,7 @@ static int contact_tostring(lua_State *L) {
     push_pair_text(L, contact, i);
     luaL_addvalue(&text);
   }
+  lbw_add_joints(L, &text, contact->solution);
   for (const char *line = contact->notes; *line;) {
     size_t length = strcspn(line, "\n");
     luaL_addstring(&text, "\n  ");

@@ -403,7 +403,7 @@ static void add_rest(luaL_Buffer *out, const char *kind, int count) {
 }
 
 /* What joins the bodies, a line for each. */
-static void add_joints(lua_State *L, luaL_Buffer *out, const bw_static *result) {
+void lbw_add_joints(lua_State *L, luaL_Buffer *out, const bw_static *result) {
   for (int i = 0; i < result->bond_count && i < JOINTS_PRINTED; i++) {
     add_joint(out, "bond", i + 1);
     push_force_text(L, &result->bond[i], on_bond);
@@ -449,7 +449,7 @@ static int static_tostring(lua_State *L) {
   luaL_Buffer out;
   luaL_buffinit(L, &out);
   luaL_addstring(&out, text);
-  add_joints(L, &out, result);
+  lbw_add_joints(L, &out, result);
   luaL_pushresult(&out);
   return 1;
 }

@@ -83,7 +83,7 @@ function RigidSurface:close() end
 ---print(contact, contact.pairs[1].force[3], contact.pressure:max(), #contact.undetermined)
 ---```
 ---@class bw.Contact
----@field static bw.Static the static solution; its model has the forces of contact as a load
+---@field static bw.Static the static solution; its model has the forces of contact as a load. `bonds`, `couplings` and `attachments` are what joints do in contact
 ---@field mesh bw.Mesh of the model
 ---@field pressure bw.Array (Pa, node_count × 1, per node) on the facets `on` of the pairs; 0 where nothing touches, the larger where pairs meet
 ---@field gap bw.Array (m, node_count × 1, per node) of the deformed part at the nodes of `on` of the pairs, negative inside of the rigid surface; against facets the mean gap at their corners; infinite elsewhere

@@ -63,6 +63,7 @@ describe("contact of joined bodies", function()
       assert.are.equal(0, found.pairs[1].active)
     end
     assert.is_truthy(tostring(tight):find "pair 1: %(0, 0, 10000%) N")
+    assert.is_truthy(tostring(tight):find("bond 1: force on side a (0, 0, -10000) N, preload 10000 N", 1, true))
     assert.is_truthy(tostring(tight.static):find("preload 10000 N, shortening 0.0225 mm; error unknown", 1, true))
   end)
 
