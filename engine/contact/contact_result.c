@@ -329,6 +329,31 @@ done:
   return status;
 }
 
+/* How many corners of a pair carry pressure that move with a remote point. */
+static int count_coupled(const bwi_contact_problem *c, int pair, const bw_coupling *coupling) {
+  int count = 0, next = 0;
+  for (int i = 0; i < c->count; i++) { /* nodes of both ascend */
+    if (c->rows.of[i] != pair || !(c->p[c->rows.first[i]] > 0))
+      continue;
+    while (next < coupling->node_count && coupling->node[next] < c->rows.node[i])
+      next++;
+    count += next < coupling->node_count && coupling->node[next] == c->rows.node[i];
+  }
+  return count;
+}
+
+/* A rigid face on a rigid surface: three forces are as good as many. */
+static void note_rigid_faces(bw_context *context, const bwi_contact_problem *c, bwi_text *notes) {
+  for (int i = 0; i < c->rows.pair_count; i++)
+    for (int k = 0; k < c->model->coupling_count; k++)
+      if (c->rows.pair[i].with && c->model->coupling[k].point.kind == BW_RIGID &&
+          count_coupled(c, i, &c->model->coupling[k]) > 3)
+        note(context, notes,
+             "contact pair %d presses the face of the rigid coupling %d, and nothing decides its "
+             "pressure there: the force and the moment are right",
+             i + 1, k + 1);
+}
+
 /* What the result leaves undecided, and where it is out of the range of the theory. */
 static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, bw_contact *out) {
   bw_status status = BW_OK;
@@ -358,6 +383,7 @@ static bw_status take_notes(bw_context *context, const bwi_contact_problem *c, b
           i + 1, out->state[i].penetration, c->elastic);
   }
   BW_TRY(note_flat_facets(context, c, out, &notes));
+  note_rigid_faces(context, c, &notes);
   for (int i = 0; i < out->pair_count && !c->finite; i++) {
     double slid = out->pair[i].with ? 0 : bwi_contact_rows_slid(&c->rows, i, c->p, c->now);
     if (slid > c->facet)

@@ -207,6 +207,16 @@ describe("contact of joined bodies", function()
     check.near(small.static.bonds[1].shortening, finite.static.bonds[1].shortening, 1e-3)
   end)
 
+  it("says where a rigid face has no pressure of its own", function()
+    local mesh = bw.mesh.box {max = {1, 1, 1}, cells = {3, 3, 3}}
+    local part, foot = bw.model {mesh = mesh, material = bw.material.steel}, mesh.boundary:below("z", 0)
+    part:couple {on = foot, kind = "rigid", spring = {1e6, 1e6, 0}, rotational_spring = {0, 0, 1e6}, mass = 10}
+    part:gravity {0, 0, -10}:load {on = mesh.boundary:above("z", 1), force = {0, 0, -1e4}}
+    local found = assert(part:contact {{on = foot, with = bw.rigid.plane {normal = {0, 0, 1}}}})
+    check.near(1e4 + 10 * (10 + part.material.density), found.pairs[1].force[3], 1e-8)
+    assert.is_truthy(tostring(found):find("nothing decides its pressure there", 1, true))
+  end)
+
   it("has the tractions of its joints", function()
     local load = bolt_in_sleeve()
     local shortening = load({preload = 1e4}, {0, 0, 0}).static.bonds[1].shortening
