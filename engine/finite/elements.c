@@ -169,17 +169,22 @@ static void lower_to(int32_t *lowest, int32_t value) {
     ;
 }
 
+static double size_of(const double e[6]) {
+  return sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] +
+              (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]) / 2);
+}
+
 static bw_status evaluate_element(evaluation *work, int64_t e) {
   const bwi_finite_elements *elements = work->elements;
   const bw_model *model = elements->model;
   const double *c = bw_material_elasticity(model->material, e);
   double projected = bwi_projected_bulk(model->mesh, bw_material_of(model->material, e));
   int n = model->mesh->nodes_per_element;
-  double *force = elements->of_element + e * (6 * n + 1), *heat = force + 3 * n;
+  double *force = elements->of_element + e * (6 * n + 2), *heat = force + 3 * n;
   double *energy = heat + 3 * n, mean[30] = {0};
   double *tangent = work->tangent ? work->tangent + e * work->blocks * 9 : NULL;
   deformed d;
-  memset(force, 0, (size_t)(6 * n + 1) * sizeof *force);
+  memset(force, 0, (size_t)(6 * n + 2) * sizeof *force);
   if (tangent)
     memset(tangent, 0, (size_t)work->blocks * 9 * sizeof *tangent);
   bw_status status =
@@ -194,6 +199,7 @@ static bw_status evaluate_element(evaluation *work, int64_t e) {
     double stress[6];
     stress_at(&d, q, c, projected, stress);
     *energy += d.volume[q] * 0.5 * bwi_dot6(stress, d.strain[q]);
+    energy[1] = fmax(energy[1], size_of(d.strain[q]));
     if (elements->expands) {
       *energy -= work->state->factor * d.volume[q] * bwi_dot6(d.heat[q], d.strain[q]);
       for (int i = 0; i < 6; i++)
@@ -252,7 +258,7 @@ bw_status bwi_finite_elements_open(bw_context *context, const bw_model *model,
   *elements = (bwi_finite_elements){
       .model = model, .pattern = pattern, .expands = bwi_model_expands(model)};
   BW_TRY(bwi_block_pattern_fits(context, pattern, mesh));
-  elements->of_element = BW_NEW(context, double, (int64_t)mesh->element_count *(6 * n + 1));
+  elements->of_element = BW_NEW(context, double, (int64_t)mesh->element_count *(6 * n + 2));
   BW_TRY_MEMORY(elements->of_element);
   BW_TRY(
       bwi_row_sums_open(context, pattern, mesh->element_count, n, mesh->element, &elements->rows));
@@ -273,9 +279,9 @@ static void sum_forces(const bwi_finite_elements *elements, bwi_finite_state *st
   memset(state->force, 0, size);
   if (state->heat)
     memset(state->heat, 0, size);
-  state->energy = 0;
+  state->energy = state->strain = 0;
   for (int64_t e = 0; e < mesh->element_count; e++) {
-    const double *own = elements->of_element + e * (6 * n + 1);
+    const double *own = elements->of_element + e * (6 * n + 2);
     for (int a = 0; a < n; a++) {
       int64_t at = 3 * (int64_t)mesh->element[e * n + a];
       for (int i = 0; i < 3; i++) {
@@ -285,6 +291,7 @@ static void sum_forces(const bwi_finite_elements *elements, bwi_finite_state *st
       }
     }
     state->energy += own[6 * n];
+    state->strain = fmax(state->strain, own[6 * n + 1]);
   }
 }
 

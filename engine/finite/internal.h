@@ -12,8 +12,8 @@ typedef struct bwi_finite_elements {
   const bw_block_pattern *pattern;
   bwi_row_sums rows;
   bool expands;       /* temperatures act */
-  double *of_element; /* element_count x (6 nodes_per_element + 1): forces, those of unit
-                         temperatures, energy */
+  double *of_element; /* element_count x (6 nodes_per_element + 2): forces, those of unit
+                         temperatures, energy, largest strain */
 } bwi_finite_elements;
 /* Clear with bwi_finite_elements_clear in any case. */
 bw_status bwi_finite_elements_open(bw_context *context, const bw_model *model,
@@ -29,6 +29,7 @@ typedef struct bwi_finite_state {
   double *tangent;            /* block_count x 9, or NULL */
   /* out */
   double energy;
+  double strain;    /* the largest size of E, the root of E : E, at a point of quadrature */
   int32_t inverted; /* the first element with det F <= 0 at a point of its quadrature, or -1: the
                        rest means nothing then */
 } bwi_finite_state;

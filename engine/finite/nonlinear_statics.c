@@ -41,11 +41,12 @@ typedef struct path {
   double *internal, *heat;
   double *right, *solution; /* two fields each: residual and -dR/dlambda */
   double *tangent;
-  double lambda, change;          /* of the last state, and to the iterate */
-  double length;                  /* of a step of displacements */
-  double residual, energy, scale; /* of the iterate: what its residual is relative to */
-  double most;                    /* the largest such scale of a state in equilibrium */
-  int32_t worst;                  /* node of the largest residual */
+  double lambda, change;           /* of the last state, and to the iterate */
+  double length, least;            /* of a step of displacements: where cutting ends */
+  double residual, energy, strain; /* of the iterate */
+  double scale;                    /* what its residual is relative to */
+  double most;                     /* the largest such scale of a state in equilibrium */
+  int32_t worst;                   /* node of the largest residual */
   int32_t inverted;
   int iterations; /* of the step, those of what was cut too */
   int32_t bad;    /* node where elimination failed */
@@ -74,6 +75,7 @@ static bw_status residual(bw_context *context, path *p) {
   BW_TRY(bwi_finite_evaluate(context, &p->elements, &state));
   p->inverted = state.inverted;
   p->energy = state.energy;
+  p->strain = state.strain;
   if (p->inverted >= 0)
     goto done;
   for (int64_t i = 0; i < p->size; i++)
@@ -287,12 +289,13 @@ static bw_status step_of_length(bw_context *context, path *p, bool first, int *c
     BW_TRY(bw_fail(context, BW_INVALID,
                    "the load moves nothing: arc_length needs displacements at unknowns"));
   p->length = first ? most * size : fmin(p->length, most * size);
+  p->least = first ? p->length / (1 << CUTS) : p->least;
   for (*cuts = 0;; ++*cuts, p->length *= shrinkage) {
     begin_step(p, slope, sign * p->length / size);
     BW_TRY(iterate(context, p, true, &result));
     if (result == CONVERGED)
       break;
-    if (*cuts == CUTS)
+    if (*cuts == CUTS || p->length <= p->least)
       BW_TRY(fail_step(context, p, result, sign * p->length / size));
   }
   if (p->lambda + p->change > until) { /* the same step, cut where it ends */
@@ -344,6 +347,7 @@ static bw_status accept(bw_context *context, path *p, int cuts, bw_nonlinear *ou
   out->step[out->count] = (bw_nonlinear_step){.factor = p->lambda,
                                               .residual = p->residual,
                                               .energy = p->energy,
+                                              .strain = p->strain,
                                               .displacement = largest_displacement(p, &node),
                                               .iterations = p->iterations,
                                               .cuts = cuts};
@@ -470,13 +474,17 @@ done:
   return status;
 }
 
-static bw_status check_memory(bw_context *context, const bwi_symbolic *symbolic) {
-  double needed = bwi_factor_peak_bytes(symbolic, bw_threads(context));
+static bw_status check_memory(bw_context *context, const path *p) {
+  const bw_mesh *mesh = p->model->mesh;
+  double blocks = mesh->nodes_per_element * (mesh->nodes_per_element + 1) / 2.0;
+  double tangents =
+      9 * sizeof(double) * (blocks * mesh->element_count + (double)p->pattern->block_count);
+  double needed = bwi_factor_peak_bytes(p->symbolic, bw_threads(context)) + tangents;
   double available = bw_available_memory();
   if (needed <= available)
     return BW_OK;
   bw_fail(context, BW_MEMORY,
-          "the factor of the tangent stiffness takes %.3g bytes, and %.3g are free: coarsen the "
+          "the tangent stiffness and its factor take %.3g bytes, and %.3g are free: coarsen the "
           "mesh",
           needed, available);
   bw_detail_number(context, "bytes", needed);
@@ -516,7 +524,7 @@ static bw_status path_open(bw_context *context, const bw_model *model,
   bw_progress(context, "ordering", 0);
   BW_TRY(bwi_symbolic_for(context, p->pattern, p->dof_map, BW_ORDERING_AUTO, 0, NULL, NULL, NULL,
                           &p->symbolic));
-  BW_TRY(check_memory(context, p->symbolic));
+  BW_TRY(check_memory(context, p));
   BW_TRY(bwi_finite_elements_open(context, model, p->pattern, &p->elements));
   p->size = 3 * (int64_t)mesh->node_count;
   p->block = BW_NEW0(context, double, 12 * p->size);

@@ -73,6 +73,7 @@ static int model_nonlinear(lua_State *L) {
 COLUMN(factors, factor)
 COLUMN(residuals, residual)
 COLUMN(energies, energy)
+COLUMN(largest_strains, strain)
 COLUMN(largest_displacements, displacement)
 COLUMN(iterations, iterations)
 COLUMN(cuts, cuts)
@@ -170,11 +171,15 @@ static int nonlinear_report(lua_State *L) {
   return 1;
 }
 
+/* Beyond it the elasticity of small strains is no law of a real material. */
+static const double LARGE_STRAIN = 0.05;
+
 static const luaL_Reg methods[] = {{"path", nonlinear_path}, {NULL, NULL}};
 static const luaL_Reg properties[] = {{"factors", nonlinear_factors},
                                       {"factor", nonlinear_factor},
                                       {"residuals", nonlinear_residuals},
                                       {"energies", nonlinear_energies},
+                                      {"largest_strains", nonlinear_largest_strains},
                                       {"largest_displacements", nonlinear_largest_displacements},
                                       {"iterations", nonlinear_iterations},
                                       {"cuts", nonlinear_cuts},
@@ -214,7 +219,9 @@ static int nonlinear_tostring(lua_State *L) {
 #define ADD(...) used += snprintf(text + used, sizeof text - (size_t)used, __VA_ARGS__)
   if (top < path->count - 1)
     ADD("\n  largest load factor: %.4g in step %d", path->step[top].factor, top + 1);
-  ADD("\n  last state: largest displacement %s", lbw_quantity(last->displacement, "m").text);
+  ADD("\n  last state: largest displacement %s, largest strain in an element %.2g %%%s",
+      lbw_quantity(last->displacement, "m").text, 100 * last->strain,
+      last->strain > LARGE_STRAIN ? ", where the law of small strains is not to be trusted" : "");
   if (most == 0)
     ADD("\n  stable in each step: no negative pivots");
   else

@@ -35,6 +35,7 @@
 ---@field residuals bw.Array (-, count × 1) residual over load and reactions
 ---@field energies bw.Array (J, count × 1) strain energy; with temperatures without the part that does not depend on the displacement
 ---@field largest_displacements bw.Array (m, count × 1) of a node
+---@field largest_strains bw.Array (-, count × 1) root of E : E of the Green-Lagrange strain E, the largest at a point of an element's quadrature; above 0.05 the law is not to be trusted there
 ---@field iterations bw.Array (count, count × 1) of Newton's method, those of steps that were cut too
 ---@field cuts bw.Array (count, count × 1) how often each step was cut
 ---@field negative_pivots bw.Array (count, count × 1) of the tangent: directions in which the state is unstable; 0: it is stable

@@ -55,6 +55,7 @@ typedef struct bw_nonlinear_step {
   double residual;     /* (-) over load and reactions */
   double energy;       /* (J) strain energy, as bw_finite_forces has it */
   double displacement; /* (m) the largest of a node */
+  double strain;       /* (-) the largest size of the Green-Lagrange strain in an element */
   int iterations;      /* (count) of Newton's method, those of steps that were cut too */
   int cuts;            /* (count) how often the step was cut */
   int32_t negative;    /* (count) negative pivots of the tangent: directions in which it is
