@@ -10,6 +10,7 @@
 #include "barwright/dynamics.h"
 #include "dynamics/harmonic_regions.h"
 #include "dynamics/internal.h"
+#include "dynamics/shifted.h"
 #include "joint/fields.h"
 #include "linear/blas.h"
 #include "linear/internal.h"
@@ -20,7 +21,8 @@ enum {
   MOST_VECTORS = 400,
   FIRST_MODES = 16,
   EVENLY = 200, /* frequencies of a range, beside those at peaks */
-  MOST_FREQUENCIES = 1000000
+  MOST_FREQUENCIES = 1000000,
+  MOST_MODES = 2000 /* that are computed because a range needs them */
 };
 
 static const double pi = 3.14159265358979323846;
@@ -485,17 +487,40 @@ done:
   return status;
 }
 
+/* *count: modes below `reach` (Hz); -1 where no factor can say it. */
+static bw_status count_modes(bw_context *context, const bw_model *model, bw_system *system,
+                             double reach, int64_t *count) {
+  bw_status status = BW_OK;
+  bwi_equations equations = {0};
+  bwi_shifted shifted = {0};
+  double omega = 2 * pi * reach;
+  bool trusted = false;
+  *count = -1;
+  if (!bw_model_joined(model) && !(system && system->factor))
+    return BW_OK; /* an iterative solver found the first modes */
+  BW_TRY(bwi_equations_begin(context, model, bw_model_joined(model) ? NULL : system, &equations));
+  BW_TRY(bwi_shifted_open(context, &equations, &shifted));
+  BW_TRY(bwi_shifted_below(context, &shifted, omega * omega, count, &trusted));
+  if (!trusted)
+    *count = -1;
+done:
+  bwi_shifted_clear(&shifted);
+  bwi_equations_clear(&equations);
+  return status;
+}
+
 bw_status bwi_modes_up_to(bw_context *context, const bw_model *model, bw_system *given,
                           const bw_eigensolver *solver, int count, double reach, bw_system **used,
                           bw_modes **modes) {
   bw_status status = BW_OK;
   bw_modes_options ask;
   double bound;
+  int64_t below = -1;
   bw_modes_options_default(&ask);
   ask.count = count ? count : FIRST_MODES;
   ask.solver = solver;
   *used = bw_model_joined(model) ? NULL : bw_retain(given);
-  for (;; ask.count *= 2) {
+  for (;;) {
     bw_system *next = NULL;
     status = bw_model_joined(model) ? bw_joined_modes(context, model, &ask, modes)
                                     : bw_modes_of_model(context, model, *used, &ask, &next, modes);
@@ -516,7 +541,16 @@ bw_status bwi_modes_up_to(bw_context *context, const bw_model *model, bw_system 
                        "all modes to %g Hz are needed, and this mesh has none above %g Hz: give "
                        "lower frequencies, or a number of modes",
                        reach, bound));
+      BW_TRY(count_modes(context, model, *used, reach, &below));
     }
+    int64_t wanted = below >= ask.count ? below + 1 : 2 * (int64_t)ask.count;
+    if (wanted > MOST_MODES)
+      BW_TRY(bw_fail(context, BW_INVALID,
+                     "all modes to %g Hz are needed, which are %s%lld, and at most %d are computed "
+                     "for a range: give lower frequencies, or a number of modes",
+                     reach, below >= ask.count ? "" : "more than ",
+                     (long long)(below >= ask.count ? below : ask.count), MOST_MODES));
+    ask.count = (int)wanted;
   }
 done:
   return status;

@@ -13,7 +13,8 @@ bw_status bwi_check_held_model(bw_context *context, const bw_model *model, const
  */
 bw_status bwi_frequency_bound(bw_context *context, const bw_model *model, double *bound);
 /* All modes up to `reach` (Hz), or `count` where that is above 0. *used gets the equations.
- * BW_INVALID for a reach beyond all modes that the mesh can have, where these are many. */
+ * BW_INVALID for a reach beyond all modes that the mesh can have, where these are many, and for one
+ * that needs more than 2000. */
 bw_status bwi_modes_up_to(bw_context *context, const bw_model *model, bw_system *given,
                           const bw_eigensolver *solver, int count, double reach, bw_system **used,
                           bw_modes **modes);

@@ -119,6 +119,33 @@ done:
   return status;
 }
 
+bw_status bwi_shifted_below(bw_context *context, bwi_shifted *s, double lambda, int64_t *count,
+                            bool *trusted) {
+  bw_status status = BW_OK;
+  const bw_system *system = s->equations->system;
+  bwi_factor *factor = NULL;
+  bwi_matrix matrix = {.shift = -lambda};
+  bw_progress(context, "counting modes", 0);
+  if (system) {
+    matrix.pattern = system->pattern;
+    matrix.stiffness = system->stiffness;
+    matrix.mass = system->mass;
+    matrix.dof_map = system->dof_map;
+    if (!s->symbolic)
+      BW_TRY(make_symbolic(context, s));
+  } else {
+    matrix.pattern = s->pair.pattern;
+    matrix.stiffness = s->pair.k;
+    matrix.mass = s->pair.m;
+    if (!s->symbolic) /* the elimination order comes with a factor */
+      BW_TRY(factor_joined(context, s, lambda, &factor));
+  }
+  BW_TRY(bwi_count_negative(context, s->symbolic, &matrix, count, trusted));
+done:
+  bw_release(factor);
+  return status;
+}
+
 bw_status bwi_shifted_solve(bw_context *context, const bwi_shifted *s, const bwi_factor *factor,
                             const double *f, double *u) {
   bw_status status = BW_OK;

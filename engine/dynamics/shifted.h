@@ -29,6 +29,10 @@ size_t bwi_shifted_bytes(const bwi_shifted *shifted);
  * for a larger one than what is free. */
 bw_status bwi_shifted_factor(bw_context *context, bwi_shifted *shifted, double shift,
                              bwi_factor **factor);
+/* Eigenvalues of K x = lambda M x below `lambda` ((rad/s)^2), with those of rigid-body modes;
+ * *trusted as in bwi_count_negative. */
+bw_status bwi_shifted_below(bw_context *context, bwi_shifted *shifted, double lambda,
+                            int64_t *count, bool *trusted);
 /* u = (K + shift M)^-1 f; the two may be the same block. */
 bw_status bwi_shifted_solve(bw_context *context, const bwi_shifted *shifted,
                             const bwi_factor *factor, const double *f, double *u);

@@ -172,7 +172,7 @@ static bw_status apply(arpack *a, const double *mx, double *y) {
   BW_TRY(problem->solve(a->base.context, problem->data, 1, mx, y));
   a->base.solves++;
   BW_TRY(take_off_found(a, y));
-  bw_progress(a->base.context, "modes", a->base.solves / (a->base.solves + 2.0 * a->basis));
+  bw_progress(a->base.context, a->base.stage, a->base.solves / (a->base.solves + 2.0 * a->basis));
   BW_TRY(bw_check_cancel(a->base.context));
 done:
   return status;

@@ -269,7 +269,7 @@ static bw_status lanczos_iterate(bwi_eigen_iteration *iteration, int wanted, dou
       continue;
     BW_TRY(ritz(l));
     int found = lanczos_converged(iteration, wanted, tolerance);
-    bw_progress(l->base.context, "modes", (double)found / wanted);
+    bw_progress(l->base.context, l->base.stage, (double)found / wanted);
     BW_TRY(bw_check_cancel(l->base.context));
     if (found >= wanted)
       break;

@@ -333,6 +333,8 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *given,
     it->problem = problem;
     it->size = problem->size;
     bw_random_seed(&it->random, setup.seed);
+    snprintf(it->stage, sizeof it->stage, "%d mode%s", count, count == 1 ? "" : "s");
+    bw_progress(context, it->stage, 0);
   }
   if (status != BW_OK)
     goto done;

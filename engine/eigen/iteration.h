@@ -50,6 +50,7 @@ struct bwi_eigen_iteration {
   int solves;     /* right-hand sides solved for, or preconditioned */
   int iterations; /* restarts; of LOBPCG iterations */
   double bytes;   /* memory it takes */
+  char stage[24]; /* of progress: "15 modes" */
 };
 
 const bwi_eigen_method *bwi_eigen_lanczos(void);

@@ -601,7 +601,7 @@ static bw_status iterate(lobpcg *l, int wanted, double tolerance, bool *live) {
     int count;
     BW_TRY(find_residuals(l, wanted, tolerance, all, live));
     int found = lobpcg_converged(&l->base, wanted, tolerance);
-    bw_progress(context, "modes", (double)found / wanted);
+    bw_progress(context, l->base.stage, (double)found / wanted);
     BW_TRY(bw_check_cancel(context));
     if (l->block >= problem->dimension || (found == wanted && (all || l->energy)))
       break;

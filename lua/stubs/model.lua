@@ -592,7 +592,7 @@ function Model:response_spectrum(options) end
 ---@field range? number[] (Hz, 2) from and to: 200 even steps, and more where the response is sharp. Default: `frequencies`
 ---@field damping? bw.Damping how energy is lost. Default: none
 ---@field base? bw.Vector (m/s2) amplitude of the acceleration of the supports; displacements are relative to them. Default: {0, 0, 0}
----@field modes? integer (count) of modes. Default: all below 1.5 times the highest frequency
+---@field modes? integer (count) of modes. Default: all below 1.5 times the highest frequency, which are counted first; more than 2000 raise
 ---@field residual_vectors? integer (count) at most. Range: 0 to 400. Default: 40
 ---@field tolerance? number (-) as far as residual vectors reduce the error. Range: 0 to below 1. Default: 1e-8
 ---@field solver? bw.Eigensolver|"auto" the eigensolver of the modes, not SLEPc. Default: "auto"

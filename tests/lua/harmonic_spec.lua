@@ -237,6 +237,37 @@ describe("harmonic", function()
     assert.is_true(bound >= all:max() and bound < 6 * all:max(), message)
   end)
 
+  it("counts the modes of a range before it computes them", function()
+    for _, joined in ipairs {false, true} do
+      local part = beam {0, 0, 1}
+      if joined then part:attach {on = part.mesh.boundary:above("x", L), mass = 0.1} end
+      local all = assert(part:modes {count = 200}).frequencies
+      local stages, to = {}, (all[100] + all[101]) / 2 / 1.5
+      local before = bw.progress(function(stage) stages[stage] = true end)
+      local response = assert(part:harmonic {range = {0, to}})
+      bw.progress(before)
+      assert.equal(101, #response.modes.frequencies) -- those below 1.5 times the last frequency, and one more
+      assert.is_true(response.modes.counted)
+      assert.is_true(stages["counting modes"] and stages["101 modes"])
+    end
+  end)
+
+  it("refuses a range that needs thousands of modes, and says how many", function()
+    local mesh = bw.mesh.box {max = {L, b, a}, cells = {40, 3, 3}, order = 2}
+    local part = bw.model {mesh = mesh, material = steel}
+    part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", L), force = {0, 0, 1}}
+    local count
+    for _, to in ipairs {4e5, 6e5} do
+      local ok, message = pcall(part.harmonic, part, {range = {0, to}})
+      assert.is_false(ok)
+      assert.truthy(message:find("at most 2000 are computed for a range", 1, true), message)
+      local found = tonumber(message:match "which are (%d+),")
+      assert.is_true(found > (count or 2000) and found < 3 * mesh.node_count, message)
+      count = found
+    end
+    assert(part:harmonic {range = {0, 4e5}, modes = 4}) -- as many as are wanted
+  end)
+
   it("refuses misuse in a sentence", function()
     local part = beam {0, 0, 1}
     local response = assert(part:harmonic {frequencies = {10}})
@@ -419,6 +450,15 @@ describe("barwright respond", function()
     assert.truthy(err:find("option --duration is for --psd", 1, true), err)
   end)
 
+  it("says how many modes many frequencies need, before the response", function()
+    local status, out, err = check.run(("respond %s --material steel --fix min:x --base 0,0,1 --to 200000 "
+      .. "--damping 0.02"):format(path))
+    assert.is_true(status < 2, err)
+    local count = tonumber(out:match "These frequencies need (%d+) modes.*The displacement is largest")
+    assert.is_true(count > 16, out)
+    assert.truthy(out:find(("by %d modes (counted"):format(count), 1, true), out)
+  end)
+
   it("shakes the supports as gravity would", function()
     local _, shaken = answer "--base 0,0,1g"
     local response = assert(beam():harmonic {range = {0, math.ceil(2 * bending)}, base = {0, 0, 9.80665},
@@ -448,6 +488,7 @@ describe("barwright respond", function()
     local status, out = check.run(("respond %s --material steel --fix min:x --force max:x=0,0,1 --to 500 "
       .. "--damping 0.02 %s"):format(path, words))
     assert.equal(0, status, out)
+    assert.is_nil(out:find("These frequencies need", 1, true))
     for _, name in ipairs {"r.csv", "r.svg", "r.vtu", "r.png"} do
       assert.truthy(out:find(name, 1, true), out)
       assert(io.open(folder .. name)):close()

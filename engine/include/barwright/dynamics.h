@@ -74,9 +74,9 @@ typedef struct bw_harmonic {
  * leave of the load (docs/theory/dynamics.md). `given` and *system as in bw_modes_of_model.
  * BW_UNCONSTRAINED for a body that supports leave free to move, BW_UNSUPPORTED for temperatures,
  * prescribed displacements, sectors of cyclic symmetry and SLEPc, BW_INVALID for a body without
- * density, a load of zero, losses of regions on a mesh without regions and options outside their
- * ranges; BW_SINGULAR as bw_harmonic_coordinates; those of bw_modes_of_model, bw_joined_modes and
- * bw_system_factor.
+ * density, a load of zero, losses of regions on a mesh without regions, frequencies that need more
+ * than 2000 modes, where `modes` is 0, and options outside their ranges; BW_SINGULAR as
+ * bw_harmonic_coordinates; those of bw_modes_of_model, bw_joined_modes and bw_system_factor.
  */
 BW_API bw_status bw_harmonic_of_model(bw_context *context, const bw_model *model, bw_system *given,
                                       const bw_harmonic_options *options, bw_system **system,

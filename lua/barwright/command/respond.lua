@@ -56,6 +56,20 @@ local function on_coarser(measure, read, opts, given, radius)
   end)
 end
 
+local FIRST_MODES <const> = 16 -- that any range takes
+
+-- Until it is closed, says how many modes the frequencies need, where they are more, before they are computed.
+local function announce_modes(out)
+  local before
+  before = core.progress(function(stage, fraction)
+    local count = tonumber(stage:match "^(%d+) modes$" or 0)
+    if count > FIRST_MODES and fraction == 0 then out:say("These frequencies need %d modes.", count) end
+    if before then return before(stage, fraction) end
+    core.report_progress(stage, fraction)
+  end)
+  return setmetatable({}, {__close = function() core.progress(before) end})
+end
+
 -- `measure`: of a part, as above.
 local function analyse(measure, opts, given, out)
   if opts.threads then bw.threads(opts.threads) end
@@ -69,7 +83,10 @@ local function analyse(measure, opts, given, out)
       or "The supports are accelerated: amplitude %s.", shown.vector(given.base, "m/s2"))
   end
   local found
-  found, message, details = measure(part, opts, given)
+  do
+    local _ <close> = announce_modes(out)
+    found, message, details = measure(part, opts, given)
+  end
   out:warnings()
   if not found then return nil, message, details end
   local governing = made_of.governing_node(read.made, part, found.von_mises)

@@ -109,7 +109,7 @@ typedef struct stopper {
 static void stop(void *data, const char *stage, double fraction) {
   stopper *s = data;
   (void)fraction;
-  if (strcmp(stage, "modes") == 0 || strcmp(stage, "conjugate gradients") == 0) {
+  if (strstr(stage, " modes") || strcmp(stage, "conjugate gradients") == 0) {
     s->reports++;
     bw_cancel(s->context);
   }
