@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "analysis/stress_peaks.h"
 #include "barwright/analysis.h"
 #include "base/dense.h"
 #include "contact/internal.h"
@@ -142,6 +143,19 @@ static bw_status check_model(bw_context *context, const bw_model *model) {
     return bw_fail(context, BW_LIMIT, "%d nodes are too many for a drop", model->mesh->node_count);
 done:
   return status;
+}
+
+/* Modes, their motion of the points that may touch, and displacements whose stress is found at
+ * once: two blocks of BWI_PEAK_FIELDS. */
+static bw_status check_memory(bw_context *context, const bwi_drop_run *run) {
+  const bw_mesh *mesh = run->model->mesh;
+  const bw_modes *own = run->options.modes;
+  double size = 3.0 * mesh->node_count, count = own ? own->count : MODES;
+  double numbers = (own ? 0 : count * size) + 3 * count * mesh->boundary_node_count;
+  if (run->options.samples > 0)
+    numbers += 2 * BWI_PEAK_FIELDS * size;
+  return bwi_drop_check_memory(context, numbers, "the modes and displacements",
+                               "use fewer elements");
 }
 
 static bw_status find_modes(bw_context *context, bwi_drop_run *run, bw_system *given,
@@ -660,6 +674,7 @@ bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system
   BW_TRY(check_model(context, model));
   BW_TRY(weigh(context, &run, given));
   BW_TRY(bwi_drop_place(context, &run));
+  BW_TRY(check_memory(context, &run));
   BW_TRY(find_modes(context, &run, given, &run.system, &modes));
   run.modes = modes;
   BW_TRY(drop_with(context, &run, modes->count, &drop));

@@ -101,7 +101,12 @@ static int nearer(const void *a, const void *b) {
 
 /* Room for `known` points, of which the first `n` stay. */
 static bw_status lengthen(bw_context *context, bwi_drop_touch *t, int64_t n, int64_t known) {
-  bw_status status = BW_OK;
+  /* its own compliance, that of the candidates, and their factor */
+  bw_status status = bwi_drop_check_memory(context, 3.0 * (double)known * (double)known,
+                                           "the compliances of points that touch",
+                                           "mesh the faces that land coarser, or tilt the body");
+  if (status != BW_OK)
+    return status;
   int32_t *point = BW_NEW(context, int32_t, known);
   double *push = BW_NEW(context, double, 3 * known), *whole = BW_NEW(context, double, known);
   double *flexibility = BW_NEW(context, double, known *known);

@@ -85,6 +85,12 @@ typedef struct bwi_drop_run {
   int solves;
 } bwi_drop_run;
 
+/* ---- memory.c -------------------------------------------------------------------------------- */
+
+/* BW_MEMORY where there is no room for so many numbers of eight bytes. `what`: plural. */
+bw_status bwi_drop_check_memory(bw_context *context, double numbers, const char *what,
+                                const char *advice);
+
 /* ---- points.c -------------------------------------------------------------------------------- */
 
 bw_status bwi_drop_points_create(bw_context *context, bwi_drop_run *run);

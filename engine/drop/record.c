@@ -137,6 +137,9 @@ static bw_status pushed_create(bw_context *context, bwi_drop_run *run,
   p->by_state = p->count > states->count;
   if (p->by_state)
     p->count = BATCH;
+  BW_TRY(bwi_drop_check_memory(context, (double)size * (p->count + BATCH),
+                               "the displacements at the samples of the stress",
+                               "take fewer samples, or fewer elements"));
   p->field = BW_NEW0(context, double, size * p->count);
   BW_TRY_MEMORY(p->field);
   for (int first = 0; first < p->count && !p->by_state; first += BATCH) {

@@ -106,8 +106,8 @@ struct bw_drop {
  * BW_LIMIT for an obstacle that goes deeper between nodes than a tenth of its radius, more than
  * 2000 nodes that touch in one impact, more than 6000 with those that come near, or an impact
  * without end, BW_SINGULAR and BW_CONVERGENCE where the forces of contact are not found or the
- * energy is not kept; those of bw_modes_of_model.
- */
+ * energy is not kept; BW_MEMORY where modes, compliances or samples of the stress do not fit, with
+ * their size; those of bw_modes_of_model. */
 BW_API bw_status bw_drop_of_model(bw_context *context, const bw_model *model, bw_system *given,
                                   const bw_drop_options *options, bw_system **system,
                                   bw_drop **drop);

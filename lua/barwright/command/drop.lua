@@ -193,6 +193,8 @@ local function fail(out, message, details, options)
   message = message:gsub("(nodes touch in one impact: ).*", "%1" .. options)
   message = message:gsub("make elements smaller where it hits, or its radius larger",
     "give more --elements, or a larger radius")
+  message = message:gsub("take fewer samples, or fewer elements", "give fewer --elements")
+    :gsub("use fewer elements", "give fewer --elements")
   return out:fail((message:gsub("leave its place out", "leave out --at")), details)
 end
 

@@ -3,9 +3,12 @@
  * and energy. */
 #include "bodies.h"
 
+#include <sys/resource.h>
+
 #include "barwright/drop.h"
 
 #include "analysis/strain.h"
+#include "base/job.h"
 
 static bw_model *model_of(bw_context *context, bw_mesh *mesh, double poisson) {
   bw_material *material = NULL;
@@ -446,6 +449,39 @@ static void test_memory_failures(void **state) {
   release_body(&b);
 }
 
+#ifndef __SANITIZE_ADDRESS__ /* it takes all addresses */
+static bw_status drop_within(bw_context *context, const body *b, const bw_drop_options *options,
+                             size_t spare) {
+  bw_drop *drop = NULL;
+  struct rlimit before, limit;
+  getrlimit(RLIMIT_AS, &before);
+  limit = before;
+  limit.rlim_cur = (rlim_t)bwi_address_space() + spare;
+  setrlimit(RLIMIT_AS, &limit);
+  bw_status status = bw_drop_of_model(context, b->model, b->system, options, NULL, &drop);
+  setrlimit(RLIMIT_AS, &before);
+  bw_release(drop);
+  return status;
+}
+
+/* 1 MB is too little for the displacements of 3125 nodes, 7 MB for the compliances of 625 of them.
+ */
+static void test_too_little_memory(void **state) {
+  bw_context *context = check_context(state);
+  const body b = body_of(context, body_box(context, 0.03, 0.03, 0.01, 12, 12, 2, 2), 0.3, 5);
+  bw_drop_options options = towards(0, 0, -1);
+  options.modes = b.modes;
+  check_fails(context, BW_MEMORY, "the modes and displacements of a drop take",
+              drop_within(context, &b, &options, 1 << 20));
+  bw_clear_failure(context);
+  check_fails(context, BW_MEMORY, "mesh the faces that land coarser",
+              drop_within(context, &b, &options, 7 << 20));
+  bw_clear_failure(context);
+  check_ok(context, drop_within(context, &b, &options, (size_t)1 << 30));
+  release_body(&b);
+}
+#endif
+
 /* A box that lands flat touches at 81 nodes. Stresses by a solution for each of few times are those
  * by one for each node, and all is the same on any number of threads. */
 static void test_flat(void **state) {
@@ -493,6 +529,9 @@ int main(void) {
       check_test(test_halving),
       check_test(test_bad_input),
       check_test(test_memory_failures),
+#ifndef __SANITIZE_ADDRESS__
+      check_test(test_too_little_memory),
+#endif
   };
   return cmocka_run_group_tests_name("drop", tests, NULL, NULL);
 }
