@@ -1,7 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Coulomb's law in the mean of hat functions by a semi-smooth Newton method (Alart and Curnier
  * 1991; Hueeber, Stadler and Wohlmuth 2008), docs/theory/contact.md, eq. 6 to 9. All is scaled so
- * that the compliance of each row is 1: x = p / D, and a gap is the pressure that closes it. */
+ * that the compliance of each row is 1: x = p / D, and a gap is the pressure that closes it. The
+ * equations of a step, J x + E y = r and E^T x - epsilon y = -load, are solved for x first. */
 #include <math.h>
 #include <string.h>
 
@@ -23,7 +24,7 @@ static const double converged = 1e-10; /* of the largest pressure */
 
 typedef struct newton {
   bwi_friction *problem;
-  double *s, *q, *e; /* scaled; e (motions x rows) by columns */
+  double *q, *e;     /* scaled; e (motions x rows) by columns */
   double *scale;     /* (rows) D, alike for both tangents of a candidate */
   double *spring;    /* (motions) epsilon, scaled, */
   double *stretch;   /* (motions) a = stretch y, */
@@ -31,13 +32,16 @@ typedef struct newton {
   double *cone;      /* (count) coefficient of friction of x */
   double *x, *y, *w; /* (rows), (motions), (rows) */
   double *new_x, *new_y;
-  int *unknown; /* (rows) place among the unknowns, or -1 */
-  double *matrix, *right;
+  int *unknown;  /* (rows) place among the unknowns, or -1; where it slips that across is of both */
+  double *slide; /* (count x 3) where it slips: the direction, and beta of eq. 8 */
+  double *matrix; /* (unknowns x unknowns) J */
+  double *right;  /* (motions + 1) x (unknowns): E, and r; then J^-1 E and J^-1 r */
+  double *line;   /* (rows) */
+  double *small;  /* (motions x motions) */
   int *pivot;
 } newton;
 
 static void clear(newton *v) {
-  bw_free(v->s);
   bw_free(v->q);
   bw_free(v->e);
   bw_free(v->scale);
@@ -51,8 +55,11 @@ static void clear(newton *v) {
   bw_free(v->new_x);
   bw_free(v->new_y);
   bw_free(v->unknown);
+  bw_free(v->slide);
   bw_free(v->matrix);
   bw_free(v->right);
+  bw_free(v->line);
+  bw_free(v->small);
   bw_free(v->pivot);
 }
 
@@ -60,7 +67,6 @@ static bw_status prepare(bw_context *context, bwi_friction *f, newton *v) {
   bw_status status = BW_OK;
   int n = f->rows, m = f->motions;
   *v = (newton){.problem = f};
-  v->s = BW_NEW(context, double, (int64_t)n *n);
   v->q = BW_NEW(context, double, n);
   v->e = BW_NEW(context, double, (int64_t)n *m);
   v->scale = BW_NEW(context, double, n);
@@ -74,12 +80,15 @@ static bw_status prepare(bw_context *context, bwi_friction *f, newton *v) {
   v->new_x = BW_NEW(context, double, n);
   v->new_y = BW_NEW(context, double, m);
   v->unknown = BW_NEW(context, int, n);
-  v->matrix = BW_NEW(context, double, (int64_t)(n + m) * (n + m));
-  v->right = BW_NEW(context, double, n + m);
+  v->slide = BW_NEW(context, double, 3 * (int64_t)f->count);
+  v->matrix = BW_NEW(context, double, (int64_t)n *n);
+  v->right = BW_NEW(context, double, (int64_t)n *(m + 1));
+  v->line = BW_NEW(context, double, n);
+  v->small = BW_NEW(context, double, (int64_t)m *m);
   v->pivot = BW_NEW(context, int, n + m);
-  BW_TRY_MEMORY(v->s && v->q && v->e && v->scale && v->spring && v->stretch && v->load && v->cone &&
-                v->x && v->y && v->w && v->new_x && v->new_y && v->unknown && v->matrix &&
-                v->right && v->pivot);
+  BW_TRY_MEMORY(v->q && v->e && v->scale && v->spring && v->stretch && v->load && v->cone && v->x &&
+                v->y && v->w && v->new_x && v->new_y && v->unknown && v->slide && v->matrix &&
+                v->right && v->line && v->small && v->pivot);
   for (int i = 0; i < f->count; i++) {
     int r = f->first[i];
     double normal = f->s[(int64_t)r * n + r];
@@ -92,9 +101,6 @@ static bw_status prepare(bw_context *context, bwi_friction *f, newton *v) {
     v->cone[i] = f->friction[i] * v->scale[r] / v->scale[r + 1];
   }
   for (int r = 0; r < n; r++) {
-    for (int c = 0; c < n; c++)
-      v->s[(int64_t)r * n + c] = v->scale[r] * f->s[(int64_t)r * n + c] * v->scale[c];
-    v->s[(int64_t)r * n + r] += shift;
     v->q[r] = v->scale[r] * f->q[r];
     v->x[r] = f->p[r] / v->scale[r];
   }
@@ -118,7 +124,10 @@ done:
 static void measure(newton *v, const double *x, const double *y) {
   int n = v->problem->rows;
   for (int r = 0; r < n; r++)
-    v->w[r] = v->q[r] + bwi_dot(n, v->s + (int64_t)r * n, x);
+    v->line[r] = v->scale[r] * x[r];
+  for (int r = 0; r < n; r++)
+    v->w[r] =
+        v->q[r] + v->scale[r] * bwi_dot(n, v->problem->s + (int64_t)r * n, v->line) + shift * x[r];
   for (int k = 0; k < v->problem->motions; k++)
     for (int r = 0; r < n; r++)
       v->w[r] += v->e[(int64_t)k * n + r] * y[k];
@@ -178,78 +187,133 @@ static void take_states(newton *v) {
   }
 }
 
-/* Row `place` of the equations: sum over d of part[d] times w of row + d. */
-static void add_gap(newton *v, int place, int row, int width, const double *part, int total) {
-  int n = v->problem->rows;
-  for (int d = 0; d < width; d++) {
-    const double *s = v->s + (int64_t)(row + d) * n;
-    for (int r = 0; r < n && part[d] != 0; r++)
-      if (v->unknown[r] >= 0)
-        v->matrix[(int64_t)v->unknown[r] * total + place] += part[d] * s[r];
-    for (int k = 0; k < v->problem->motions; k++)
-      v->matrix[(int64_t)(total - v->problem->motions + k) * total + place] +=
-          part[d] * v->e[(int64_t)k * n + row + d];
-    v->right[place] -= part[d] * v->q[row + d];
-  }
-}
-
-/* The equations of Newton's method about x and w, by columns, for the rows that are not open and
- * then y; *held: how many rows. */
-static int assemble(newton *v, int *rows_held) {
+/* Where candidate i slips, x of its rows is p and t = cone p d + tau e, with the unknowns p and
+ * tau: along the direction d, eq. 8 says that t is on the cone. */
+static bool slips(const newton *v, int i) {
   const bwi_friction *f = v->problem;
-  int n = f->rows, m = f->motions, held = 0;
-  for (int i = 0; i < f->count; i++)
-    for (int r = f->first[i]; r < f->first[i + 1]; r++)
-      v->unknown[r] = f->state[i] == BWI_OPEN ? -1 : held++;
-  int total = held + m;
-  memset(v->matrix, 0, (size_t)total * (size_t)total * sizeof *v->matrix);
-  memset(v->right, 0, (size_t)total * sizeof *v->right);
-  for (int i = 0; i < f->count; i++) {
-    int r = f->first[i], place = v->unknown[r];
-    static const double whole = 1;
-    if (place < 0)
-      continue;
-    add_gap(v, place, r, 1, &whole, total);
-    if (f->first[i + 1] - r < 3)
-      continue;
-    if (f->state[i] == BWI_STICKS) {
-      add_gap(v, place + 1, r + 1, 1, &whole, total);
-      add_gap(v, place + 2, r + 2, 1, &whole, total);
-      continue;
-    }
-    /* t - beta P (t - w) - cone p d = 0, where d is the direction of t - w and P = 1 - d d^T */
-    double t[2] = {v->x[r + 1] - v->w[r + 1], v->x[r + 2] - v->w[r + 2]};
-    double length = hypot(t[0], t[1]), radius = v->cone[i] * fmax(v->x[r] - v->w[r], 0);
-    double beta = length > 0 ? fmin(radius / length, 1) : 0;
-    double d[2] = {length > 0 ? t[0] / length : 1, length > 0 ? t[1] / length : 0};
-    for (int k = 0; k < 2; k++) {
-      double across[2] = {beta * ((k == 0) - d[k] * d[0]), beta * ((k == 1) - d[k] * d[1])};
-      for (int l = 0; l < 2; l++)
-        v->matrix[(int64_t)(place + 1 + l) * total + place + 1 + k] += (k == l) - across[l];
-      v->matrix[(int64_t)place * total + place + 1 + k] -= v->cone[i] * d[k];
-      add_gap(v, place + 1 + k, r + 1, 2, across, total);
-    }
-  }
-  for (int k = 0; k < m; k++) {
-    for (int r = 0; r < n; r++)
-      if (v->unknown[r] >= 0)
-        v->matrix[(int64_t)v->unknown[r] * total + held + k] = v->e[(int64_t)k * n + r];
-    v->matrix[(int64_t)(held + k) * total + held + k] = -v->spring[k];
-    v->right[held + k] = -v->load[k];
-  }
-  *rows_held = held;
-  return total;
+  return f->state[i] == BWI_SLIPS && f->first[i + 1] - f->first[i] == 3;
 }
 
-/* A step of Newton's method from x, y and w to new_x, new_y; false where it is not finite. */
+/* Equation `place`: the sum over d of part[d] times w of row + d, in the unknowns. */
+static void add_gap(newton *v, int place, int row, int width, const double *part, int held) {
+  const bwi_friction *f = v->problem;
+  int n = f->rows, m = f->motions;
+  double *to = v->matrix + (int64_t)place * held, *line = v->line;
+  memset(line, 0, (size_t)n * sizeof *line);
+  for (int d = 0; d < width; d++) {
+    const double *s = f->s + (int64_t)(row + d) * n;
+    double factor = part[d] * v->scale[row + d];
+    for (int r = 0; r < n; r++)
+      line[r] += factor * s[r];
+  }
+  for (int r = 0; r < n; r++)
+    line[r] *= v->scale[r];
+  for (int d = 0; d < width; d++)
+    line[row + d] += part[d] * shift;
+  for (int i = 0; i < f->count; i++) {
+    int r = f->first[i], end = f->first[i + 1];
+    const double *d = v->slide + 3 * (int64_t)i;
+    if (f->state[i] == BWI_OPEN)
+      continue;
+    to[v->unknown[r]] += line[r];
+    if (slips(v, i)) {
+      to[v->unknown[r]] += v->cone[i] * (d[0] * line[r + 1] + d[1] * line[r + 2]);
+      to[v->unknown[r + 1]] += d[0] * line[r + 2] - d[1] * line[r + 1];
+    } else
+      while (++r < end)
+        to[v->unknown[r]] += line[r];
+  }
+  for (int k = 0; k <= m; k++) {
+    const double *from = k < m ? v->e + (int64_t)k * n + row : v->q + row;
+    v->right[(int64_t)k * held + place] = (k < m ? 1 : -1) * bwi_dot(width, part, from);
+  }
+}
+
+/* J by rows, E and r of Newton's method about x and w; how many unknowns. */
+static int assemble(newton *v) {
+  const bwi_friction *f = v->problem;
+  static const double whole = 1;
+  int held = 0;
+  for (int i = 0; i < f->count; i++) {
+    int r = f->first[i], end = f->first[i + 1];
+    double *d = v->slide + 3 * (int64_t)i;
+    if (slips(v, i)) {
+      double t[2] = {v->x[r + 1] - v->w[r + 1], v->x[r + 2] - v->w[r + 2]};
+      double length = hypot(t[0], t[1]), radius = v->cone[i] * fmax(v->x[r] - v->w[r], 0);
+      d[0] = length > 0 ? t[0] / length : 1;
+      d[1] = length > 0 ? t[1] / length : 0;
+      d[2] = length > 0 ? fmin(radius / length, 1) : 0;
+      v->unknown[r] = held++;
+      v->unknown[r + 1] = v->unknown[r + 2] = held++;
+    } else
+      for (; r < end; r++)
+        v->unknown[r] = f->state[i] == BWI_OPEN ? -1 : held++;
+  }
+  memset(v->matrix, 0, (size_t)held * (size_t)held * sizeof *v->matrix);
+  for (int i = 0; i < f->count; i++) {
+    int r = f->first[i], end = f->first[i + 1];
+    if (f->state[i] == BWI_OPEN)
+      continue;
+    add_gap(v, v->unknown[r], r, 1, &whole, held);
+    if (slips(v, i)) { /* tau - beta (tau - w e) = 0 */
+      const double *d = v->slide + 3 * (int64_t)i;
+      const double across[2] = {-d[2] * d[1], d[2] * d[0]};
+      int place = v->unknown[r + 1];
+      add_gap(v, place, r + 1, 2, across, held);
+      v->matrix[(int64_t)place * held + place] += 1 - d[2];
+    } else
+      while (++r < end)
+        add_gap(v, v->unknown[r], r, 1, &whole, held);
+  }
+  return held;
+}
+
+/* x (rows) of the unknowns. */
+static void expand(const newton *v, const double *unknown, double *x) {
+  const bwi_friction *f = v->problem;
+  for (int r = 0; r < f->rows; r++)
+    x[r] = v->unknown[r] < 0 ? 0 : unknown[v->unknown[r]];
+  for (int i = 0; i < f->count; i++)
+    if (slips(v, i)) {
+      int r = f->first[i];
+      const double *d = v->slide + 3 * (int64_t)i;
+      double along = v->cone[i] * x[r], across = x[r + 1];
+      x[r + 1] = along * d[0] - across * d[1];
+      x[r + 2] = along * d[1] + across * d[0];
+    }
+}
+
+/* A step of Newton's method from x, y and w to new_x, new_y, and H there; false where it is not
+ * finite. */
 static bool step(newton *v) {
-  int held, one = 1, info = 0, total = assemble(v, &held);
-  if (total > 0)
-    dgesv_(&total, &one, v->matrix, &total, v->pivot, v->right, &total, &info);
-  for (int r = 0; r < v->problem->rows; r++)
-    v->new_x[r] = v->unknown[r] < 0 ? 0 : v->right[v->unknown[r]];
-  memcpy(v->new_y, v->right + held, (size_t)v->problem->motions * sizeof *v->new_y);
-  return info == 0 && isfinite(bwi_dot(total, v->right, v->right));
+  bwi_friction *f = v->problem;
+  int n = f->rows, m = f->motions, sides = m + 1, one = 1, info = 0, held = assemble(v);
+  double *force = v->new_y, *solved = v->right + (int64_t)m * held;
+  if (held > 0) { /* J by rows is its transpose by columns */
+    dgetrf_(&held, &held, v->matrix, &held, v->pivot, &info);
+    if (info == 0)
+      dgetrs_("T", &held, &sides, v->matrix, &held, v->pivot, v->right, &held, &info);
+  }
+  if (info != 0)
+    return false;
+  for (int l = 0; l <= m; l++) {
+    expand(v, v->right + (int64_t)l * held, v->new_x);
+    for (int k = 0; k < m; k++) {
+      double sum = bwi_dot(n, v->e + (int64_t)k * n, v->new_x);
+      if (l < m) {
+        f->h[(int64_t)k * m + l] = sum / (v->stretch[k] * v->stretch[l]);
+        v->small[(int64_t)l * m + k] = sum + (k == l ? v->spring[k] : 0);
+      } else
+        force[k] = v->load[k] + sum;
+    }
+  }
+  if (m > 0) /* (H + epsilon) y = load + E^T J^-1 r */
+    dgesv_(&m, &one, v->small, &m, v->pivot, force, &m, &info);
+  for (int k = 0; k < m; k++)
+    for (int u = 0; u < held; u++)
+      solved[u] -= v->new_y[k] * v->right[(int64_t)k * held + u];
+  expand(v, solved, v->new_x);
+  return info == 0 && isfinite(bwi_dot(n, v->new_x, v->new_x) + bwi_dot(m, v->new_y, v->new_y));
 }
 
 /* x, y += length (new_x - x, new_y - y) */
@@ -297,29 +361,13 @@ static void sweep(newton *v) {
     }
     for (int d = 0; d < width; d++) {
       double change = now[d] - v->x[r + d];
+      const double *s = f->s + (int64_t)(r + d) * n;
       for (int row = 0; row < n && change != 0; row++)
-        v->w[row] += change * v->s[(int64_t)(r + d) * n + row];
+        v->w[row] += change * v->scale[r + d] * s[row] * v->scale[row];
+      v->w[r + d] += change * shift;
       v->x[r + d] = now[d];
     }
   }
-}
-
-/* H: how the forces on motions change with these. */
-static bool take_stiffness(newton *v) {
-  bwi_friction *f = v->problem;
-  int m = f->motions, held, info = 0, total = assemble(v, &held);
-  double *column = v->matrix + (int64_t)held * total; /* of E, then of J^-1 E */
-  if (held > 0 && m > 0)
-    dgesv_(&held, &m, v->matrix, &total, v->pivot, column, &total, &info);
-  for (int k = 0; k < m; k++)
-    for (int l = 0; l < m; l++) {
-      double sum = 0;
-      for (int r = 0; r < f->rows; r++)
-        if (v->unknown[r] >= 0)
-          sum += v->e[(int64_t)k * f->rows + r] * column[(int64_t)l * total + v->unknown[r]];
-      f->h[(int64_t)k * m + l] = sum / (v->stretch[k] * v->stretch[l]);
-    }
-  return info == 0;
 }
 
 /* Whether the states have been these before the last step, so that full steps go round in a ring.
@@ -388,11 +436,6 @@ bw_status bwi_friction_solve(bw_context *context, bwi_friction *f) {
     f->p[r] = v.scale[r] * v.x[r];
   for (int k = 0; k < f->motions; k++)
     f->a[k] = v.stretch[k] * v.y[k];
-  if (!take_stiffness(&v))
-    BW_TRY(bw_fail(context, BW_SINGULAR,
-                   "the compliance of %d candidates of contact is not positive definite: parts of "
-                   "the body are nearly without stiffness, or nearly without a support",
-                   f->count));
 done:
   bwi_blas_leave();
   clear(&v);

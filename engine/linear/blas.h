@@ -29,6 +29,9 @@ void spotrf_(const char *, const int *, float *, const int *, int *);
 void dsygv_(const int *, const char *, const char *, const int *, double *, const int *, double *,
             const int *, double *, double *, const int *, int *);
 void dgesv_(const int *, const int *, double *, const int *, int *, double *, const int *, int *);
+void dgetrf_(const int *, const int *, double *, const int *, int *, int *);
+void dgetrs_(const char *, const int *, const int *, const double *, const int *, const int *,
+             double *, const int *, int *);
 void dgesvd_(const char *, const char *, const int *, const int *, double *, const int *, double *,
              double *, const int *, double *, const int *, double *, const int *, int *);
 void dsyev_(const char *, const char *, const int *, double *, const int *, double *, double *,
