@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 -- Lesson 29: large displacements
---   build/barwright examples/29_it_bends_far.lua [FOLDER]
+--   build/barwright examples/33_it_bends_far.lua [FOLDER]
 --
 -- The strut of lesson 23 buckles at 3.5 times its load if it is perfect. A real one is a little bent, and bends
 -- more and more. Southwell's plot reads the critical load from what it does before: of the deflection w over w / P

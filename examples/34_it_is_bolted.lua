@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 -- Lesson 29: it is bolted.
---   build/barwright examples/29_it_is_bolted.lua [FOLDER]
+--   build/barwright examples/34_it_is_bolted.lua [FOLDER]
 --
 -- A steel bolt of 10 x 10 mm clamps two aluminium plates of 30 x 30 x 10 mm between head and nut. The plates
 -- are pulled apart at two of their sides. When do they part, and what does the bolt carry then?
