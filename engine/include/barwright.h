@@ -109,11 +109,11 @@
 
 #include "barwright/analysis.h"
 #include "barwright/buckling.h"
-#include "barwright/finite.h"
 #include "barwright/contact.h"
 #include "barwright/deposition.h"
 #include "barwright/drop.h"
 #include "barwright/dynamics.h"
+#include "barwright/finite.h"
 #include "barwright/flow.h"
 #include "barwright/heat.h"
 #include "barwright/joint.h"
