@@ -22,6 +22,34 @@ static inline bw_material *body_material(bw_context *context) {
   return material;
 }
 
+/* The facets in a plane across an axis. */
+static inline bw_selection *body_face(bw_context *context, const bw_mesh *mesh, int axis,
+                                      double at) {
+  double point[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
+  bw_selection *selection = NULL;
+  point[axis] = at;
+  normal[axis] = 1;
+  check_ok(context, bw_select_plane(context, mesh, point, normal, 1e-9, &selection));
+  return selection;
+}
+
+/* A bar along x, fixed at x = 0, under a force at its other end where there is one. */
+static inline bw_model *body_bar(bw_context *context, bw_mesh *mesh, double length,
+                                 const double *force) {
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  bw_selection *held = body_face(context, mesh, 0, 0),
+               *loaded = body_face(context, mesh, 0, length);
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_model_fix(context, model, held));
+  if (force)
+    check_ok(context, bw_model_force(context, model, loaded, force));
+  bw_release(held);
+  bw_release(loaded);
+  bw_release(material);
+  return model;
+}
+
 static inline bw_solver *body_solver(bw_context *context, bw_solver_options options) {
   bw_solver *solver = NULL;
   check_ok(context, bw_solver_create(context, &options, &solver));

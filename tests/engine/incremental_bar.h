@@ -157,22 +157,13 @@ static inline void bar_make(bw_context *context, int across, int order, bar *b) 
   check_ok(context, bw_model_create(context, b->mesh, b->material, &b->model));
 }
 
-static inline bw_selection *face(bw_context *context, const bw_mesh *mesh, int axis, double at) {
-  double point[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
-  point[axis] = at;
-  normal[axis] = 1;
-  bw_selection *selection = NULL;
-  check_ok(context, bw_select_plane(context, mesh, point, normal, 1e-9, &selection));
-  return selection;
-}
-
 /* Supports and loads: built in; sliding on its own surface, prescribed, held at a corner; built in,
  * displaced and heated; free; sliding on its own surface all round one end. */
 enum { SCENES = 5 };
 
 static inline void load_bar(bw_context *context, bar *b, int scene) {
-  bw_selection *root = face(context, b->mesh, 0, 0), *tip = face(context, b->mesh, 0, 10);
-  bw_selection *top = face(context, b->mesh, 2, 1), *side = face(context, b->mesh, 1, 0);
+  bw_selection *root = body_face(context, b->mesh, 0, 0), *tip = body_face(context, b->mesh, 0, 10);
+  bw_selection *top = body_face(context, b->mesh, 2, 1), *side = body_face(context, b->mesh, 1, 0);
   const double gravity[3] = {0, 3, -9.81}, pull[3] = {2e5, 1e5, 5e4}, torque[3] = {3e4, 0, 0};
   const bool all[3] = {true, true, true}, one[3] = {true, false, false};
   const double by[3] = {1e-4, -2e-4, 3e-5}, corner[3] = {10, 1, 1};

@@ -9,28 +9,6 @@
 
 static const double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
-static bw_selection *plane(bw_context *context, const bw_mesh *mesh, int k, double at) {
-  double origin[3] = {0, 0, 0};
-  bw_selection *face = NULL;
-  origin[k] = at;
-  check_ok(context, bw_select_plane(context, mesh, origin, axis[k], 1e-9, &face));
-  return face;
-}
-
-/* A bar along x, fixed at x = 0, under a force at its other end. */
-static bw_model *bar(bw_context *context, bw_mesh *mesh, double length, const double force[3]) {
-  bw_material *material = body_material(context);
-  bw_model *model = NULL;
-  bw_selection *held = plane(context, mesh, 0, 0), *loaded = plane(context, mesh, 0, length);
-  check_ok(context, bw_model_create(context, mesh, material, &model));
-  check_ok(context, bw_model_fix(context, model, held));
-  check_ok(context, bw_model_force(context, model, loaded, force));
-  bw_release(held);
-  bw_release(loaded);
-  bw_release(material);
-  return model;
-}
-
 static bw_static *solved(bw_context *context, const bw_model *model) {
   bw_static *result = NULL;
   check_ok(context, bw_statics(context, model, NULL, NULL, &result));
@@ -227,7 +205,7 @@ static void against_dense(void **state) {
   const double force[3] = {-1e3, 2e3, 1e3};
   for (int order = 1; order <= 2; order++) {
     bw_mesh *mesh = body_box(context, 0.3, 0.1, 0.05, 3, 1, 1, order);
-    bw_model *model = bar(context, mesh, 0.3, force);
+    bw_model *model = body_bar(context, mesh, 0.3, force);
     bw_static *solution = solved(context, model);
     int n;
     double *mu = dense_mu(context, solution, &n);
@@ -262,7 +240,7 @@ static void euler_column(void **state) {
   bw_context *context = check_context(state);
   const double length = 1, side = 0.05, force[3] = {-1, 0, 0}, young = 200e9;
   bw_mesh *mesh = body_box(context, length, side, side, 32, 2, 2, 2);
-  bw_model *model = bar(context, mesh, length, force);
+  bw_model *model = body_bar(context, mesh, length, force);
   bw_static *solution = solved(context, model);
   bw_buckling *b = buckled(context, solution, 2, BW_BUCKLING_EITHER, BW_EIGENSOLVER_AUTO);
   double euler = M_PI * M_PI * young * pow(side, 4) / 12 / (4 * length * length);
@@ -289,7 +267,7 @@ static void both_signs(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {0, -1, 0};
   bw_mesh *mesh = body_box(context, 0.5, 0.05, 0.004, 16, 2, 1, 2);
-  bw_model *model = bar(context, mesh, 0.5, force);
+  bw_model *model = body_bar(context, mesh, 0.5, force);
   bw_static *solution = solved(context, model);
   for (int count = 1; count <= 4; count++) {
     bw_buckling *b = buckled(context, solution, count, BW_BUCKLING_EITHER, BW_EIGENSOLVER_AUTO);
@@ -316,7 +294,7 @@ static void scales_with_the_load(void **state) {
   bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.02, 6, 1, 1, 2);
   for (int k = 0; k < 3; k++) {
     const double force[3] = {-1e-3 * times[k], 0, 0};
-    bw_model *model = bar(context, mesh, 0.3, force);
+    bw_model *model = body_bar(context, mesh, 0.3, force);
     bw_static *solution = solved(context, model);
     bw_buckling *b = buckled(context, solution, 1, BW_BUCKLING_EITHER, BW_EIGENSOLVER_AUTO);
     factor[k] = b->factor[0];
@@ -339,11 +317,11 @@ static void no_compression(void **state) {
   const double traction[3] = {1e6, 0, 0};
   check_ok(context, bw_model_create(context, mesh, material, &model));
   for (int k = 0; k < 3; k++) {
-    bw_selection *face = plane(context, mesh, k, 0);
+    bw_selection *face = body_face(context, mesh, k, 0);
     check_ok(context, bw_model_slide(context, model, face, axis[k]));
     bw_release(face);
   }
-  bw_selection *end = plane(context, mesh, 0, 0.4);
+  bw_selection *end = body_face(context, mesh, 0, 0.4);
   check_ok(context, bw_model_traction(context, model, end, traction));
   bw_static *solution = solved(context, model);
   bw_buckling *b = buckled(context, solution, 2, BW_BUCKLING_POSITIVE, BW_EIGENSOLVER_AUTO);
@@ -367,9 +345,9 @@ static void heated_between_walls(void **state) {
   bw_context *context = check_context(state);
   const double length = 1, side = 0.04, alpha = 12e-6, force[3] = {0, 0, 0};
   bw_mesh *mesh = body_box(context, length, side, side, 20, 1, 1, 2);
-  bw_model *model = bar(context, mesh, length, force);
+  bw_model *model = body_bar(context, mesh, length, force);
   bw_array *warmer = NULL;
-  bw_selection *end = plane(context, mesh, 0, length);
+  bw_selection *end = body_face(context, mesh, 0, length);
   bw_model_clear_loads(model);
   check_ok(context, bw_model_fix(context, model, end));
   check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 1, &warmer));
@@ -393,7 +371,7 @@ static void same_bits(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-1, 2, 0};
   bw_mesh *mesh = body_box(context, 0.3, 0.1, 0.05, 8, 3, 2, 2);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   bw_buckling *b[2];
   for (int k = 0; k < 2; k++) {
     check_ok(context, bw_set_threads(context, k ? 3 : 1));
@@ -414,7 +392,7 @@ static void refused(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-1, 0, 0}, gravity[3] = {0, 0, -9.81};
   bw_mesh *mesh = body_box(context, 0.3, 0.1, 0.05, 3, 1, 1, 1);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   bw_static *solution = solved(context, model);
   bw_buckling *b = NULL;
   bw_buckling_options options;
@@ -430,7 +408,7 @@ static void refused(void **state) {
   /* moved as a whole */
   const bool all[3] = {true, true, true};
   const double shift[3] = {1e-3, 2e-3, 0};
-  bw_selection *held = plane(context, mesh, 0, 0);
+  bw_selection *held = body_face(context, mesh, 0, 0);
   bw_model_clear_supports(model);
   bw_model_clear_loads(model);
   check_ok(context, bw_model_prescribe(context, model, held, all, shift));
@@ -456,7 +434,7 @@ static void memory_failures(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-1, 0, 0};
   bw_mesh *mesh = body_box(context, 0.3, 0.1, 0.05, 3, 1, 1, 1);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   bw_static *solution = solved(context, model);
   bw_buckling *b = NULL;
   check_ok(context, bw_set_threads(context, 1));
@@ -553,7 +531,7 @@ static void calculix_agrees(void **state) {
         mesh = body == 0 ? body_box(context, 0.5, 0.05, 0.04, 12, 2, 2, order)
                          : body_box(context, 0.2, 0.15, 0.004, 8, 6, 1, order);
       straighten(mesh);
-      bw_model *model = bar(context, mesh, length[body], force[body]);
+      bw_model *model = body_bar(context, mesh, length[body], force[body]);
       bw_static *solution = solved(context, model);
       bw_buckling *b = buckled(context, solution, 3, BW_BUCKLING_POSITIVE, BW_EIGENSOLVER_AUTO);
       double factor[3];

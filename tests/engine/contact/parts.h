@@ -10,14 +10,6 @@
 static const double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 static const double young = 200e9, poisson = 0.3;
 
-static inline bw_selection *plane(bw_context *context, const bw_mesh *mesh, int k, double at) {
-  double origin[3] = {0, 0, 0};
-  bw_selection *face = NULL;
-  origin[k] = at;
-  check_ok(context, bw_select_plane(context, mesh, origin, axis[k], 1e-9, &face));
-  return face;
-}
-
 static inline bw_model *model_of(bw_context *context, bw_mesh *mesh) {
   bw_material *material = body_material(context);
   bw_model *model = NULL;
@@ -27,7 +19,7 @@ static inline bw_model *model_of(bw_context *context, bw_mesh *mesh) {
 }
 
 static inline void slide(bw_context *context, bw_model *model, int k, double at) {
-  bw_selection *face = plane(context, model->mesh, k, at);
+  bw_selection *face = body_face(context, model->mesh, k, at);
   check_ok(context, bw_model_slide(context, model, face, axis[k]));
   bw_release(face);
 }
@@ -64,8 +56,8 @@ typedef struct block {
 static inline block block_of(bw_context *context, int nx, int ny, int nz, int order) {
   block b = {.mesh = body_box(context, 0.3, 0.2, 0.1, nx, ny, nz, order)};
   b.model = model_of(context, b.mesh);
-  b.foot = plane(context, b.mesh, 2, 0);
-  b.top = plane(context, b.mesh, 2, 0.1);
+  b.foot = body_face(context, b.mesh, 2, 0);
+  b.top = body_face(context, b.mesh, 2, 0.1);
   return b;
 }
 

@@ -20,7 +20,7 @@ static void patch(void **state) {
     int order = which % 2 + 1;
     bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 4, 3, 2, order);
     bw_model *model = model_of(context, mesh);
-    bw_selection *top = plane(context, mesh, 2, 0.1), *foot = plane(context, mesh, 2, 0);
+    bw_selection *top = body_face(context, mesh, 2, 0.1), *foot = body_face(context, mesh, 2, 0);
     bw_rigid_surface *floor = NULL;
     const double point[3] = {1, 2, which < 2 ? 0 : -0.01};
     check_ok(context, bw_model_pressure(context, model, top, pressure));
@@ -57,7 +57,7 @@ static void falls(void **state) {
   for (int which = 0; which < 6; which++) {
     bw_mesh *mesh = body_box(context, 0.1, 0.1, 0.05, 4, 4, 2, 1);
     bw_model *model = model_of(context, mesh);
-    bw_selection *top = plane(context, mesh, 2, 0.05), *foot = plane(context, mesh, 2, 0);
+    bw_selection *top = body_face(context, mesh, 2, 0.05), *foot = body_face(context, mesh, 2, 0);
     bw_rigid_surface *floor = NULL;
     double gap = away[which / 2], weight = 100;
     if (which % 2) {
@@ -113,7 +113,8 @@ static void hertz(bw_context *context, bool line, double a, double radius, doubl
   const double centre[3] = {0, 0, radius - depth};
   check_ok(context, bw_mesh_mapped_box(context, cells, 2, quarter, &how, &mesh));
   bw_model *model = model_of(context, mesh);
-  bw_selection *top = plane(context, mesh, 2, 0), *foot = plane(context, mesh, 2, -how.size);
+  bw_selection *top = body_face(context, mesh, 2, 0),
+               *foot = body_face(context, mesh, 2, -how.size);
   slide(context, model, 0, 0);
   slide(context, model, 1, 0);
   if (line)
@@ -183,10 +184,10 @@ static void corner(void **state) {
     bw_contact_pair pair[3];
     bw_contact *contact = NULL;
     for (int k = 0; k < 3; k++) {
-      bw_selection *loaded = plane(context, mesh, k, 0.2);
+      bw_selection *loaded = body_face(context, mesh, k, 0.2);
       check_ok(context, bw_model_pressure(context, model, loaded, stress[k]));
       bw_release(loaded);
-      wall[k] = plane(context, mesh, k, 0);
+      wall[k] = body_face(context, mesh, k, 0);
       check_ok(context, bw_rigid_plane(context, (double[3]){-1e-3, -2e-3, 0}, axis[k], &with[k]));
       pair[k] = (bw_contact_pair){.on = wall[k], .with = with[k]};
     }
@@ -218,9 +219,10 @@ static void stop(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 1, 0.1, 0.1, 20, 2, 2, 2);
   bw_model *model = model_of(context, mesh);
-  bw_selection *root = plane(context, mesh, 0, 0), *end = plane(context, mesh, 0, 1), *low = NULL;
-  bw_selection *below = plane(context, mesh, 2, 0), *tip = NULL,
-               *top = plane(context, mesh, 2, 0.1);
+  bw_selection *root = body_face(context, mesh, 0, 0), *end = body_face(context, mesh, 0, 1),
+               *low = NULL;
+  bw_selection *below = body_face(context, mesh, 2, 0), *tip = NULL,
+               *top = body_face(context, mesh, 2, 0.1);
   check_ok(context, bw_select_half_space(context, mesh, (double[3]){0.95, 0, 0},
                                          (double[3]){-1, 0, 0}, 1e-9, &tip));
   check_ok(context, bw_select_combine(context, below, tip, BW_INTERSECTION, &low));
@@ -304,8 +306,8 @@ static void patch_between_parts(void **state) {
     check_ok(context, bw_mesh_box_grid(context, low, high, cells, order, &upper));
     mesh = both(context, lower, upper);
     bw_model *model = model_of(context, mesh);
-    bw_selection *top = plane(context, mesh, 2, 0.2), *on = plane(context, mesh, 2, 0.101);
-    bw_selection *against = plane(context, mesh, 2, 0.1);
+    bw_selection *top = body_face(context, mesh, 2, 0.2), *on = body_face(context, mesh, 2, 0.101);
+    bw_selection *against = body_face(context, mesh, 2, 0.1);
     bw_contact *contact = NULL;
     slide(context, model, 2, 0);
     slide(context, model, 0, 0);
@@ -467,8 +469,8 @@ static void facing(void **state) {
   check_ok(context, bw_mesh_box_grid(context, low, high, cells, 1, &upper));
   bw_mesh *mesh = both(context, lower, upper);
   bw_model *model = model_of(context, mesh);
-  bw_selection *top = plane(context, mesh, 2, 0.2), *joint = plane(context, mesh, 2, 0.1);
-  bw_selection *foot = plane(context, mesh, 2, 0), *side[2] = {NULL, NULL}, *whole = NULL;
+  bw_selection *top = body_face(context, mesh, 2, 0.2), *joint = body_face(context, mesh, 2, 0.1);
+  bw_selection *foot = body_face(context, mesh, 2, 0), *side[2] = {NULL, NULL}, *whole = NULL;
   bw_contact *contact = NULL;
   for (int k = 0; k < 2; k++) {
     uint8_t *mask = (uint8_t *)calloc((size_t)mesh->facet_count, 1);
@@ -512,8 +514,8 @@ static void refused(void **state) {
   bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 3, 2, 2, 1);
   bw_mesh *other = body_box(context, 0.3, 0.2, 0.1, 3, 2, 2, 1);
   bw_model *model = model_of(context, mesh);
-  bw_selection *top = plane(context, mesh, 2, 0.1), *foot = plane(context, mesh, 2, 0);
-  bw_selection *elsewhere = plane(context, other, 2, 0), *nodes = NULL;
+  bw_selection *top = body_face(context, mesh, 2, 0.1), *foot = body_face(context, mesh, 2, 0);
+  bw_selection *elsewhere = body_face(context, other, 2, 0), *nodes = NULL;
   bw_rigid_surface *with = NULL;
   bw_contact *c = NULL;
   const double zero[3] = {0};

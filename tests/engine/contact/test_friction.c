@@ -85,12 +85,12 @@ static void bonded(void **state) {
     bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 5, 4, 3, order);
     bw_model *model = model_of(context, mesh);
     bw_rigid_surface *floor = floor_at(context, 0);
-    bw_selection *foot = plane(context, mesh, 2, 0);
+    bw_selection *foot = body_face(context, mesh, 2, 0);
     const double size[3] = {0.3, 0.2, 0.1};
     const double traction[3][3] = {{-lateral, 0, shear}, {0, -lateral, 0}, {shear, 0, -p}};
     for (int k = 0; k < 3; k++)
       for (int far = k == 2; far < 2; far++) {
-        bw_selection *face = plane(context, mesh, k, far ? size[k] : 0);
+        bw_selection *face = body_face(context, mesh, k, far ? size[k] : 0);
         double t[3];
         for (int l = 0; l < 3; l++)
           t[l] = (far ? 1 : -1) * traction[k][l];
@@ -163,7 +163,7 @@ static void wall(void **state) {
   const double mu = 0.3, angle = 0.6, gap = 1e-4;
   bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 6, 4, 2, 2);
   bw_model *model = model_of(context, mesh);
-  bw_selection *foot = plane(context, mesh, 2, 0), *front = plane(context, mesh, 0, 0.3);
+  bw_selection *foot = body_face(context, mesh, 2, 0), *front = body_face(context, mesh, 0, 0.3);
   bw_rigid_surface *floor = floor_at(context, 0), *stop = NULL;
   const double weight = 9.81 * model->material->density * 0.006;
   check_ok(context,
@@ -222,8 +222,8 @@ static void cattaneo(void **state) {
   int32_t first = part[0]->node_count;
   bw_mesh *mesh = both(context, part[0], part[1]);
   bw_model *model = model_of(context, mesh);
-  bw_selection *side[2] = {NULL, NULL}, *foot = plane(context, mesh, 2, -how.size),
-               *top = plane(context, mesh, 2, how.size);
+  bw_selection *side[2] = {NULL, NULL}, *foot = body_face(context, mesh, 2, -how.size),
+               *top = body_face(context, mesh, 2, how.size);
   for (int k = 0; k < 2; k++) { /* the top of the lower part, the bottom of the upper one */
     uint8_t *mask = (uint8_t *)calloc((size_t)mesh->facet_count, 1);
     for (int32_t f = 0; f < mesh->facet_count; f++) {
@@ -311,8 +311,8 @@ static void refused(void **state) {
   bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 3, 2, 2, 1);
   bw_mesh *other = body_box(context, 0.3, 0.2, 0.1, 3, 2, 2, 1);
   bw_model *model = model_of(context, mesh), *second = model_of(context, other);
-  bw_selection *top = plane(context, mesh, 2, 0.1), *foot = plane(context, mesh, 2, 0);
-  bw_selection *same = plane(context, mesh, 2, 0), *elsewhere = plane(context, other, 2, 0);
+  bw_selection *top = body_face(context, mesh, 2, 0.1), *foot = body_face(context, mesh, 2, 0);
+  bw_selection *same = body_face(context, mesh, 2, 0), *elsewhere = body_face(context, other, 2, 0);
   bw_rigid_surface *floor = floor_at(context, 0);
   bw_contact *c = NULL;
   bw_contact_options options;

@@ -13,7 +13,7 @@ static bw_mesh *box_at(bw_context *context, double x, double z, const double siz
 
 static void move(bw_context *context, bw_model *model, int k, double at, const bool fixed[3],
                  const double value[3]) {
-  bw_selection *face = plane(context, model->mesh, k, at);
+  bw_selection *face = body_face(context, model->mesh, k, at);
   check_ok(context, bw_model_prescribe(context, model, face, fixed, value));
   bw_release(face);
 }
@@ -40,14 +40,14 @@ static void patch(void **state) {
     bw_mesh *mesh = both(context, box_at(context, 0, 0, size, (int[3]){4, 3, 2}, order),
                          box_at(context, away, 0.101, size, (int[3]){5, 4, 2}, order));
     bw_model *model = model_of(context, mesh);
-    bw_selection *top = plane(context, mesh, 2, 0.201);
+    bw_selection *top = body_face(context, mesh, 2, 0.201);
     slide(context, model, 2, 0);
     slide(context, model, 0, 0);
     slide(context, model, 1, 0);
     move(context, model, 0, away, (bool[3]){true, false, false}, (double[3]){-away, 0, 0});
     check_ok(context, bw_model_pressure(context, model, top, pressure));
-    bw_contact_pair pair = {.on = plane(context, mesh, 2, 0.101),
-                            .against = plane(context, mesh, 2, 0.1)};
+    bw_contact_pair pair = {.on = body_face(context, mesh, 2, 0.101),
+                            .against = body_face(context, mesh, 2, 0.1)};
     bw_contact *contact = slid(context, model, &pair, true, 1 + 2 * (which % 2), NULL);
     check_near(contact->state[0].force[2], pressure * 0.06, 1e-6 * pressure);
     assert_true(contact->iterations > 1);
@@ -78,9 +78,9 @@ static void pushed(void **state) {
   for (int32_t i = 0; i < mesh->node_count; i++) /* no faces in one plane */
     if (fabs(mesh->node[3 * i + 2] - 0.1 - 1e-9) < 1e-12)
       mesh->node[3 * i + 2] = 0.1 + 1e-8;
-  bw_selection *top = plane(context, mesh, 2, 0.1 + 1e-9 + height);
-  bw_contact_pair pair = {.on = plane(context, mesh, 2, 0.1 + 1e-8),
-                          .against = plane(context, mesh, 2, 0.1),
+  bw_selection *top = body_face(context, mesh, 2, 0.1 + 1e-9 + height);
+  bw_contact_pair pair = {.on = body_face(context, mesh, 2, 0.1 + 1e-8),
+                          .against = body_face(context, mesh, 2, 0.1),
                           .friction = mu};
   bw_contact *contact = NULL;
   for (int k = 0; k < 2; k++) { /* pressed, then pushed */
@@ -136,7 +136,7 @@ static void round_foot(void **state) {
     check_ok(context, bw_mesh_mapped_box(context, (int[3]){24, 1, 6}, 2, crown, at, &upper));
     mesh = both(context, box_at(context, 0, 0, bed, (int[3]){60, 1, 6}, 2), upper);
     bw_model *model = model_of(context, mesh);
-    bw_selection *foot = NULL, *lower = plane(context, mesh, 2, 0.1);
+    bw_selection *foot = NULL, *lower = body_face(context, mesh, 2, 0.1);
     const double low[3] = {at[0] - 0.03, -1, 0.1 + 5e-7}, high[3] = {at[0] + 0.03, 1, 0.1 + 6e-4};
     slide(context, model, 1, 0);
     move(context, model, 2, 0, (bool[3]){true, true, true}, (double[3]){0, 0, 0});
@@ -169,9 +169,9 @@ static void turns(void **state) {
     bw_mesh *mesh = both(context, box_at(context, 0, 0, size, (int[3]){2, 2, 2}, 1),
                          box_at(context, 0, 0.12, size, (int[3]){3, 3, 3}, 1));
     bw_model *model = model_of(context, mesh);
-    bw_selection *top = plane(context, mesh, 2, 0.22);
-    bw_contact_pair pair = {.on = plane(context, mesh, 2, 0.12),
-                            .against = plane(context, mesh, 2, 0.1)};
+    bw_selection *top = body_face(context, mesh, 2, 0.22);
+    bw_contact_pair pair = {.on = body_face(context, mesh, 2, 0.12),
+                            .against = body_face(context, mesh, 2, 0.1)};
     bw_contact *contact = NULL;
     bw_contact_options options;
     bw_array *field = NULL;

@@ -10,31 +10,6 @@
 #include "barwright/statics.h"
 #include "linear/blas.h"
 
-static const double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-
-static bw_selection *plane(bw_context *context, const bw_mesh *mesh, int k, double at) {
-  double origin[3] = {0, 0, 0};
-  bw_selection *face = NULL;
-  origin[k] = at;
-  check_ok(context, bw_select_plane(context, mesh, origin, axis[k], 1e-9, &face));
-  return face;
-}
-
-/* A bar along x, fixed at x = 0, under a force at its other end where there is one. */
-static bw_model *bar(bw_context *context, bw_mesh *mesh, double length, const double *force) {
-  bw_material *material = body_material(context);
-  bw_model *model = NULL;
-  bw_selection *held = plane(context, mesh, 0, 0), *loaded = plane(context, mesh, 0, length);
-  check_ok(context, bw_model_create(context, mesh, material, &model));
-  check_ok(context, bw_model_fix(context, model, held));
-  if (force)
-    check_ok(context, bw_model_force(context, model, loaded, force));
-  bw_release(held);
-  bw_release(loaded);
-  bw_release(material);
-  return model;
-}
-
 static bw_harmonic *answered(bw_context *context, const bw_model *model,
                              const bw_harmonic_options *options) {
   bw_harmonic *harmonic = NULL;
@@ -126,7 +101,7 @@ static void against_dense(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-100, 20, 30};
   bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 3, 1, 1, 2);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   bw_system *system = factored(context, model);
   int n = system->dof_map->unknown_count, size = 3 * mesh->node_count;
   double *k = numbers((int64_t)n * n), *m = numbers((int64_t)n * n), *f = numbers(size);
@@ -189,7 +164,7 @@ static void regions_against_dense(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-100, 20, 30};
   bw_mesh *mesh = two_regions(context, 3);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   bw_system *system = factored(context, model);
   bw_material *plain = body_material(context), *twice = NULL, *half = NULL;
   check_ok(context, bw_material_isotropic(context,
@@ -200,7 +175,7 @@ static void regions_against_dense(void **state) {
   const bw_material *part[2] = {plain, twice};
   check_ok(context, bw_material_by_region(context, mesh, part, &half));
   bw_model *other = NULL;
-  bw_selection *held = plane(context, mesh, 0, 0);
+  bw_selection *held = body_face(context, mesh, 0, 0);
   check_ok(context, bw_model_create(context, mesh, half, &other));
   check_ok(context, bw_model_fix(context, other, held));
   bw_system *stiffer = factored(context, other);
@@ -271,7 +246,7 @@ static void regions_alike(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-100, 20, 30}, loss[2] = {0.03, 0.03};
   bw_mesh *mesh = two_regions(context, 4);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   int64_t size = 3 * (int64_t)mesh->node_count;
   double *u = numbers(4 * size), largest = 0;
   bw_harmonic_options options;
@@ -334,7 +309,7 @@ static void regions_alike(void **state) {
 static void single_mode(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 4, 1, 1, 2);
-  bw_model *model = bar(context, mesh, 0.3, NULL);
+  bw_model *model = body_bar(context, mesh, 0.3, NULL);
   bw_system *system = factored(context, model);
   bw_modes *modes = NULL;
   bw_array *nodal = NULL;
@@ -387,7 +362,8 @@ static void statics_and_base(void **state) {
   const double force[3] = {-100, 20, 30}, gravity[3] = {-3, -2, -5};
   const double frequency[] = {0, 300};
   bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 4, 1, 1, 2);
-  bw_model *model = bar(context, mesh, 0.3, force), *other = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force),
+           *other = body_bar(context, mesh, 0.3, force);
   int64_t size = 3 * (int64_t)mesh->node_count;
   double *u = numbers(4 * size), largest = 0, *stress = numbers(4 * size),
          *von_mises = numbers(mesh->node_count);
@@ -453,7 +429,7 @@ static void peaks_are_met(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {0, 0, 1};
   bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 4, 1, 1, 2);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   bw_harmonic_options options;
   bw_harmonic_options_default(&options);
   options.to = 3000;
@@ -503,7 +479,7 @@ static void envelope_of_fields(void **state) {
   check_ok(context, bw_material_by_element(context, mesh->element_count, 2, of, part, &all));
   bw_model *mixed = NULL;
   check_ok(context, bw_model_create(context, mesh, all, &mixed));
-  bw_selection *held = plane(context, mesh, 0, 0), *loaded = plane(context, mesh, 0, 0.3);
+  bw_selection *held = body_face(context, mesh, 0, 0), *loaded = body_face(context, mesh, 0, 0.3);
   check_ok(context, bw_model_fix(context, mixed, held));
   check_ok(context, bw_model_force(context, mixed, loaded, force));
   bw_harmonic_options options;
@@ -585,7 +561,7 @@ static void same_bits(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-1, 2, 0};
   bw_mesh *mesh = body_box(context, 0.3, 0.1, 0.05, 8, 3, 2, 2);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   int64_t size = 3 * (int64_t)mesh->node_count;
   double *u[2];
   bw_harmonic_options options;
@@ -610,7 +586,7 @@ static void refused(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-1, 0, 0}, frequency[] = {-1};
   bw_mesh *mesh = body_box(context, 0.3, 0.1, 0.05, 3, 1, 1, 1);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   bw_harmonic *h = NULL;
   bw_harmonic_options options;
   bw_harmonic_options_default(&options);
@@ -655,7 +631,7 @@ static void refused(void **state) {
   bw_model_clear_supports(model);
   REFUSED(BW_UNCONSTRAINED, "Add supports");
   const bool all[3] = {true, true, true};
-  bw_selection *held = plane(context, mesh, 0, 0);
+  bw_selection *held = body_face(context, mesh, 0, 0);
   check_ok(context, bw_model_prescribe(context, model, held, all, force));
   REFUSED(BW_UNSUPPORTED, "prescribes a displacement");
 #undef REFUSED
@@ -669,7 +645,7 @@ static void refused(void **state) {
 static void random_single_mode(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 4, 1, 1, 2);
-  bw_model *model = bar(context, mesh, 0.3, NULL);
+  bw_model *model = body_bar(context, mesh, 0.3, NULL);
   bw_system *system = factored(context, model);
   bw_modes *modes = NULL;
   bw_array *nodal = NULL;
@@ -728,7 +704,7 @@ static void random_by_sums(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-100, 20, 30};
   bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 3, 1, 1, 2);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   int nodes = mesh->node_count, size = 3 * nodes, steps = 4000;
   const double at[3] = {100, 400, 1600}, density[3] = {1, 4, 0.5};
   bw_harmonic_options options;
@@ -796,7 +772,7 @@ static void random_far_from_peaks(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-100, 20, 30};
   bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 3, 1, 1, 2);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   bw_harmonic_options options;
   bw_harmonic_options_default(&options);
   options.to = 1000;
@@ -834,7 +810,7 @@ static void memory_failures(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-1, 0, 0};
   bw_mesh *mesh = body_box(context, 0.3, 0.1, 0.05, 3, 1, 1, 1);
-  bw_model *model = bar(context, mesh, 0.3, force);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   bw_harmonic *h = NULL;
   bw_harmonic_options options;
   bw_harmonic_options_default(&options);
@@ -910,7 +886,7 @@ static void calculix_agrees(void **state) {
   bw_context *context = check_context(state);
   const double force[3] = {-1e3, 2e2, 3e2}, range[2] = {20, 90};
   bw_mesh *mesh = body_box(context, 0.5, 0.05, 0.04, 12, 2, 2, 2);
-  bw_model *model = bar(context, mesh, 0.5, force);
+  bw_model *model = body_bar(context, mesh, 0.5, force);
   bw_harmonic_options options;
   bw_harmonic_options_default(&options);
   options.frequency_count = 2;

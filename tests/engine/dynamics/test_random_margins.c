@@ -275,22 +275,7 @@ static void narrow_band(void **state) {
 
 /* ---- bodies ---------------------------------------------------------------------------------- */
 
-static bw_model *bar(bw_context *context, bw_mesh *mesh) {
-  const double axis[3] = {1, 0, 0}, low[3] = {0, 0, 0}, high[3] = {0.3, 0, 0};
-  const double force[3] = {-100, 200, 300};
-  bw_material *material = body_material(context);
-  bw_model *model = NULL;
-  bw_selection *held = NULL, *loaded = NULL;
-  check_ok(context, bw_select_plane(context, mesh, low, axis, 1e-9, &held));
-  check_ok(context, bw_select_plane(context, mesh, high, axis, 1e-9, &loaded));
-  check_ok(context, bw_model_create(context, mesh, material, &model));
-  check_ok(context, bw_model_fix(context, model, held));
-  check_ok(context, bw_model_force(context, model, loaded, force));
-  bw_release(held);
-  bw_release(loaded);
-  bw_release(material);
-  return model;
-}
+static const double force[3] = {-100, 200, 300};
 
 /* Von Mises stress as a vector of another basis than that of the engine. */
 static void components(const double *s, double y[5]) {
@@ -306,7 +291,7 @@ static void fields(void **state) {
   bw_context *context = check_context(state);
   enum { STEPS = 3000 };
   bw_mesh *mesh = body_box(context, 0.3, 0.05, 0.04, 3, 1, 1, 2);
-  bw_model *model = bar(context, mesh);
+  bw_model *model = body_bar(context, mesh, 0.3, force);
   int nodes = mesh->node_count;
   const double at[2] = {100, 2500}, density[2] = {1e3, 1e3};
   bw_harmonic_options options;

@@ -172,35 +172,12 @@ static void rotations(void **state) {
   }
 }
 
-static bw_selection *plane(bw_context *context, const bw_mesh *mesh, int k, double at) {
-  const double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  double origin[3] = {0, 0, 0};
-  bw_selection *face = NULL;
-  origin[k] = at;
-  check_ok(context, bw_select_plane(context, mesh, origin, axis[k], 1e-9, &face));
-  return face;
-}
-
-/* A bar along x, fixed at x = 0, under a force at its other end. */
-static bw_model *bar(bw_context *context, bw_mesh *mesh, double length, const double force[3]) {
-  bw_material *material = body_material(context);
-  bw_model *model = NULL;
-  bw_selection *held = plane(context, mesh, 0, 0), *loaded = plane(context, mesh, 0, length);
-  check_ok(context, bw_model_create(context, mesh, material, &model));
-  check_ok(context, bw_model_fix(context, model, held));
-  check_ok(context, bw_model_force(context, model, loaded, force));
-  bw_release(held);
-  bw_release(loaded);
-  bw_release(material);
-  return model;
-}
-
 /* K - s M solved by its indefinite factor: the residual, and as many negative pivots as there are
  * eigenvalues below s. */
 static void indefinite_factors(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 0.3, 0.1, 0.05, 6, 3, 2, 2);
-  bw_model *model = bar(context, mesh, 0.3, (const double[3]){0, 0, 1});
+  bw_model *model = body_bar(context, mesh, 0.3, (const double[3]){0, 0, 1});
   bw_dof_map *map = NULL;
   bw_block_pattern *pattern = NULL;
   bwi_symbolic *symbolic = NULL;
@@ -257,8 +234,8 @@ static void elastica(void **state) {
   const double published[3][3] = {
       {1, 0.05643, 0.30172}, {5, 0.38763, 0.71379}, {10, 0.55500, 0.81061}};
   bw_mesh *mesh = body_box(context, length, side, side, 40, 2, 2, 2);
-  bw_model *model = bar(context, mesh, length, (const double[3]){0, 0, 10 * young * inertia});
-  bw_selection *end = plane(context, mesh, 0, length);
+  bw_model *model = body_bar(context, mesh, length, (const double[3]){0, 0, 10 * young * inertia});
+  bw_selection *end = body_face(context, mesh, 0, length);
   bw_nonlinear_options options;
   bw_nonlinear *path = NULL;
   bw_nonlinear_options_default(&options);
@@ -376,7 +353,7 @@ static void snap_through(void **state) {
 static void same_bits(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 0.5, 0.02, 0.02, 20, 2, 2, 2);
-  bw_model *model = bar(context, mesh, 0.5, (const double[3]){0, 0, 500});
+  bw_model *model = body_bar(context, mesh, 0.5, (const double[3]){0, 0, 500});
   bw_nonlinear *path[2] = {NULL, NULL};
   bw_nonlinear_options options;
   bw_nonlinear_options_default(&options);
@@ -398,8 +375,8 @@ static void refused(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 0.3, 0.1, 0.05, 3, 1, 1, 1);
   bw_material *material = body_material(context);
-  bw_model *free_body = NULL, *model = bar(context, mesh, 0.3, (const double[3]){0, 0, 1});
-  bw_selection *end = plane(context, mesh, 0, 0.3);
+  bw_model *free_body = NULL, *model = body_bar(context, mesh, 0.3, (const double[3]){0, 0, 1});
+  bw_selection *end = body_face(context, mesh, 0, 0.3);
   bw_nonlinear *path = NULL;
   bw_nonlinear_options options;
   check_ok(context, bw_model_create(context, mesh, material, &free_body));
@@ -408,7 +385,8 @@ static void refused(void **state) {
               bw_nonlinear_statics(context, free_body, NULL, &path));
   bw_nonlinear_options_default(&options);
   options.factor = -1;
-  check_fails(context, BW_INVALID, "load factor", bw_nonlinear_statics(context, model, &options, &path));
+  check_fails(context, BW_INVALID, "load factor",
+              bw_nonlinear_statics(context, model, &options, &path));
   options.factor = 1;
   options.max_iterations = 1;
   check_fails(context, BW_INVALID, "iterations",
@@ -434,7 +412,7 @@ static void refused(void **state) {
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 0.3, 0.1, 0.05, 3, 1, 1, 2);
-  bw_model *model = bar(context, mesh, 0.3, (const double[3]){0, 0, 1});
+  bw_model *model = body_bar(context, mesh, 0.3, (const double[3]){0, 0, 1});
   bw_nonlinear *path = NULL;
   bw_nonlinear_options options;
   bw_nonlinear_options_default(&options);

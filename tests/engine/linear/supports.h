@@ -14,8 +14,9 @@ static inline bw_model *supported_body(bw_context *context, const bw_mesh *mesh,
                                        double far, const double normal[3]) {
   bw_model *model = NULL;
   const double pull[3] = {3e3, 1e3, -2e3}, gravity[3] = {1, 2, -9.81};
-  bw_selection *low = face(context, mesh, axis, 0), *high = face(context, mesh, axis, far);
-  bw_selection *side = face(context, mesh, 1, 0);
+  bw_selection *low = body_face(context, mesh, axis, 0),
+               *high = body_face(context, mesh, axis, far);
+  bw_selection *side = body_face(context, mesh, 1, 0);
   check_ok(context, bw_model_create(context, mesh, material, &model));
   if (how == CLAMPED)
     check_ok(context, bw_model_fix(context, model, low));

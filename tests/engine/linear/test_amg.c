@@ -66,7 +66,7 @@ static bw_model *cube(bw_context *context, int length, int n, int order, bool af
   bw_model *model = NULL;
   const double pull[3] = {1e6, 2e6, 3e6};
   check_ok(context, bw_model_create(context, mesh, material, &model));
-  bw_selection *root = face(context, mesh, 0, 0), *tip = face(context, mesh, 0, length);
+  bw_selection *root = body_face(context, mesh, 0, 0), *tip = body_face(context, mesh, 0, length);
   if (!afloat)
     check_ok(context, bw_model_fix(context, model, root));
   check_ok(context, bw_model_force(context, model, tip, pull));
@@ -98,7 +98,7 @@ static void of_a_free_plate(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 30, 30, 1, 100, 100, 3, 1);
   bw_material *material = body_material(context);
-  bw_selection *tip = face(context, mesh, 0, 30);
+  bw_selection *tip = body_face(context, mesh, 0, 30);
   bw_solver *amg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_AMG});
   bw_solver *pcg = body_solver(
       context,
@@ -144,7 +144,8 @@ static void of_several_bodies(void **state) {
     check_ok(context, bw_mesh_copy(context, 1, nodes, node, elements, element, NULL, &mesh));
     check_ok(context, bw_model_create(context, mesh, material, &model));
     for (int p = 0; p < 2; p++) {
-      bw_selection *root = face(context, mesh, 0, 3 * p), *tip = face(context, mesh, 0, 3 * p + 1);
+      bw_selection *root = body_face(context, mesh, 0, 3 * p),
+                   *tip = body_face(context, mesh, 0, 3 * p + 1);
       if (p < held)
         check_ok(context, bw_model_fix(context, model, root));
       check_ok(context, bw_model_force(context, model, tip, pull));

@@ -151,7 +151,7 @@ static bw_model *thick_body(bw_context *context, int length, int n, bool afloat)
   bw_model *model = NULL;
   const double pull[3] = {1e6, 2e6, 3e6};
   check_ok(context, bw_model_create(context, mesh, material, &model));
-  bw_selection *root = face(context, mesh, 0, 0), *tip = face(context, mesh, 0, length);
+  bw_selection *root = body_face(context, mesh, 0, 0), *tip = body_face(context, mesh, 0, length);
   if (!afloat)
     check_ok(context, bw_model_fix(context, model, root));
   check_ok(context, bw_model_force(context, model, tip, pull));

@@ -367,7 +367,7 @@ static void strong_couplings_converge(void **state) {
     else
       check_ok(context, bw_material_orthotropic(context, &fibres, &material));
     check_ok(context, bw_model_create(context, mesh, material, &model));
-    bw_selection *low = face(context, mesh, 2, 0), *high = face(context, mesh, 2, 10);
+    bw_selection *low = body_face(context, mesh, 2, 0), *high = body_face(context, mesh, 2, 10);
     check_ok(context, bw_model_fix(context, model, low));
     check_ok(context, bw_model_force(context, model, high, pull));
     for (int n = 0; n < 2; n++) {

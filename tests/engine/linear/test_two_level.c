@@ -51,7 +51,7 @@ static bw_incremental_system *block_of(bw_context *context, int nx, int n, bar *
   b->node_subdomain = calloc((size_t)b->mesh->node_count, sizeof(int32_t));
   b->node = numbers(3 * (int64_t)b->mesh->node_count);
   check_ok(context, bw_model_create(context, b->mesh, b->material, &b->model));
-  bw_selection *root = face(context, b->mesh, 0, 0);
+  bw_selection *root = body_face(context, b->mesh, 0, 0);
   check_ok(context, bw_model_fix(context, b->model, root));
   check_ok(context, bw_model_gravity(context, b->model, gravity));
   check_ok(context, bw_incremental_system_create(context, b->model, false, 1, b->element_subdomain,

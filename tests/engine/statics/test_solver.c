@@ -281,7 +281,7 @@ static void mechanism(void **state) {
   check_ok(context, bw_mesh_with_order(context, linear, 2, &mesh));
   bw_material *material = body_material(context);
   bw_model *model = NULL;
-  bw_selection *fixed = face(context, mesh, 0, 0);
+  bw_selection *fixed = body_face(context, mesh, 0, 0);
   const double gravity[3] = {1, 2, -9.81};
   check_ok(context, bw_model_create(context, mesh, material, &model));
   check_ok(context, bw_model_fix(context, model, fixed));
@@ -313,7 +313,7 @@ static void large_elements(void **state) {
   bw_material *material = body_material(context);
   bw_model *model = NULL;
   bw_static *expected = NULL, *result = NULL;
-  bw_selection *fixed = face(context, mesh, 0, 0), *loaded = face(context, mesh, 0, 4000);
+  bw_selection *fixed = body_face(context, mesh, 0, 0), *loaded = body_face(context, mesh, 0, 4000);
   const double pull[3] = {1e6, 2e6, 3e6};
   check_ok(context, bw_model_create(context, mesh, material, &model));
   check_ok(context, bw_model_fix(context, model, fixed));

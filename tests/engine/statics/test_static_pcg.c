@@ -79,7 +79,7 @@ static void mean_dilatation(void **state) {
   check_ok(context, bw_material_isotropic(context, &constants, &standard));
   check_ok(context, bw_material_formulated(context, standard, BW_B_BAR, &material));
   check_ok(context, bw_model_create(context, mesh, material, &model));
-  bw_selection *low = face(context, mesh, 0, 0), *high = face(context, mesh, 0, 4);
+  bw_selection *low = body_face(context, mesh, 0, 0), *high = body_face(context, mesh, 0, 4);
   check_ok(context, bw_model_fix(context, model, low));
   check_ok(context, bw_model_force(context, model, high, pull));
   compare_ways(context, model);
@@ -104,8 +104,8 @@ static void partly_free(void **state) {
     bw_model *model = NULL;
     bw_dof_map *dof_map = NULL;
     check_ok(context, bw_model_create(context, mesh, material, &model));
-    bw_selection *low = face(context, mesh, 0, 0), *side = face(context, mesh, 1, 0);
-    bw_selection *high = face(context, mesh, 0, 4);
+    bw_selection *low = body_face(context, mesh, 0, 0), *side = body_face(context, mesh, 1, 0);
+    bw_selection *high = body_face(context, mesh, 0, 4);
     if (scene > 0)
       check_ok(context, bw_model_slide(context, model, low, scene == 3 ? normal[2] : normal[0]));
     if (scene > 1)
@@ -179,7 +179,7 @@ static void free_bodies(void **state) {
     bw_material *material = body_material(context);
     bw_model *model = NULL;
     bw_static *a = NULL, *b = NULL;
-    bw_selection *high = face(context, mesh, 2, k < 2 ? 1 : 100);
+    bw_selection *high = body_face(context, mesh, 2, k < 2 ? 1 : 100);
     check_ok(context, bw_model_create(context, mesh, material, &model));
     check_ok(context, bw_model_force(context, model, high, pull));
     check_ok(context, bw_statics(context, model, NULL, &by_levels, &a));
@@ -227,7 +227,7 @@ static void curved_elements(void **state) {
   /* built in; free; sliding on its curved surface along the normals */
   for (int scene = 0; scene < 3; scene++) {
     bw_model *model = NULL;
-    bw_selection *root = face(context, mesh, 0, 0), *inner = NULL, *tip = NULL;
+    bw_selection *root = body_face(context, mesh, 0, 0), *inner = NULL, *tip = NULL;
     check_ok(context, bw_select_patch(context, mesh, below, 0.3, &inner));
     check_ok(context, bw_select_patch(context, mesh, end, 0.3, &tip));
     check_ok(context, bw_model_create(context, mesh, material, &model));
@@ -256,7 +256,7 @@ typedef struct block {
 
 static block make_block(bw_context *context, int nx, int ny, int nz, int order) {
   block b = {.mesh = body_box(context, nx, ny, nz, nx, ny, nz, order)};
-  bw_selection *low = face(context, b.mesh, 2, 0), *high = face(context, b.mesh, 2, nz);
+  bw_selection *low = body_face(context, b.mesh, 2, 0), *high = body_face(context, b.mesh, 2, nz);
   const double pull[3] = {1e6, 2e6, 3e6};
   b.material = body_material(context);
   check_ok(context, bw_model_create(context, b.mesh, b.material, &b.model));
@@ -282,7 +282,7 @@ static void flatten(bw_context *context, block *b, double factor) {
     top = i % 3 == 2 ? fmax(top, x[i]) : top;
   }
   check_ok(context, bw_mesh_moved(context, b->mesh, x, &mesh));
-  bw_selection *low = face(context, mesh, 2, 0), *high = face(context, mesh, 2, top);
+  bw_selection *low = body_face(context, mesh, 2, 0), *high = body_face(context, mesh, 2, top);
   const double pull[3] = {1e6, 2e6, 3e6};
   bw_release(b->model);
   bw_release(b->mesh);
@@ -435,11 +435,11 @@ static void block_in_tension(void **state) {
   double normal[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   check_ok(context, bw_model_create(context, mesh, material, &model));
   for (int c = 0; c < 3; c++) {
-    bw_selection *plane = face(context, mesh, c, 0);
+    bw_selection *plane = body_face(context, mesh, c, 0);
     check_ok(context, bw_model_slide(context, model, plane, normal[c]));
     bw_release(plane);
   }
-  bw_selection *end = face(context, mesh, 0, 2);
+  bw_selection *end = body_face(context, mesh, 0, 2);
   check_ok(context, bw_model_traction(context, model, end, traction));
   bw_static *result = NULL;
   check_ok(context, bw_statics(context, model, NULL, &by_levels, &result));
@@ -509,7 +509,7 @@ static void mechanism(void **state) {
   check_ok(context, bw_mesh_with_order(context, linear, 2, &mesh));
   bw_material *material = body_material(context);
   bw_model *model = NULL;
-  bw_selection *fixed = face(context, mesh, 0, 0);
+  bw_selection *fixed = body_face(context, mesh, 0, 0);
   const double gravity[3] = {1, 2, -9.81};
   check_ok(context, bw_model_create(context, mesh, material, &model));
   check_ok(context, bw_model_fix(context, model, fixed));
