@@ -17,6 +17,7 @@ typedef struct elastic {
   Vec work;
   bw_status status; /* of an apply that failed */
   int solves, expected;
+  char stage[24]; /* of progress */
 } elastic;
 
 /* a = basis^T v; v -= other a */
@@ -46,7 +47,7 @@ static bw_status invert(elastic *e, Vec f, Vec u) {
     BW_TRY(take_off(context, s->motions, s->weighted, s->motion, u));
   e->solves++;
   if (s->rank == 0)
-    bw_progress(context, "modes", fmin(0.95, (double)e->solves / e->expected));
+    bw_progress(context, e->stage, fmin(0.95, (double)e->solves / e->expected));
   if (bwd_cancelled(context))
     status = bw_fail(context, BW_CANCELLED, "cancelled");
 done:
@@ -365,6 +366,7 @@ bw_status bwd_modes(bw_context *context, bwd_system *system, const bw_modes_opti
   int wanted = count + FURTHER < dimension ? count + FURTHER : dimension;
   double tolerance = fmin(1e-2 * options.tolerance, 1e-8);
   e.expected = 4 * wanted + 30;
+  snprintf(e.stage, sizeof e.stage, "%d mode%s", count, count == 1 ? "" : "s");
   if (count > 0) {
     BWD_TRY(VecDuplicate(system->force, &e.work));
     BW_TRY(bwd_solver_create(context, system, fmin(1e-2 * options.tolerance, 1e-9)));
