@@ -197,9 +197,9 @@ describe("dynamics of joined models", function()
   end)
 
   if os.execute "command -v ccx >/dev/null 2>&1" then
-    -- The digits that agree end where CalculiX integrates the mass of an element otherwise.
+    -- light: CalculiX integrates the mass of elements with fewer points
     it("have the response that CalculiX has of a tied beam with a mass on a lever", function()
-      local part, tip = beam(true, {6, 2, 1})
+      local part, tip = beam(true, {6, 2, 1}, bw.material.isotropic {young = 2e11, poisson = 0.3, density = 1})
       local at, modes, ratio, list = {1.1, 0.05, 0.1}, 20, 0.02, {15, 60}
       local point, turn = tied_beam(part, tip, at, 5, ([[
 *STEP
@@ -231,7 +231,7 @@ U
             local largest = of[2].amplitude:rows(i, i):max()
             for c = 1, 3 do
               local off = values(i, c) - found[part_of][c]
-              assert.is_true(math.abs(off) < 5e-6 * largest, ("%g Hz: %g of %g"):format(f, off, largest))
+              assert.is_true(math.abs(off) < 1e-6 * largest, ("%g Hz: %g of %g"):format(f, off, largest))
             end
           end
         end

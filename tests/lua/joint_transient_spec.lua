@@ -357,7 +357,8 @@ describe("transients of joined models", function()
 
   if os.execute "command -v ccx >/dev/null 2>&1" then
     it("are those of *DYNAMIC, DIRECT of CalculiX of a tied beam with a mass on a lever", function()
-      local part, tip = beam(true, {6, 2, 1})
+      -- light: CalculiX integrates the mass of elements with fewer points
+      local part, tip = beam(true, {6, 2, 1}, bw.material.isotropic {young = 2e11, poisson = 0.3, density = 1})
       local at, step, steps = {1.1, 0.05, 0.1}, 5e-4, 120
       local rows = {{0, 0}, {0.01, 1}, {0.03, -0.5}, {0.06, 0.2}}
       local amplitude = {}
@@ -395,7 +396,7 @@ U
           end
         end
       end
-      assert.is_true(off < 1e-5 * most, ("%g of %g"):format(off, most))
+      assert.is_true(off < 1e-6 * most, ("%g of %g"):format(off, most))
     end)
   end
 end)
