@@ -38,6 +38,13 @@ function nonlinear:write_history(path)
   return core.write_file(path, table.concat(lines, "\n") .. "\n")
 end
 
+-- A list that begins at the state without load.
+local function from_zero(values)
+  local list = {0}
+  for i = 1, #values do list[i + 1] = values[i] end
+  return list
+end
+
 --- A plot of the load factor over the displacement of a monitored node.
 function nonlinear:figure(given)
   local opts = options.read("figure", given, {
@@ -53,7 +60,7 @@ function nonlinear:figure(given)
   else
     raise(("figure: option 'axis': \"x\", \"y\", \"z\" or \"norm\" expected, got %s"):format(core.got(opts.axis)))
   end
-  return plot.lines {series = {{x = across, y = self.factors}},
+  return plot.lines {series = {{x = from_zero(across), y = from_zero(self.factors)}},
     x = {label = opts.axis == "norm" and "displacement" or "displacement along " .. opts.axis, unit = "m"},
     y = {label = "load factor"}, title = ("node at (%g, %g, %g) m"):format(place[1], place[2], place[3])}
 end
@@ -77,7 +84,7 @@ function nonlinear:picture(path, given)
   opts.values = self.von_mises:gather(nodes)
   opts.unit, opts.scale = opts.unit or "von Mises stress, MPa", opts.scale or 1e-6
   opts.displacement, opts.deformation = self.displacement:gather(nodes), opts.deformation or 1
-  opts.title = opts.title or ("load factor %s"):format(shown.number(self.factor))
+  opts.title = opts.title or ("load factor %s; %s"):format(shown.number(self.factor), core.error_unknown)
   return core.picture(surface, path, opts)
 end
 
