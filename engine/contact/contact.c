@@ -78,7 +78,7 @@ static bw_status prepare(bw_context *context, bwi_contact_problem *c, int pair_c
   double min[3], max[3];
   for (int i = 0; i < pair_count; i++)
     c->finite = c->finite || (pair[i].against && c->options->finite_sliding);
-  BW_TRY(bwi_contact_rows_create(context, c->model->mesh, pair_count, pair, c->finite, &c->rows));
+  BW_TRY(bwi_contact_rows_create(context, c->model, pair_count, pair, c->finite, &c->rows));
   c->facet = find_facet(&c->rows);
   for (int i = 0; i < pair_count; i++)
     c->curved = c->curved || (pair[i].with && pair[i].with->kind != BW_RIGID_PLANE);

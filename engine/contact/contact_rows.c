@@ -50,9 +50,36 @@ static bw_status check_facets(bw_context *context, const bw_mesh *mesh, int i,
   return BW_OK;
 }
 
-static bw_status check_pair(bw_context *context, const bw_mesh *mesh, int i,
+static bool have_common_facet(const bw_selection *a, const bw_selection *b) {
+  int32_t i = 0, j = 0;
+  while (i < a->facet_count && j < b->facet_count && a->facet[i] != b->facet[j])
+    if (a->facet[i] < b->facet[j])
+      i++;
+    else
+      j++;
+  return i < a->facet_count && j < b->facet_count;
+}
+
+/* Where a bond keeps both sides together, nothing decides the pressure between them. */
+static bw_status check_bonds(bw_context *context, const bw_model *model, int i,
+                             const bw_contact_pair *pair) {
+  for (int k = 0; k < model->bond_count; k++) {
+    const bw_selection *covered = model->bond[k].covered;
+    if (covered && have_common_facet(pair->on, covered) &&
+        have_common_facet(pair->against, covered))
+      return bw_fail(
+          context, BW_INVALID,
+          "contact pair %d is on facets that bond %d joins: leave these out of the pair, "
+          "or the bond",
+          i + 1, k + 1);
+  }
+  return BW_OK;
+}
+
+static bw_status check_pair(bw_context *context, const bw_model *model, int i,
                             const bw_contact_pair *pair) {
   bw_status status = BW_OK;
+  const bw_mesh *mesh = model->mesh;
   if (!pair->with == !pair->against)
     return bw_fail(context, BW_INVALID,
                    "contact pair %d needs either a rigid surface or facets that it is against",
@@ -70,6 +97,7 @@ static bw_status check_pair(bw_context *context, const bw_mesh *mesh, int i,
     snprintf(what, sizeof what, "contact pair %d: contact between parts is of", i + 1);
     BW_TRY(check_facets(context, mesh, i, pair->against));
     BW_TRY(bwi_check_sides(context, pair->on, pair->against, what));
+    BW_TRY(check_bonds(context, model, i, pair));
   }
 done:
   return status;
@@ -158,10 +186,11 @@ void bwi_contact_pairs_release(int pair_count, bw_contact_pair *copy) {
   bw_free(copy);
 }
 
-bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int pair_count,
+bw_status bwi_contact_rows_create(bw_context *context, const bw_model *model, int pair_count,
                                   const bw_contact_pair *pair, bool finite,
                                   bwi_contact_rows *rows) {
   bw_status status = BW_OK;
+  const bw_mesh *mesh = model->mesh;
   int64_t facets = 0, points = 0;
   double barycentric[MOST_POINTS][3], weight[MOST_POINTS];
   int32_t *number = BW_NEW(context, int32_t, mesh->node_count);
@@ -169,7 +198,7 @@ bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int 
       (bwi_contact_rows){.mesh = mesh, .pair_count = pair_count, .pair = pair, .finite = finite};
   BW_TRY_MEMORY(number);
   for (int i = 0; i < pair_count; i++) {
-    BW_TRY(check_pair(context, mesh, i, &pair[i]));
+    BW_TRY(check_pair(context, model, i, &pair[i]));
     facets += pair[i].on->facet_count;
     points += (int64_t)pair[i].on->facet_count * rule(pair[i].against, barycentric, weight);
   }

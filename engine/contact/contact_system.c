@@ -169,7 +169,7 @@ static bw_status find_candidates(bw_context *context, bw_contact_system *c) {
     max[k] -= min[k];
   c->rows = BW_NEW0(context, bwi_contact_rows, 1);
   BW_TRY_MEMORY(c->rows && none);
-  BW_TRY(bwi_contact_rows_create(context, mesh, c->pair_count, c->pair, false, c->rows));
+  BW_TRY(bwi_contact_rows_create(context, c->model, c->pair_count, c->pair, false, c->rows));
   gap = BW_NEW(context, double, c->rows->row_count);
   c->row = BW_NEW(context, int32_t, c->rows->row_count);
   c->gap = BW_NEW(context, double, c->rows->row_count);

@@ -71,8 +71,9 @@ typedef struct bwi_contact_rows {
 void bwi_contact_pairs_retain(int pair_count, const bw_contact_pair *pair, bw_contact_pair *copy);
 /* Frees such copies; nothing for NULL. */
 void bwi_contact_pairs_release(int pair_count, bw_contact_pair *copy);
-/* BW_INVALID for a selection of another mesh, BW_EMPTY for one without a facet. */
-bw_status bwi_contact_rows_create(bw_context *context, const bw_mesh *mesh, int pair_count,
+/* BW_INVALID for a selection of another mesh and for facets that a bond joins, BW_EMPTY for a
+ * selection without a facet. */
+bw_status bwi_contact_rows_create(bw_context *context, const bw_model *model, int pair_count,
                                   const bw_contact_pair *pair, bool finite, bwi_contact_rows *rows);
 void bwi_contact_rows_clear(bwi_contact_rows *rows);
 /* Takes normals and gaps where the displacement brings the points, and B there; gap (row_count) are

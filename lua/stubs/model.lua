@@ -667,7 +667,7 @@ function Model:drop(options) end
 ---
 ---Errors: unconstrained (neither supports nor contact balance the load; `details.motion` says along which motion), convergence
 ---(the part slides far on a curved surface, or friction finds no equilibrium: the message says where), invalid (supports
----press the part into a surface), empty (a pair without a facet), unsupported (a sector of cyclic symmetry; a part with bonds,
+---press the part into a surface; a pair on facets that a bond joins), empty (a pair without a facet), unsupported (a sector of cyclic symmetry; a part with bonds,
 ---attachments or couplings and a solver that makes no factor); those of `solve`.
 ---
 ---Source: docs/theory/contact.md.

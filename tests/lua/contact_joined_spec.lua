@@ -235,6 +235,10 @@ describe("contact of joined bodies", function()
     part:clear_bonds():load({on = cut.a, force = {0, 0, 1}}):bond {a = cut.a, b = cut.b}
     check.fails("unconstrained", "nothing stops the translation along (0, 0, 1) of body",
       part:contact {pairs[1], pairs[2]})
+    part:fix(part.mesh.boundary)
+    check.raises("contact pair 1 is on facets that bond 1 joins", function()
+      part:contact {{on = cut.a, with = cut.b}}
+    end)
     local wedge = bw.mesh.box {max = {1, 1, 0.3}, cells = {3, 3, 1}}
     local sector = bw.model {mesh = wedge, material = bw.material.steel}
     local low, high = wedge.boundary:below("y", 0), wedge.boundary:below("x", 0)

@@ -134,12 +134,12 @@ struct bw_contact {
  * the linearisation of curved surfaces or the active set do not come to an end, and where friction
  * finds no equilibrium; BW_INVALID for a selection of another mesh, a pair without exactly one of
  * `with` and `against`, which may have no node in common with `on`, facets of which none faces
- * those, an `after` of another mesh, material, facets, joints or supported nodes or without
- * friction, and where supports press the body into a surface; BW_EMPTY for a selection without a
- * facet, BW_LIMIT for a body that rotates by more than 0.2 rad in finite sliding, for more than
- * 8000 unknowns of corners that touch, one each or three with friction, or 6000 free rigid-body
- * modes, 200 of a joined model, BW_UNSUPPORTED for an external solver, and for a sector and a
- * solver without a factor of a joined one; those of bw_statics, bw_joined_system and
+ * those, facets that a bond joins, an `after` of another mesh, material, facets, joints or
+ * supported nodes or without friction, and where supports press the body into a surface; BW_EMPTY
+ * for a selection without a facet, BW_LIMIT for a body that rotates by more than 0.2 rad in finite
+ * sliding, for more than 8000 unknowns of corners that touch, one each or three with friction, or
+ * 6000 free rigid-body modes, 200 of a joined model, BW_UNSUPPORTED for an external solver, and for
+ * a sector and a solver without a factor of a joined one; those of bw_statics, bw_joined_system and
  * bw_system_solve. */
 BW_API bw_status bw_contact_solve(bw_context *context, const bw_model *model, int pair_count,
                                   const bw_contact_pair *pair, bw_system *given,
