@@ -134,11 +134,11 @@ local function judgement(margins, fatigue)
       {("margin of %g root mean squares, at %s"):format(margins.sigma, core.point(margins.margin_at)),
         shown.percent(margins.margin)},
       {("von Mises stress above the strength at an instant, at %s"):format(core.point(margins.at)),
-        shown.number(margins.exceedance[margins.node])},
-      {"crossings of the strength per second, at most", shown.number(margins.rate[margins.node])},
+        shown.percent(margins.exceedance[margins.node]) .. " of the time"},
+      {"crossings of the strength, at most", core.quantity(margins.rate[margins.node], "Hz")},
       {("a first crossing within %s, at most"):format(core.quantity(margins.duration, "s")),
-        shown.number(margins.first_passage[margins.node])},
-      {"the same if crossings were independent", shown.number(margins.poisson)}})
+        shown.percent(margins.first_passage[margins.node])},
+      {"the same if crossings were independent", shown.percent(margins.poisson)}})
   end
   if fatigue then
     local rows = {}
