@@ -11,16 +11,6 @@
 
 enum { ELEMENTS_PER_CHUNK = 64 };
 
-/* An element's deformation at the points of its quadrature. */
-typedef struct deformed {
-  int count, nodes;
-  double volume[BW_QUADRATURE_POINTS], gradient[BW_QUADRATURE_POINTS][10][3];
-  double f[BW_QUADRATURE_POINTS][9], strain[BW_QUADRATURE_POINTS][6];
-  double heat[BW_QUADRATURE_POINTS][6]; /* thermal stress at factor 1 */
-  double whole, dilatation;             /* volume; mean of the trace of the strain */
-  bool inverted;
-} deformed;
-
 typedef struct evaluation {
   bw_context *context;
   bwi_finite_elements *elements;
@@ -43,8 +33,8 @@ double bwi_finite_strain(const double h[9], double f[9], double strain[6]) {
          f[2] * (f[3] * f[7] - f[4] * f[6]);
 }
 
-static void gradient_of(int nodes, const double (*g)[3], const int32_t *node,
-                        const double *displacement, double h[9]) {
+void bwi_finite_gradient(int nodes, const double (*g)[3], const int32_t *node,
+                         const double *displacement, double h[9]) {
   memset(h, 0, 9 * sizeof *h);
   for (int a = 0; a < nodes; a++)
     for (int i = 0; i < 3; i++)
@@ -52,8 +42,8 @@ static void gradient_of(int nodes, const double (*g)[3], const int32_t *node,
         h[3 * i + j] += displacement[3 * (int64_t)node[a] + i] * g[a][j];
 }
 
-static bw_status deform(bw_context *context, const bw_model *model, const double *displacement,
-                        int64_t e, bool expands, deformed *d) {
+bw_status bwi_finite_deform(bw_context *context, const bw_model *model, const double *displacement,
+                            int64_t e, bool expands, bwi_finite_deformed *d) {
   const bw_mesh *mesh = model->mesh;
   const int32_t *node = mesh->element + e * mesh->nodes_per_element;
   double x[10][3], l[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS], h[9];
@@ -70,9 +60,10 @@ static bw_status deform(bw_context *context, const bw_model *model, const double
     if (!(determinant > 0))
       return bwi_fail_inverted(context, mesh, e, determinant);
     d->volume[q] = weight[q] * determinant / 6;
-    gradient_of(d->nodes, (const double(*)[3])d->gradient[q], node, displacement, h);
+    bwi_finite_gradient(d->nodes, (const double(*)[3])d->gradient[q], node, displacement, h);
     double *strain = d->strain[q];
-    if (!(bwi_finite_strain(h, d->f[q], strain) > 0))
+    d->determinant[q] = bwi_finite_strain(h, d->f[q], strain);
+    if (!(d->determinant[q] > 0))
       d->inverted = true;
     d->whole += d->volume[q];
     d->dilatation += d->volume[q] * (strain[0] + strain[1] + strain[2]);
@@ -84,11 +75,8 @@ static bw_status deform(bw_context *context, const bw_model *model, const double
   return BW_OK;
 }
 
-/* Second Piola-Kirchhoff stress without temperatures at point q; `projected` acts on the mean of
- * the dilatation. */
-static void stress_at(const deformed *d, int q, const double c[36], double projected,
-                      double stress[6]) {
-  const double *strain = d->strain[q];
+void bwi_finite_second_stress(const bwi_finite_deformed *d, const double strain[6],
+                              const double c[36], double projected, double stress[6]) {
   bwi_multiply6(c, strain, stress);
   for (int i = 0; i < 3; i++)
     stress[i] += projected * (d->dilatation - strain[0] - strain[1] - strain[2]);
@@ -101,7 +89,7 @@ static void apply(const double s[6], const double g[3], double out[3]) {
   out[2] = s[4] * g[0] + s[3] * g[1] + s[2] * g[2];
 }
 
-static void add_forces(const deformed *d, int q, const double stress[6], double *force) {
+static void add_forces(const bwi_finite_deformed *d, int q, const double stress[6], double *force) {
   const double *f = d->f[q];
   for (int a = 0; a < d->nodes; a++) {
     double t[3];
@@ -126,7 +114,7 @@ static void strain_rows(const double f[9], const double g[3], double b[6][3]) {
 }
 
 /* mean: nodes x 3, volume times the derivative of the dilatation. */
-static void add_tangent(const deformed *d, int q, const double c[36], double projected,
+static void add_tangent(const bwi_finite_deformed *d, int q, const double c[36], double projected,
                         const double stress[6], double *mean, double *out) {
   double b[10][6][3], volume = d->volume[q];
   const double(*g)[3] = (const double(*)[3])d->gradient[q];
@@ -183,12 +171,12 @@ static bw_status evaluate_element(evaluation *work, int64_t e) {
   double *force = elements->of_element + e * (6 * n + 2), *heat = force + 3 * n;
   double *energy = heat + 3 * n, mean[30] = {0};
   double *tangent = work->tangent ? work->tangent + e * work->blocks * 9 : NULL;
-  deformed d;
+  bwi_finite_deformed d;
   memset(force, 0, (size_t)(6 * n + 2) * sizeof *force);
   if (tangent)
     memset(tangent, 0, (size_t)work->blocks * 9 * sizeof *tangent);
   bw_status status =
-      deform(work->context, model, work->state->displacement, e, elements->expands, &d);
+      bwi_finite_deform(work->context, model, work->state->displacement, e, elements->expands, &d);
   if (status != BW_OK)
     return status;
   if (d.inverted) {
@@ -197,7 +185,7 @@ static bw_status evaluate_element(evaluation *work, int64_t e) {
   }
   for (int q = 0; q < d.count; q++) {
     double stress[6];
-    stress_at(&d, q, c, projected, stress);
+    bwi_finite_second_stress(&d, d.strain[q], c, projected, stress);
     *energy += d.volume[q] * 0.5 * bwi_dot6(stress, d.strain[q]);
     energy[1] = fmax(energy[1], size_of(d.strain[q]));
     if (elements->expands) {
@@ -334,8 +322,8 @@ static bw_status check_elements(void *data, int64_t begin, int64_t end, int work
     for (int a = 0; a < mesh->nodes_per_element; a++) {
       double g[10][3], h[9], f[9], strain[6];
       bwi_gradients_at_node(mesh, e, a, g);
-      gradient_of(mesh->nodes_per_element, (const double(*)[3])g,
-                  mesh->element + e * mesh->nodes_per_element, check->displacement, h);
+      bwi_finite_gradient(mesh->nodes_per_element, (const double(*)[3])g,
+                          mesh->element + e * mesh->nodes_per_element, check->displacement, h);
       if (!(bwi_finite_strain(h, f, strain) > 0))
         lower_to(&check->inverted, (int32_t)e);
     }

@@ -39,6 +39,26 @@ bw_status bwi_finite_evaluate(bw_context *context, bwi_finite_elements *elements
 bw_status bwi_finite_inverted_at_nodes(bw_context *context, const bw_mesh *mesh,
                                        const double *displacement, int32_t *inverted);
 
+/* An element's deformation at the points of its quadrature. */
+typedef struct bwi_finite_deformed {
+  int count, nodes;
+  double volume[BW_QUADRATURE_POINTS], gradient[BW_QUADRATURE_POINTS][10][3];
+  double f[BW_QUADRATURE_POINTS][9], strain[BW_QUADRATURE_POINTS][6];
+  double determinant[BW_QUADRATURE_POINTS]; /* det F */
+  double heat[BW_QUADRATURE_POINTS][6];     /* thermal stress at factor 1 */
+  double whole, dilatation;                 /* volume; mean of the trace of the strain */
+  bool inverted;
+} bwi_finite_deformed;
+bw_status bwi_finite_deform(bw_context *context, const bw_model *model, const double *displacement,
+                            int64_t element, bool expands, bwi_finite_deformed *deformed);
+/* Second Piola-Kirchhoff stress of a strain in the element, without temperatures; `projected` acts
+ * on the mean of the dilatation. */
+void bwi_finite_second_stress(const bwi_finite_deformed *deformed, const double strain[6],
+                              const double c[36], double projected, double stress[6]);
+/* grad u by the gradients of the functions of `node`. */
+void bwi_finite_gradient(int nodes, const double (*gradient)[3], const int32_t *node,
+                         const double *displacement, double grad[9]);
+
 /* grad[3 i + j] = du_i/dx_j -> F, and the Green-Lagrange strain with engineering shears from
  * grad u, which keeps the digits of small strains. Returns det F. */
 double bwi_finite_strain(const double grad[9], double f[9], double strain[6]);

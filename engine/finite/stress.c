@@ -6,9 +6,8 @@
 #include "finite/internal.h"
 #include "model/internal.h"
 
-/* One element at points l (count): stress (count x 6) and the deformed volume by the reference's
- * determinant, without weights. */
 typedef struct stress_work {
+  bw_context *context;
   const bw_model *model;
   const double *displacement;
   double factor;
@@ -18,7 +17,8 @@ typedef struct stress_work {
   int32_t inverted;
 } stress_work;
 
-static double stress_of(const double f[9], double determinant, const double s[6], double out[6]) {
+/* F S F^T / det F */
+static void push_forward(const double f[9], double determinant, const double s[6], double out[6]) {
   static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {2, 0}, {0, 1}};
   double t[9], fs[9] = {0};
   bwi_full_tensor(s, t);
@@ -30,82 +30,73 @@ static double stress_of(const double f[9], double determinant, const double s[6]
     const double *row = fs + 3 * pair[p][0], *other = f + 3 * pair[p][1];
     out[p] = (row[0] * other[0] + row[1] * other[1] + row[2] * other[2]) / determinant;
   }
-  return determinant;
 }
 
-typedef struct point_state {
-  double f[9], strain[6], determinant, reference;
-} point_state;
+/* By volume of the deformed element. */
+static void mean_stress(const stress_work *work, const bwi_finite_deformed *d, const double c[36],
+                        double projected, double mean[6]) {
+  double whole = 0, s[6], own[6];
+  memset(mean, 0, 6 * sizeof *mean);
+  for (int q = 0; q < d->count; q++) {
+    double volume = d->volume[q] * d->determinant[q];
+    bwi_finite_second_stress(d, d->strain[q], c, projected, s);
+    for (int i = 0; i < 6; i++)
+      s[i] -= work->factor * d->heat[q][i];
+    push_forward(d->f[q], d->determinant[q], s, own);
+    whole += volume;
+    for (int i = 0; i < 6; i++)
+      mean[i] += volume * own[i];
+  }
+  for (int i = 0; i < 6; i++)
+    mean[i] /= whole;
+}
 
-static void point_at(const stress_work *work, int64_t e, const double (*x)[3], const double l[4],
-                     point_state *p) {
+/* False where det F is not positive at one of the nodes. */
+static bool nodal_stress(const stress_work *work, int64_t e, const bwi_finite_deformed *d,
+                         const double c[36], double projected, double (*out)[6]) {
   const bw_mesh *mesh = work->model->mesh;
   const int32_t *node = mesh->element + e * mesh->nodes_per_element;
-  double g[10][3], h[9] = {0};
-  p->reference = bw_tet_gradient(mesh->order, x, l, g);
-  for (int a = 0; a < mesh->nodes_per_element; a++)
-    for (int i = 0; i < 9; i++)
-      h[i] += work->displacement[3 * (int64_t)node[a] + i / 3] * g[a][i % 3];
-  p->determinant = bwi_finite_strain(h, p->f, p->strain);
-}
-
-static void stress_at(const stress_work *work, int64_t e, const double l[4], double projected,
-                      double dilatation, const point_state *p, double out[6]) {
-  const bw_model *model = work->model;
-  double s[6], heat[6] = {0};
-  bwi_multiply6(bw_material_elasticity(model->material, e), p->strain, s);
-  for (int i = 0; i < 3; i++)
-    s[i] += projected * (dilatation - p->strain[0] - p->strain[1] - p->strain[2]);
-  if (work->expands)
-    bwi_thermal_stress_at(model, (int32_t)e, l, heat);
-  for (int i = 0; i < 6; i++)
-    s[i] -= work->factor * heat[i];
-  stress_of(p->f, p->determinant, s, out);
+  bool positive = true;
+  for (int a = 0; a < mesh->nodes_per_element; a++) {
+    double g[10][3], h[9], f[9], strain[6], s[6], heat[6] = {0}, at[4];
+    bwi_gradients_at_node(mesh, e, a, g);
+    bwi_finite_gradient(mesh->nodes_per_element, (const double(*)[3])g, node, work->displacement,
+                        h);
+    double determinant = bwi_finite_strain(h, f, strain);
+    positive = positive && determinant > 0;
+    bwi_finite_second_stress(d, strain, c, projected, s);
+    if (work->expands) {
+      bwi_node_barycentric(a, at);
+      bwi_thermal_stress_at(work->model, (int32_t)e, at, heat);
+    }
+    for (int i = 0; i < 6; i++)
+      s[i] -= work->factor * heat[i];
+    push_forward(f, determinant, s, out[a]);
+  }
+  return positive;
 }
 
 static bw_status stress_of_elements(void *data, int64_t begin, int64_t end, int worker) {
   stress_work *work = data;
-  const bw_mesh *mesh = work->model->mesh;
+  bw_status status = BW_OK;
+  const bw_model *model = work->model;
   (void)worker;
   for (int64_t e = begin; e < end; e++) {
-    double projected = bwi_projected_bulk(mesh, bw_material_of(work->model->material, e)),
-           dilatation = 0;
-    double l[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS], x[10][3], whole = 0;
-    double deformed = 0, sum[6] = {0}, own[6];
-    point_state p;
-    bwi_element_nodes(mesh, e, x);
-    int points = bw_tet_quadrature(mesh->order == 1                            ? 1
-                                   : bw_tet_is_straight((const double(*)[3])x) ? 2
-                                                                               : BWI_CURVED_DEGREE,
-                                   l, weight);
-    for (int q = 0; q < points; q++) {
-      point_at(work, e, (const double(*)[3])x, l[q], &p);
-      if (!(p.determinant > 0 && p.reference > 0))
-        __atomic_store_n(&work->inverted, (int32_t)e, __ATOMIC_RELAXED);
-      dilatation += weight[q] * p.reference * (p.strain[0] + p.strain[1] + p.strain[2]);
-      whole += weight[q] * p.reference;
-    }
-    dilatation /= whole;
-    for (int q = 0; !work->of_element && q < points; q++) {
-      point_at(work, e, (const double(*)[3])x, l[q], &p);
-      stress_at(work, e, l[q], projected, dilatation, &p, own);
-      double volume = weight[q] * p.reference * p.determinant;
-      deformed += volume;
-      for (int i = 0; i < 6; i++)
-        sum[i] += volume * own[i];
-    }
-    for (int i = 0; !work->of_element && i < 6; i++)
-      work->mean[6 * e + i] = sum[i] / deformed;
-    for (int a = 0; work->of_element && a < mesh->nodes_per_element; a++) {
-      double at[4];
-      bwi_node_barycentric(a, at);
-      point_at(work, e, (const double(*)[3])x, at, &p);
-      if (!(p.determinant > 0))
-        __atomic_store_n(&work->inverted, (int32_t)e, __ATOMIC_RELAXED);
-      stress_at(work, e, at, projected, dilatation, &p, work->of_element[e] + 6 * a);
-    }
+    const double *c = bw_material_elasticity(model->material, e);
+    double projected = bwi_projected_bulk(model->mesh, bw_material_of(model->material, e));
+    bwi_finite_deformed d;
+    BW_TRY(bwi_finite_deform(work->context, model, work->displacement, e, work->expands, &d));
+    bool positive = !d.inverted;
+    if (work->of_element)
+      positive =
+          nodal_stress(work, e, &d, c, projected, (double(*)[6])work->of_element[e]) && positive;
+    else
+      mean_stress(work, &d, c, projected, work->mean + 6 * e);
+    if (!positive)
+      __atomic_store_n(&work->inverted, (int32_t)e, __ATOMIC_RELAXED);
   }
-  return BW_OK;
+done:
+  return status;
 }
 
 /* Means by volume at points, in ascending order of elements. */
@@ -136,7 +127,8 @@ bw_status bw_finite_stress(bw_context *context, const bw_model *model, const dou
   const bw_mesh *mesh = model->mesh;
   bw_stress_points points = {0};
   double *all = NULL;
-  stress_work work = {.model = model,
+  stress_work work = {.context = context,
+                      .model = model,
                       .displacement = displacement,
                       .factor = factor,
                       .expands = bwi_model_expands(model),
