@@ -10,6 +10,33 @@ local shapes = {}
 
 local sqrt, min, max, abs = math.sqrt, math.min, math.max, math.abs
 
+local function check_bodies(name, bodies)
+  if #bodies == 0 then
+    raise(("shapes.%s: bodies: a list of one function or more expected, got an empty list"):format(name))
+  end
+  for i = 1, #bodies do
+    if type(bodies[i]) ~= "function" then
+      raise(("shapes.%s: bodies: entry %d: a function expected, got %s"):format(name, i, core.got(bodies[i])))
+    end
+  end
+end
+
+local function check_size(name, what, value, zero)
+  if not (value > 0 or zero and value == 0) or value == math.huge then
+    raise(("shapes.%s: %s: a finite length %s expected, got %s"):format(name, what,
+      zero and "of 0 or more" or "above 0", core.got(value)))
+  end
+end
+
+--- The unit vector along v and its length.
+local function direction(name, what, v)
+  local length = sqrt(v[1] * v[1] + v[2] * v[2] + v[3] * v[3])
+  if not (length > 0 and length < math.huge) then
+    raise(("shapes.%s: %s: a vector of a finite length above 0 expected"):format(name, what))
+  end
+  return v[1] / length, v[2] / length, v[3] / length, length
+end
+
 function shapes.sphere(centre, radius)
   local cx, cy, cz = centre[1], centre[2], centre[3]
   return function(x, y, z)
@@ -45,13 +72,8 @@ end
 
 --- Union of bodies whose joints are rounded over the given distance.
 function shapes.join(bodies, rounding)
+  check_bodies("join", bodies)
   local count = #bodies
-  if count == 0 then raise "shapes.join: bodies: a list of one function or more expected, got an empty list" end
-  for i = 1, count do
-    if type(bodies[i]) ~= "function" then
-      raise(("shapes.join: bodies: entry %d: a function expected, got %s"):format(i, core.got(bodies[i])))
-    end
-  end
   rounding = rounding or 0
   return function(x, y, z)
     local d = bodies[1](x, y, z)
@@ -64,9 +86,147 @@ function shapes.join(bodies, rounding)
   end
 end
 
-function shapes.cut(body, tool)
+-- The larger of two values where their sum of squares rounds the edge with an arc of the radius; of planes at
+-- right angles it is the distance.
+local function rounded_max(a, b, radius)
+  local u, v = max(a + radius, 0), max(b + radius, 0)
+  return min(-radius, max(a, b)) + sqrt(u * u + v * v)
+end
+
+-- The union whose concave edges are arcs of the radius.
+local function fillet_of_two(a, b, radius)
+  local u, v = max(radius - a, 0), max(radius - b, 0)
+  return max(radius, min(a, b)) - sqrt(u * u + v * v)
+end
+
+function shapes.fillet(bodies, radius)
+  check_bodies("fillet", bodies)
+  check_size("fillet", "radius", radius)
   return function(x, y, z)
-    return max(body(x, y, z), -tool(x, y, z))
+    local d = bodies[1](x, y, z)
+    for i = 2, #bodies do d = fillet_of_two(d, bodies[i](x, y, z), radius) end
+    return d
+  end
+end
+
+function shapes.intersect(bodies, radius)
+  check_bodies("intersect", bodies)
+  radius = radius or 0
+  check_size("intersect", "radius", radius, true)
+  return function(x, y, z)
+    local d = bodies[1](x, y, z)
+    for i = 2, #bodies do d = rounded_max(d, bodies[i](x, y, z), radius) end
+    return d
+  end
+end
+
+function shapes.cut(body, tool, radius)
+  radius = radius or 0
+  check_size("cut", "radius", radius, true)
+  if radius == 0 then
+    return function(x, y, z)
+      return max(body(x, y, z), -tool(x, y, z))
+    end
+  end
+  return function(x, y, z)
+    return rounded_max(body(x, y, z), -tool(x, y, z), radius)
+  end
+end
+
+function shapes.offset(body, distance)
+  return function(x, y, z)
+    return body(x, y, z) - distance
+  end
+end
+
+function shapes.shell(body, thickness)
+  check_size("shell", "thickness", thickness)
+  return function(x, y, z)
+    local d = body(x, y, z)
+    return max(d, -d - thickness)
+  end
+end
+
+--- Height along the axis from a, and distance from it: the coordinates of bodies of revolution.
+local function around(name, a, b)
+  local ux, uy, uz, length = direction(name, "a and b", {b[1] - a[1], b[2] - a[2], b[3] - a[3]})
+  local ax, ay, az = a[1], a[2], a[3]
+  return length, function(x, y, z)
+    local px, py, pz = x - ax, y - ay, z - az
+    local h = px * ux + py * uy + pz * uz
+    local qx, qy, qz = px - h * ux, py - h * uy, pz - h * uz
+    return h, sqrt(qx * qx + qy * qy + qz * qz)
+  end
+end
+
+function shapes.cylinder(a, b, radius)
+  check_size("cylinder", "radius", radius)
+  local length, coordinates = around("cylinder", a, b)
+  return function(x, y, z)
+    local h, r = coordinates(x, y, z)
+    local dh, dr = abs(h - length / 2) - length / 2, r - radius
+    local oh, outside = max(dh, 0), max(dr, 0)
+    return sqrt(oh * oh + outside * outside) + min(max(dh, dr), 0)
+  end
+end
+
+function shapes.cone(a, b, ra, rb)
+  check_size("cone", "ra", ra, true)
+  check_size("cone", "rb", rb, true)
+  if ra == 0 and rb == 0 then raise "shapes.cone: ra, rb: one of the radii must be above 0" end
+  local length, coordinates = around("cone", a, b)
+  local slope = rb - ra
+  local side2 = length * length + slope * slope
+  return function(x, y, z)
+    local h, r = coordinates(x, y, z)
+    -- the nearest points of the nearer end and of the side, in the half-plane of h and r
+    local eh, er = abs(h - length / 2) - length / 2, r - min(r, h < length / 2 and ra or rb)
+    local t = max(0, min(1, (h * length + (r - ra) * slope) / side2))
+    local sh, sr = h - t * length, r - ra - t * slope
+    local inside = eh < 0 and r < ra + slope * h / length
+    return (inside and -1 or 1) * sqrt(min(eh * eh + er * er, sh * sh + sr * sr))
+  end
+end
+
+function shapes.torus(centre, axis, radius, tube)
+  check_size("torus", "radius", radius)
+  check_size("torus", "tube", tube)
+  local ux, uy, uz = direction("torus", "axis", axis)
+  local _, coordinates = around("torus", centre, {centre[1] + ux, centre[2] + uy, centre[3] + uz})
+  return function(x, y, z)
+    local h, r = coordinates(x, y, z)
+    return sqrt(h * h + (r - radius) ^ 2) - tube
+  end
+end
+
+function shapes.translate(body, by)
+  local dx, dy, dz = by[1], by[2], by[3]
+  return function(x, y, z)
+    return body(x - dx, y - dy, z - dz)
+  end
+end
+
+function shapes.rotate(body, axis, angle, about)
+  local ux, uy, uz = direction("rotate", "axis", axis)
+  about = about or {0, 0, 0}
+  local cx, cy, cz = about[1], about[2], about[3]
+  local c, s = math.cos(angle), -math.sin(angle) -- the body is asked at the point rotated back
+  return function(x, y, z)
+    local px, py, pz = x - cx, y - cy, z - cz
+    local k = (1 - c) * (ux * px + uy * py + uz * pz)
+    return body(cx + c * px + s * (uy * pz - uz * py) + k * ux,
+      cy + c * py + s * (uz * px - ux * pz) + k * uy,
+      cz + c * pz + s * (ux * py - uy * px) + k * uz)
+  end
+end
+
+function shapes.mirror(body, normal, point)
+  local nx, ny, nz = direction("mirror", "normal", normal)
+  point = point or {0, 0, 0}
+  local offset = nx * point[1] + ny * point[2] + nz * point[3]
+  return function(x, y, z)
+    local d = 2 * (nx * x + ny * y + nz * z - offset)
+    return body(x - d * nx, y - d * ny, z - d * nz)
   end
 end
 
@@ -110,6 +270,12 @@ end
 
 arguments.functions("shapes.", shapes, {sphere = "centre: triple, radius: number",
   limb = "a: triple, b: triple, ra: number, rb?: number", box = "min: triple, max: triple",
-  join = "bodies: table, rounding?: number", cut = "body: function, tool: function"})
+  join = "bodies: table, rounding?: number", cut = "body: function, tool: function, radius?: number",
+  fillet = "bodies: table, radius: number", intersect = "bodies: table, radius?: number",
+  offset = "body: function, distance: number", shell = "body: function, thickness: number",
+  cylinder = "a: triple, b: triple, radius: number", cone = "a: triple, b: triple, ra: number, rb: number",
+  torus = "centre: triple, axis: triple, radius: number, tube: number", translate = "body: function, by: triple",
+  rotate = "body: function, axis: triple, angle: number, about?: triple",
+  mirror = "body: function, normal: triple, point?: triple"})
 
 return shapes
