@@ -34,16 +34,17 @@ function pulls(points, triangles, at, force) {
   return sum.dot(force) > 0;
 }
 
-function arrow(force, length, size) {
+// An arrow along a force whose tip is the origin of its group, `size` of the body it stands at.
+export function arrow(force, length, size, materials = [red, faint]) {
   const head = Math.min(0.35 * length, 0.05 * size);
   const group = new THREE.Group();
-  const cone = new THREE.Mesh(new THREE.ConeGeometry(0.38 * head, head, 24), red);
+  const cone = new THREE.Mesh(new THREE.ConeGeometry(0.38 * head, head, 24), materials[0]);
   cone.position.y = -head / 2;
-  const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.13 * head, 0.13 * head, length - head, 16), red);
+  const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.13 * head, 0.13 * head, length - head, 16), materials[0]);
   shaft.position.y = -(length + head) / 2;
   for (const part of [cone, shaft]) {
     const ghost = part.clone();
-    ghost.material = faint;
+    ghost.material = materials[1];
     group.add(part, ghost);
   }
   group.quaternion.setFromUnitVectors(upwards, force.clone().normalize());

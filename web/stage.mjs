@@ -7,8 +7,27 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 export const number = (x) =>
   Math.abs(x) >= 1e4 || (x !== 0 && Math.abs(x) < 1e-2) ? x.toExponential(2) : x.toPrecision(4);
 
-// The scene fills `view`; `frame(now)` is called before each picture.
-export function makeStage(view, frame) {
+// How far from the centre of a box a camera shows all of it with some room around it. `from`: direction to the camera.
+export function distanceToFit(box, from, camera, room = 1.12) {
+  const away = new THREE.Vector3(...from).normalize();
+  const right = new THREE.Vector3().crossVectors(camera.up, away);
+  if (right.lengthSq() < 1e-12) right.set(1, 0, 0);
+  right.normalize();
+  const up = new THREE.Vector3().crossVectors(away, right);
+  const half = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
+  const tangent = Math.tan((Math.PI * camera.fov) / 360) / room;
+  let distance = 0;
+  for (let k = 0; k < 8; k++) {
+    const corner = half.clone().multiply(new THREE.Vector3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
+    const needed = Math.max(Math.abs(corner.dot(right)) / Math.min(camera.aspect, 1e3), Math.abs(corner.dot(up))) / tangent;
+    distance = Math.max(distance, corner.dot(away) + needed);
+  }
+  return distance;
+}
+
+// The scene fills `view`; `frame(now)` is called before each picture. With `still` a picture is made only when the
+// camera has moved or after wake().
+export function makeStage(view, frame, { still = false } = {}) {
   let renderer;
   try {
     renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
@@ -36,7 +55,8 @@ export function makeStage(view, frame) {
     camera.near = size * 0.001;
     camera.far = size * 20;
     camera.updateProjectionMatrix();
-    camera.position.copy(new THREE.Vector3(...from).normalize().multiplyScalar(size * 1.5).add(centre));
+    const distance = distanceToFit(box, from, camera) || size * 1.5;
+    camera.position.copy(new THREE.Vector3(...from).normalize().multiplyScalar(distance).add(centre));
     controls.target.copy(centre);
     controls.update();
     return size;
@@ -47,18 +67,24 @@ export function makeStage(view, frame) {
     renderer.setSize(clientWidth, clientHeight);
     camera.aspect = clientWidth / Math.max(1, clientHeight);
     camera.updateProjectionMatrix();
+    wake();
+  }
+  let awake = true;
+  function wake() {
+    awake = true;
   }
   new ResizeObserver(resize).observe(view);
   resize();
 
   function draw(now) {
-    frame(now);
-    controls.update();
-    renderer.render(scene, camera);
     requestAnimationFrame(draw);
+    if (!controls.update() && still && !awake) return;
+    awake = false;
+    frame(now);
+    renderer.render(scene, camera);
   }
   const start = () => requestAnimationFrame(draw);
-  return { renderer, scene, camera, controls, aim, start };
+  return { renderer, scene, camera, controls, aim, start, wake };
 }
 
 // A surface of triangles whose points have colours: lit, unless the material is given.

@@ -114,6 +114,11 @@ bw_status bw_faces_on_mesh(bw_context *context, const bw_surface *surface, const
   return status;
 }
 
+bw_status bw_faces_on_surface(bw_context *context, const bw_surface *surface, const bw_faces *faces,
+                              const bw_surface *other, int32_t *label) {
+  return bwi_faces_label(context, surface, faces, other, label);
+}
+
 /* The faces at each point, and the longest move that its edges allow. */
 static void find_faces_around(const bw_faces *faces, const bw_surface *surface,
                               const int32_t *label, bwi_faces_around *at, double *max_move) {

@@ -90,6 +90,12 @@ require "barwright.transient"
 require "barwright.singular"
 require "barwright.critical_distance"
 
+-- The workbench uses the commands' files, which use this one.
+bw.workbench = {}
+function bw.workbench.open(path, options)
+  return require("barwright.workbench").open(path, options)
+end
+
 -- What the prompt completes after "bw.material." beside the functions.
 local library = {}
 for _, name in ipairs(core.material.names()) do library[name] = true end

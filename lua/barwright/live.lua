@@ -109,6 +109,26 @@ local function controller_for(served, server, opts)
   return controller, controller and "live" or message, details
 end
 
+--- Serves a controller until Ctrl-C: `begin(server)` makes it, or returns nil, message, details. `page` names
+--- the page's files, `ready(address)` is called when the page can be opened.
+function live.serve(port, page, begin, ready)
+  local server, message, details = core.live_server {port = port}
+  if not server then return nil, message, details end
+  live.serve_page(server, page)
+  local controller
+  -- Ctrl-C while Lua works is an error.
+  local ok, why = pcall(function()
+    if ready then ready(server.address) end
+    controller, message, details = begin(server)
+    if controller then serve(controller, server) end
+  end)
+  if controller and (ok or core.interrupted()) then pcall(part_with, controller, server) end
+  server:close()
+  if not ok and not core.interrupted() then error(why, 0) end
+  if ok and not controller then return nil, message, details end
+  return true
+end
+
 --- Serves a session, or an object of bw.responsive, until Ctrl-C. Options: port, title, name,
 --- von_mises, saved, ready; of sessions also solve, worst, ties; of objects pace, paused, goal, script, lines.
 function live.run(served, given)

@@ -355,6 +355,7 @@ int lbw_surface_faces(lua_State *L);
 int lbw_selection_face(lua_State *L);
 int lbw_mesh_curved(lua_State *L);
 int lbw_mesh_faces(lua_State *L);
+int lbw_face_labels(lua_State *L);
 void lbw_add_faces(lua_State *L, const bw_surface *surface);
 
 /* mesh_regions.c: mesh.regions, mesh.element_regions, mesh:region(name),

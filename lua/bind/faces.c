@@ -222,6 +222,32 @@ int lbw_mesh_faces(lua_State *L) {
   return leave_faces(L, status, faces);
 }
 
+/* face_labels(surface, labels, body): the label of each facet of a mesh's boundary, or of each
+ * triangle of another surface, from that of the triangle of the surface that it lies on; 0 where it
+ * is not clear. Labels are 1 or more. */
+int lbw_face_labels(lua_State *L) {
+  const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
+  const bw_array *labels = lbw_check_array(L, 2, "labels");
+  const bool on_mesh = lbw_test(L, 3, &lbw_mesh_class) != NULL;
+  const void *body = lbw_check(L, 3, on_mesh ? &lbw_mesh_class : &lbw_surface_class);
+  int32_t count =
+      on_mesh ? ((const bw_mesh *)body)->facet_count : ((const bw_surface *)body)->triangle_count;
+  lbw_argument_check(L,
+                     labels->type == BW_I32 && labels->rows == surface->triangle_count &&
+                         labels->columns == 1 && labels->row_stride == (ptrdiff_t)sizeof(int32_t),
+                     2, "labels: whole numbers, one for each triangle, expected");
+  const bw_faces faces = {.triangle_count = surface->triangle_count,
+                          .of_triangle = (int32_t *)labels->data};
+  int32_t *label = (int32_t *)lbw_push_array(L, BW_I32, count, 1)->data;
+  bw_context *context = lbw_enter(L);
+  bw_status status =
+      on_mesh ? bw_faces_on_mesh(context, surface, &faces, (const bw_mesh *)body, label)
+              : bw_faces_on_surface(context, surface, &faces, (const bw_surface *)body, label);
+  for (int32_t t = 0; t < count && status == BW_OK; t++)
+    label[t] = label[t] < 0 ? 0 : label[t];
+  return lbw_leave(L, status, 1);
+}
+
 /* mesh:curved(surface): mesh, how many mid-edge nodes lie on round faces now */
 int lbw_mesh_curved(lua_State *L) {
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);

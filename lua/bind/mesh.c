@@ -670,4 +670,6 @@ void lbw_open_mesh(lua_State *L) {
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);
   lua_setfield(L, -2, "mesh");
+  lua_pushcfunction(L, lbw_face_labels);
+  lua_setfield(L, -2, "face_labels");
 }

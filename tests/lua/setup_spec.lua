@@ -73,12 +73,13 @@ describe("scripts/setup", function()
     assert.equal(0, status, out)
     assert.is_true(exists(folder .. "/build/web/live.js"))
     assert.is_true(exists(folder .. "/build/web/plane.js"))
+    assert.is_true(exists(folder .. "/build/web/workbench.js"))
     assert.is_true(exists(folder .. "/build/web/viewer.js"))
     local _, first = check.read(folder .. "/bundled"):gsub("\n", "")
-    assert.equal(3, first)
+    assert.equal(4, first)
     assert(os.execute(("cd %s && PATH=%s/bin scripts/setup --no-install >out 2>&1"):format(folder, folder)))
     local _, second = check.read(folder .. "/bundled"):gsub("\n", "")
-    assert.equal(3, second)
+    assert.equal(4, second)
   end)
 
   it("puts the licence of three.js into every script, and so into every report", function()
@@ -87,7 +88,7 @@ describe("scripts/setup", function()
     assert(require("barwright.report").page(folder .. "/report.html", {title = "", answer = "", body = "",
       manifest = {}, data = {}}))
     for _, path in ipairs {check.root .. "/build/web/viewer.js", check.root .. "/build/web/live.js",
-      check.root .. "/build/web/plane.js", folder .. "/report.html"} do
+      check.root .. "/build/web/plane.js", check.root .. "/build/web/workbench.js", folder .. "/report.html"} do
       local text = check.read(path)
       for _, words in ipairs {"Copyright © 2010-2024 three.js authors", "SPDX-License-Identifier: MIT",
         "Permission is hereby granted, free of charge", "The above copyright notice and this permission notice"} do

@@ -59,6 +59,12 @@ BW_API double bw_face_distance(const bw_face *face, const double x[3], double gr
 BW_API bw_status bw_faces_on_mesh(bw_context *context, const bw_surface *surface,
                                   const bw_faces *faces, const bw_mesh *mesh, int32_t *label);
 
+/* The same of the triangles of another surface, such as an edited one: label (index,
+ * triangle_count). */
+BW_API bw_status bw_faces_on_surface(bw_context *context, const bw_surface *surface,
+                                     const bw_faces *faces, const bw_surface *other,
+                                     int32_t *label);
+
 /* A mesh of order 2 with the nodes of its boundary's edges on the primitives of the surface that it
  * was filled from. Nodes stay where an element would become too distorted. `count` (may be NULL):
  * how many moved. BW_INVALID for a mesh of order 1. */

@@ -11,7 +11,7 @@ local commands = {}
 
 -- In the order of help. What is not installed is left out.
 local list = {"check", "worst", "strengthen", "modes", "statics", "buckle", "respond", "drop", "heat",
-  "convert", "materials", "live", "test", "study", "rerun", "completion", "manual", "help"}
+  "convert", "materials", "open", "live", "test", "study", "rerun", "completion", "manual", "help"}
 
 --- What the program itself understands before a command or a script.
 commands.program_options = {
@@ -113,7 +113,7 @@ local function trace(problem)
 end
 
 -- Commands that start servers or jobs.
-local not_in_sandbox = {live = true, test = true, study = true, rerun = true}
+local not_in_sandbox = {live = true, open = true, test = true, study = true, rerun = true}
 
 --- Runs a command with the words behind its name; returns the exit code.
 function commands.run(name, ...)

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright live FILE: the live view of what a file makes: a session, a part and the options of bw.edit,
 -- or an object of bw.responsive; or of saved edits of one. docs/live.md has more.
+local browser = require "barwright.command.browser"
 local core = require "barwright.core"
 local edit = require "barwright.edit"
 local edit_script = require "barwright.edit_script"
@@ -109,23 +110,7 @@ local function open_kept(opts, text)
   return open_script(opts)
 end
 
--- ---- the browser -----------------------------------------------------------------------------------
-
--- Through a file in a folder that only this user can read: arguments of programs can be read by others, and who
--- knows the address can edit.
-local function open_browser(address)
-  if not (os.getenv "DISPLAY" or os.getenv "WAYLAND_DISPLAY") then return end
-  local temporary = core.temporary_folder()
-  if not temporary then return end
-  local path = temporary.path .. "/live.html"
-  local file = io.open(path, "wb")
-  if not file then return end
-  file:write('<!doctype html><meta name="referrer" content="no-referrer">',
-    '<meta http-equiv="refresh" content="0; url=', address, '">')
-  file:close()
-  os.execute(("xdg-open '%s' >/dev/null 2>&1 &"):format(path))
-  return temporary
-end
+-- ---- the view ---------------------------------------------------------------------------------------
 
 -- What of a script's table of options goes on to the view.
 local function passed(about, served)
@@ -153,7 +138,7 @@ local function serve(opts, out)
     print(address) -- also under --quiet: nobody could open it else
     out:say("Open it in a browser of this machine. Edits are kept in %s. Ctrl-C ends.", saved)
     io.stdout:flush()
-    if not opts.no_open then opened = open_browser(address) end
+    if not opts.no_open then opened = browser.open(address) end
   end
   local ok, message, details = live.run(served, given)
   if opened then opened:close() end

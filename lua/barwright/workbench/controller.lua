@@ -1,0 +1,285 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The workbench's controller: takes the messages of pages, does their actions on a workbench, and sends every page
+-- the state and the scene. docs/workbench.md has the protocol.
+--
+-- `server` needs send(client, bytes, options), serve(path, mime, bytes, download) and receive(0), so that tests
+-- can put a table in its place.
+local core = require "barwright.core"
+local frame = require "barwright.workbench.frame"
+local json = require "barwright.json"
+local live_check = require "barwright.live_check"
+local model = require "barwright.command.model"
+local shared = require "barwright.live_session"
+local workbench = require "barwright.workbench"
+
+local notify, notify_all, send_all = shared.notify, shared.notify_all, shared.send_all
+
+local controller = {}
+controller.__index = controller
+
+-- ---- reports ---------------------------------------------------------------------------------------
+
+local function send_state(self)
+  local state = self.bench and self.bench:state() or {type = "state", revision = 0}
+  state.message, state.busy, state.latency_ms = self.message, self.busy, self.latency
+  self.state = state
+  notify_all(self, state)
+end
+
+local function send_scene(self, bytes)
+  self.scene = bytes
+  send_all(self, bytes, "scene")
+end
+
+-- The state, and the scene where it is another one.
+local function publish(self)
+  local entry = self.bench and self.bench:current()
+  local drawn = entry and (entry.solved or entry.body)
+  if drawn and drawn ~= self.shown then
+    self.shown = drawn
+    send_scene(self, frame.entry(entry))
+  end
+  send_state(self)
+end
+
+local function say(self, text, details)
+  self.message = {text = text, details = details and tostring(details.status or "") or nil}
+end
+
+local stages = {coarse = "a first answer"}
+
+-- ---- long work -------------------------------------------------------------------------------------
+
+-- What a page asks for that changes nothing that is computed.
+local harmless = {save = true, export = true, probe = true}
+
+local function open_window(self, client)
+  if self.clients[client] then return end
+  self.clients[client] = true
+  notify(self, client, {type = "welcome", client = client, version = core.version})
+  if self.scene then self.server:send(client, self.scene, {binary = true, replace = "scene"}) end
+  if self.state then notify(self, client, self.state) end
+end
+
+-- Long work during which windows open, `cancel` stops it, and an action makes it obsolete and is done then.
+local function long(self, what, work, ...)
+  local start, shown, last = core.seconds(), -1, nil
+  self.busy = {what = what, fraction = 0}
+  notify_all(self, {type = "busy", busy = self.busy})
+  self.on_progress = function(stage, fraction)
+    local now = core.seconds()
+    if stage ~= last then start, last = now, stage end -- the time to go is that of the stage
+    if now - shown < 0.2 then return end
+    shown = now
+    local spent = now - start
+    self.busy = {what = what, stage = stages[stage] or stage, fraction = fraction,
+      to_go_s = fraction and fraction > 0.05 and spent * (1 - fraction) / fraction or nil}
+    notify_all(self, {type = "busy", busy = self.busy})
+  end
+  local results = table.pack(pcall(shared.meanwhile, self, function(client, kind, text)
+    if kind == "open" then open_window(self, client) end
+    if kind ~= "message" then return false end
+    local message = #text < 65536 and json.decode(text)
+    local asked = live_check.is_object(message) and message["do"]
+    if asked == "cancel" then return true, false end
+    return asked ~= nil and not harmless[asked], true
+  end, work, ...))
+  self.on_progress, self.busy = nil, nil
+  notify_all(self, {type = "busy", busy = json.null})
+  if not results[1] then return nil, tostring(results[2]), {status = "internal"} end
+  return table.unpack(results, 2, results.n)
+end
+
+-- ---- files -----------------------------------------------------------------------------------------
+
+local mimes = {stl = "model/stl", obj = "model/obj", ply = "application/octet-stream", off = "text/plain",
+  ["3mf"] = "model/3mf", glb = "model/gltf-binary", lua = "text/plain; charset=utf-8"}
+
+local function stem(self)
+  return (model.name(self.bench.path):gsub("%.%w+$", ""):gsub("[^%w_.-]", "_"))
+end
+
+local function export(self, client, message)
+  local format = tostring(message.format or "stl"):lower()
+  if not mimes[format] then
+    return nil, ("export: no such format '%s': stl, obj, ply, off or lua"):format(live_check.shown(format))
+  end
+  local bytes, why
+  if format == "lua" then
+    bytes = self.bench:script()
+  else
+    bytes, why = shared.written("." .. format, function(path) return self.bench:export {path = path} end)
+  end
+  if not bytes then return nil, why end
+  local path, name = "export." .. format, stem(self) .. "." .. format
+  self.server:serve(path, mimes[format], bytes, name)
+  notify(self, client, {type = "file", id = message.id, url = path, name = name, format = format, bytes = #bytes})
+  return true
+end
+
+-- ---- actions ---------------------------------------------------------------------------------------
+
+local open
+
+local handlers = {export = export}
+
+-- Actions that are done at once, by the method of the same name.
+for _, name in ipairs {"fix", "load", "pressure", "moment", "gravity", "change", "remove", "material", "lock",
+  "grow", "push", "radius", "offset", "thicken", "undo", "redo"} do
+  handlers[name] = function(self, _, _, given)
+    local method = self.bench[name]
+    if name == "undo" or name == "redo" then return method(self.bench) end
+    return method(self.bench, given)
+  end
+end
+
+-- Those that take long, and what they are called.
+local slow = {answer = "computing the answer", advice = "looking for advice", apply = "thickening",
+  optimise = "optimising", unit = "reading the file"}
+for name, what in pairs(slow) do
+  handlers[name] = function(self, _, _, given)
+    return long(self, what, self.bench[name], self.bench, given)
+  end
+end
+
+function handlers.save(self)
+  local path, why, details = self.bench:save {path = self.save}
+  if not path then return nil, why, details end
+  return true
+end
+
+function handlers.probe(self, client, message, given)
+  local found, why, details = self.bench:probe(given)
+  if not found then return nil, why, details end
+  notify(self, client, {type = "probe", id = message.id, point = found.point, von_mises = found.von_mises,
+    displacement = found.displacement})
+  return true
+end
+
+function handlers.repair() return true end -- done when the file was opened
+function handlers.cancel() return true end -- nothing to stop
+
+function handlers.open(self, _, message)
+  return open(self, message.path, message.unit)
+end
+
+-- A shape that is tried: its coarse stresses go to the pages, the workbench stays as it is.
+function handlers.drag(self, _, _, given)
+  local start = core.seconds()
+  local answer, static, more = self.bench:try(given)
+  if not answer then return nil, static, more end
+  self.latency = 1e3 * (core.seconds() - start)
+  local bytes = frame.result(static, more.labels, self.bench:current().revision)
+  if bytes then send_all(self, bytes, "scene") end
+  notify_all(self, {type = "drag", answer = answer, latency_ms = self.latency})
+  self.shown = nil -- the scene is that of the drag
+  return true
+end
+
+function handlers.begin_drag() return true end
+function handlers.end_drag() return true end
+
+-- What belongs to the message and not to the action.
+local function options_of(message)
+  local given = {}
+  for key, value in pairs(message) do
+    if key ~= "id" and key ~= "do" and key ~= "type" and value ~= json.null then given[key] = value end
+  end
+  return given
+end
+
+local function act(self, client, message)
+  local name = message["do"]
+  local handler = type(name) == "string" and handlers[name]
+  if not handler then
+    return nil, ("there is no action '%s'"):format(live_check.shown(name)), {status = "misuse"}
+  end
+  if not (self.bench and self.bench:current()) and name ~= "open" then
+    return nil, "No part is open: drop or open a file first.", {status = "misuse"}
+  end
+  return handler(self, client, message, options_of(message))
+end
+
+local function take(self, client, message)
+  self.message = nil
+  local ok, result, why, details = pcall(act, self, client, message)
+  if ok and result == nil then
+    if not shared.stopped(details) then
+      say(self, tostring(why), details)
+      notify(self, client, {type = "refused", id = message.id, request = message["do"], message = tostring(why)})
+    end
+  elseif not ok then
+    say(self, (tostring(result):gsub("^[^\n:]+:%d+: ", "")), {status = "misuse"})
+    notify(self, client, {type = "refused", id = message.id, request = message["do"], message = self.message.text})
+  else
+    notify(self, client, {type = "done", id = message.id, request = message["do"]})
+  end
+  if message["do"] ~= "drag" then publish(self) end
+end
+
+-- ---- opening ---------------------------------------------------------------------------------------
+
+-- Opens a file in place of the part before: its surface is sent at once, then it is repaired.
+function open(self, path, unit)
+  if type(path) ~= "string" then return nil, "open: 'path': the name of a file expected", {status = "misuse"} end
+  local bench, why, details = model.try(workbench.read, path, {unit = unit})
+  if not bench then return nil, why, details end
+  send_scene(self, frame.raw(bench.raw.surface, 0))
+  local ready
+  ready, why, details = long(self, "checking the surface", bench.prepare, bench)
+  if not ready then return nil, why, details end
+  self.bench, self.shown = bench, nil
+  function bench.on_answer() publish(self) end
+  return true
+end
+
+--- A controller without a part, or that of a file. about: {save = where scripts go}
+function controller.new(server, about)
+  return setmetatable({server = server, clients = {}, later = {}, save = about and about.save}, controller)
+end
+
+--- Opens a file; nil, message, details where it cannot be read.
+function controller:open(path, unit)
+  local ok, why, details = open(self, path, unit)
+  if not ok then return nil, why, details end
+  publish(self)
+  return true
+end
+
+--- A workbench that was made already is served.
+function controller:show(bench)
+  self.bench, self.shown = bench, nil
+  function bench.on_answer() publish(self) end
+  publish(self)
+end
+
+local function read(text)
+  local value, why = json.decode(text)
+  if value == nil then return nil, "not JSON: " .. tostring(why) end
+  if not live_check.is_object(value) or type(value["do"]) ~= "string" then
+    return nil, "a JSON object with a 'do' expected"
+  end
+  value.type = value["do"] == "drag" and "move" or "action" -- of drags in a row only the newest counts
+  return value
+end
+
+local function take_whole(self, client, message)
+  take(self, client, message)
+  return true
+end
+
+local events = {read = read, open = open_window,
+  close = function(self, client) self.clients[client] = nil end,
+  handlers = {action = take_whole, move = take_whole}}
+
+--- Handles what arrived: {client, "open" | "message" | "close", text}, ...
+function controller:handle(list)
+  shared.handle(self, list, events)
+end
+
+--- The session will not go on: the pages are informed.
+function controller:finish()
+  notify_all(self, {type = "closing"})
+end
+
+return controller

@@ -1,0 +1,472 @@
+// Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+// The workbench: shows the state that the session sends, sends what the person does. The page keeps nothing of its own
+// but what is looked at and chosen: windows agree and a reload loses nothing, because the session holds the rest.
+import { connect } from "./live_socket.mjs";
+import { drawBar } from "./stage.mjs";
+import { Draft } from "./workbench_draft.mjs";
+import { Handles } from "./workbench_handles.mjs";
+import { answerLine, fill, listAdvice, listConditions, listFaces, listMaterial, listNumbers, make } from "./workbench_lists.mjs";
+import { listen } from "./workbench_pointer.mjs";
+import { Pull } from "./workbench_pull.mjs";
+import { Triad } from "./workbench_triad.mjs";
+import { View } from "./workbench_view.mjs";
+import { digits, faceText, grams, materialName, megapascals, millimetres } from "./workbench_words.mjs";
+
+const byId = (id) => document.getElementById(id);
+const click = (id, action) => byId(id).addEventListener("click", action);
+const pressed = (id) => byId(id).getAttribute("aria-pressed") === "true";
+const press = (id, on) => byId(id).setAttribute("aria-pressed", String(on));
+const setText = (id, text) => {
+  if (byId(id).textContent !== text) byId(id).textContent = text;
+};
+
+let state = null;
+let connected = false;
+let chosen = new Set(); // faces, from 0
+let counter = 0;
+let asked = null; // what waits for its answer: {id, what, since}
+let bending = true; // whether results are shown deformed, and trueScale in true size
+let trueScale = false;
+const counts = { states: 0, scenes: 0 };
+
+const view = new View(byId("view"), () => {
+  triad.place(view.stage.camera);
+  handles.place();
+});
+const triad = new Triad(byId("triad"), (direction) => view.fit(direction));
+const handles = new Handles(byId("handles"), view);
+const { canvas } = view;
+canvas.tabIndex = 0;
+canvas.setAttribute("role", "application");
+canvas.setAttribute("aria-label", "The part. Arrow keys turn it, plus and minus zoom, F shows all. Faces are in the list Faces.");
+
+// ---- talking with the session ------------------------------------------------------------------------------
+
+function say(text, bad = false, details = "") {
+  const said = byId("said");
+  said.classList.toggle("bad", bad);
+  said.replaceChildren(text);
+  if (details) said.append(make("details", {}, make("summary", { textContent: "Details" }), make("span", { textContent: details })));
+}
+
+const link = connect((message) => heard[message.type]?.(message), (status, reason) => {
+  connected = status === "open";
+  byId("lost").hidden = connected;
+  byId("lost").textContent = status === "ended"
+    ? "The workbench has ended. Save the script before the next time; start barwright open again to go on."
+    : `The connection is lost${reason ? ` (${reason})` : ""}: trying again …`;
+  enable();
+});
+
+function send(what, fields = {}) {
+  const id = ++counter;
+  if (!link.send({ id, do: what, ...fields })) {
+    say("Nothing was done: the connection is lost.", true);
+    return 0;
+  }
+  if (what !== "drag") asked = { id, what, since: performance.now() };
+  say("");
+  return id;
+}
+
+const numbers = () => [...chosen].sort((a, b) => a - b).map((i) => state.faces[i].index);
+const indexOf = (number) => state.faces.findIndex((f) => f.index === number);
+
+const heard = {
+  state(message) {
+    counts.states++;
+    const before = state;
+    state = message;
+    if (asked && (message.reply === undefined || message.reply >= asked.id)) {
+      setText("latency", `The last step took ${Math.round(message.latency_ms ?? performance.now() - asked.since)} ms.`);
+      asked = null;
+    }
+    if (before && before.faces?.length !== state.faces?.length) chosen = new Set();
+    if (message.message) say(message.message.text, !!message.message.bad, message.message.details);
+    render();
+  },
+
+  scene(message) {
+    counts.scenes++;
+    if (!message.faces || typeof message.faces === "number")
+      message.faces = new Uint32Array(message.triangles.length / 3).fill(0xffffffff);
+    view.setScene(message);
+    drawBar(byId("bar"), view.colour);
+    byId("drop").hidden = true;
+    if (state) render();
+  },
+
+  refused(message) {
+    if (asked?.id === message.id) asked = null;
+    say(message.message || message.text, true, message.details);
+    pull.refused();
+    enable();
+  },
+
+  probe(message) {
+    if (message.von_mises !== undefined) setText("said", `Stress there: ${megapascals(message.von_mises)}.`);
+  },
+
+  file(message) {
+    make("a", { href: message.path, download: message.name || "" }).click();
+    say(`${message.name || "The file"} is downloaded.`);
+  },
+};
+
+// ---- showing the state --------------------------------------------------------------------------------------
+
+function render() {
+  const faces = state.faces || [];
+  document.title = state.file ? `${state.file.split("/").pop()} – barwright workbench` : "barwright workbench";
+  setText("file", state.file ? state.file.split("/").pop() : "");
+  setText("size", state.size ? `${state.size.map((x) => digits(1000 * x)).join(" × ")} mm` : "");
+  setText("mass", state.mass ? grams(state.mass) : "");
+  byId("units").hidden = state.units_plausible !== false;
+  if (state.units_plausible === false)
+    setText("units-words", `In ${state.unit || "mm"} the part would be ${state.size.map((x) => digits(1000 * x)).join(" × ")} mm. ` +
+      "Choose the unit it was drawn in.");
+  renderRepair();
+  listFaces(byId("faces"), faces, byId("search").value, (i, on) => {
+    const next = new Set(chosen);
+    if (on) next.add(i);
+    else next.delete(i);
+    choose(next);
+  }, point);
+  listConditions(byId("conditions"), state.conditions || [], {
+    change: (condition) => draft.change(condition),
+    remove: (condition) => send("remove", { condition: condition.index }),
+    point: (list) => point(list.length ? indexOf(list[0]) : -1),
+  });
+  listAdvice(byId("advices"), state.advice || [], { apply: (advice) => send("apply", { advice }),
+    point: (list) => point(list.length ? indexOf(list[0]) : -1) });
+  fill(byId("material"), state.materials || [], () => [make("option", { value: "", textContent: "choose …" }),
+    ...(state.materials || []).map((name) => make("option", { value: name, textContent: materialName(name) }))]);
+  const name = state.material?.name || "";
+  if (document.activeElement !== byId("material") || !asked) byId("material").value = name;
+  setText("material-words", name ? materialName(name) : "not chosen");
+  listMaterial(byId("material-data"), state.material);
+  setText("script", (state.script || []).join("\n"));
+  setText("saved", state.saved ? `saved in ${String(state.saved).split("/").pop()}` : "");
+  view.locked = new Set(faces.flatMap((f, i) => (f.locked ? [i] : [])));
+  renderAnswer();
+  choose(chosen);
+  symbols();
+  if (view.scene) view.recolour();
+  enable();
+}
+
+function renderRepair() {
+  const repair = state.repair;
+  setText("part-words", state.faces ? `${state.faces.length} faces` : "");
+  setText("repair-words", !repair ? "" : repair.sound ? "The surface is closed and sound." :
+    "The surface has faults. Repair closes gaps and removes what is double.");
+  fill(byId("repair"), repair?.log || [], () => (repair?.log || []).map((line) => make("li", { textContent: line })));
+  byId("mend").hidden = !repair || repair.sound;
+}
+
+const instead = { true: "", false: "" };
+
+function nextStep() {
+  const conditions = state.conditions || [];
+  if (!state.file) return "Open a part, choose faces, and say what holds and what pushes.";
+  if (!state.material) return "Choose a material, then faces that hold and faces that are pushed.";
+  if (!conditions.some((c) => c.kind === "fix"))
+    return conditions.length ? "Choose faces that hold the part, and press Fix." : "Choose faces that hold the part and press Fix; or ask where it breaks first.";
+  if (!conditions.some((c) => c.kind !== "fix")) return "Choose a face and press Push, Press or Turn; then Answer.";
+  return "Ready: press Answer.";
+}
+
+function renderAnswer() {
+  const { answer, busy } = state;
+  const shown = answer && answer.verdict && answer.verdict !== "none" ? answer : null;
+  byId("verdict").dataset.colour = shown ? shown.colour : "none";
+  byId("verdict").setAttribute("aria-busy", String(!!busy));
+  setText("verdict-words", busy ? `${busy.what} …` : shown ? shown.sentence : nextStep());
+  setText("verdict-more", busy ? (busy.to_go_s ? `about ${Math.ceil(busy.to_go_s)} s to go` : "")
+    : shown ? answerLine(shown) : instead.true);
+  byId("progress").hidden = !busy;
+  byId("progress").value = busy?.fraction || 0;
+  byId("cancel").hidden = !busy;
+  byId("verdict-details").hidden = !shown;
+  byId("place").hidden = !shown?.at;
+  if (shown) {
+    listNumbers(byId("numbers"), shown);
+    fill(byId("notes"), shown.notes || [], () => (shown.notes || []).map((note) => make("li", { textContent: note })));
+  }
+  view.marker.visible = !!shown?.at;
+  if (shown?.at) {
+    view.marker.position.set(...shown.at);
+    view.marker.scale.setScalar(0.011 * (view.size || 0));
+  }
+  const results = !!view.scene?.von_mises && !!shown;
+  view.coloured = results;
+  byId("legend").hidden = !results;
+  if (results) setText("high", digits(view.range[1] / 1e6));
+  bend();
+}
+
+// The deformation as large as is chosen; its factor is printed.
+function bend() {
+  const there = view.coloured && view.largest > 0;
+  const factor = !there || !bending ? 0 : trueScale ? 1 : view.sensible;
+  byId("bend").disabled = byId("true").disabled = !there;
+  press("bend", bending && !trueScale);
+  press("true", bending && trueScale);
+  setText("times", !there ? "" : factor === 0 ? "at rest" : factor === 1 ? "true size" : `× ${digits(factor, 2)}`);
+  if (view.scene && factor !== view.factor) view.deform(factor);
+}
+
+function symbols() {
+  if (!view.surface || !state) return;
+  const known = (state.conditions || []).filter((c) => !draft.changes(c));
+  view.symbols.show([...known, ...draft.conditions()].map((c) => ({ ...c, faces: (c.faces || []).map((n) => indexOf(n) + 1) })),
+    view.surface, view.rest, view.size);
+  view.stage.wake();
+}
+
+function enable() {
+  const ready = connected && !!state && !state.busy;
+  const part = ready && !!state.file && state.units_plausible !== false;
+  const some = part && chosen.size > 0;
+  byId("undo").disabled = !(ready && state.undo);
+  byId("redo").disabled = !(ready && state.redo);
+  for (const id of ["save", "export", "advice", "optimise", "material", "mend"]) byId(id).disabled = !part;
+  for (const id of ["push", "lock", "clear", "grow"]) byId(id).disabled = !some;
+  for (const button of document.querySelectorAll("[data-act]")) button.disabled = !(button.dataset.act === "gravity" ? part : some);
+  byId("answer").disabled = !(part && state.material);
+  byId("set-radius").disabled = !(some && chosen.size === 1 && state.faces[[...chosen][0]]?.radius);
+}
+
+// ---- faces: pointed at and chosen -------------------------------------------------------------------------------
+
+function point(face) {
+  view.hover(face);
+}
+
+function choose(faces) {
+  chosen = new Set([...faces].filter((i) => i >= 0 && i < (state?.faces || []).length));
+  if (view.scene) view.setSelected(chosen);
+  for (const box of byId("faces").querySelectorAll("input")) box.checked = chosen.has(Number(box.value));
+  const one = chosen.size === 1 ? state.faces[[...chosen][0]] : null;
+  setText("chosen-words", chosen.size === 0 ? "none chosen" : one ? faceText(one) : `${chosen.size} chosen`);
+  const all = chosen.size > 0 && [...chosen].every((i) => state.faces[i].locked);
+  setText("lock", all ? "Unlock" : "Lock");
+  if (one?.radius && document.activeElement !== byId("radius")) byId("radius").value = Number((1000 * one.radius).toPrecision(4));
+  draft.facesChanged();
+  pull.facesChanged();
+  enable();
+}
+
+function tip(text, x, y) {
+  const box = byId("view").getBoundingClientRect();
+  byId("tip").hidden = !text;
+  if (!text) return;
+  byId("tip").textContent = text;
+  const wide = byId("tip").offsetWidth;
+  byId("tip").style.transform = `translate(${Math.max(4, Math.min(box.width - wide - 4, x - box.left + 14))}px, ` +
+    `${Math.max(4, y - box.top - 34)}px)`;
+}
+
+function probeText(hit) {
+  const moved = hit.displacement ? `\nmoves ${millimetres(Math.hypot(...hit.displacement))}` : "";
+  return hit.von_mises === undefined || hit.von_mises === null ? "No stress yet: press Answer" : `${megapascals(hit.von_mises)}${moved}`;
+}
+
+listen(view, byId("frame"), () => pressed("box"), {
+  point(hit, x, y) {
+    point(hit ? hit.face : -1);
+    byId("view").classList.toggle("picking", !!hit);
+    const face = hit && state?.faces?.[hit.face];
+    tip(!hit ? "" : pressed("probe") ? probeText(hit) : face ? faceText(face) : "", x, y);
+  },
+  choose(hit, add) {
+    if (pressed("probe")) {
+      if (hit) {
+        say(probeText(hit).replace("\n", ", "));
+        send("probe", { point: hit.rest });
+      }
+      return;
+    }
+    if (!hit || hit.face < 0) return add ? undefined : choose(new Set());
+    const next = new Set(add || draft.open ? chosen : []);
+    if (chosen.has(hit.face) && (add || chosen.size === 1)) next.delete(hit.face);
+    else next.add(hit.face);
+    choose(next);
+  },
+  within(faces, add) {
+    choose(new Set([...(add ? chosen : []), ...faces]));
+    press("box", false);
+    modes();
+  },
+});
+
+function modes() {
+  view.stage.controls.enabled = !pressed("box");
+  byId("view").classList.toggle("boxing", pressed("box"));
+  byId("view").classList.toggle("probing", pressed("probe"));
+}
+
+function grow() {
+  choose(new Set([...chosen, ...[...chosen].flatMap((f) => [...(view.surface.neighbours.get(f) || [])])]));
+}
+
+// ---- what is asked ------------------------------------------------------------------------------------------------
+
+const context = { byId, view, handles, send, say, symbols, numbers, chosen: () => chosen, state: () => state,
+  choose: (list) => choose(new Set(list.map(indexOf))) };
+const draft = new Draft(context);
+const pull = new Pull(context);
+
+click("fit", () => view.fit());
+click("clear", () => choose(new Set()));
+click("grow", grow);
+click("undo", () => send("undo"));
+click("redo", () => send("redo"));
+click("save", () => send("save"));
+click("mend", () => send("repair"));
+click("advice", () => send("advice"));
+click("cancel", () => send("cancel"));
+click("answer", () => send("answer", { accuracy: byId("accuracy").value }));
+click("lock", () => send("lock", { faces: numbers(), locked: byId("lock").textContent === "Lock" }));
+click("bend", () => {
+  bending = !(bending && !trueScale);
+  trueScale = false;
+  bend();
+});
+click("true", () => {
+  bending = !(bending && trueScale);
+  trueScale = bending;
+  bend();
+});
+click("place", () => {
+  const at = state.answer.at;
+  const centre = view.rest.min.clone().add(view.rest.max).multiplyScalar(0.5).toArray();
+  const away = at.map((x, k) => x - centre[k] + (k === 1 ? -0.2 : 0.15) * view.size);
+  view.fit(away);
+});
+for (const id of ["edges", "box", "probe", "cut", "flip"])
+  click(id, () => {
+    press(id, !pressed(id));
+    if (id === "edges" && view.lines) view.lines.visible = pressed(id);
+    if (id === "box" && pressed(id)) press("probe", false);
+    if (id === "probe" && pressed(id)) press("box", false);
+    if (id === "cut") byId("section").hidden = !pressed(id);
+    modes();
+    section();
+  });
+function section() {
+  view.section(pressed("cut") ? Number(byId("axis").value) : -1, Number(byId("share").value), pressed("flip"));
+}
+byId("axis").addEventListener("change", section);
+byId("share").addEventListener("input", section);
+byId("search").addEventListener("input", () => state && render());
+byId("material").addEventListener("change", () => byId("material").value && send("material", { name: byId("material").value }));
+byId("export").addEventListener("change", () => {
+  if (byId("export").value) send("export", { format: byId("export").value });
+  byId("export").value = "";
+});
+byId("unit-choices").append(...["mm", "cm", "m", "in"].map((unit) => make("button", { type: "button",
+  textContent: { mm: "Millimetres", cm: "Centimetres", m: "Metres", in: "Inches" }[unit], on: { click: () => send("unit", { unit }) } })));
+
+const number = (id) => (byId(id).value === "" ? NaN : Number(byId(id).value));
+function submit(id, what) {
+  byId(id).addEventListener("submit", (event) => {
+    event.preventDefault();
+    what();
+  });
+}
+submit("push-form", () => {
+  if (!number("distance")) return say("Give a distance in mm, not 0.", true);
+  send("push", { faces: numbers(), distance: number("distance") / 1000 });
+});
+submit("radius-form", () => {
+  if (!(number("radius") > 0)) return say("Give the radius in mm, above 0.", true);
+  send("radius", { face: numbers()[0], radius: number("radius") / 1000 });
+});
+submit("offset-form", () => {
+  if (!number("offset")) return say("Give a thickness in mm, not 0.", true);
+  send("offset", { distance: number("offset") / 1000 });
+});
+submit("optimise-form", () => {
+  if (!(number("target") > 0)) return say("Give the force that the part must bear, in N.", true);
+  send("optimise", { force: number("target") });
+});
+
+// ---- opening a file ---------------------------------------------------------------------------------------------------
+
+async function upload(file) {
+  if (!file) return;
+  say(`Reading ${file.name} …`);
+  choose(new Set());
+  try {
+    const answer = await fetch(`upload?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+    if (!answer.ok) say((await answer.text()).trim() || `${file.name} cannot be opened.`, true);
+    else say("");
+  } catch {
+    say(`${file.name} did not reach the workbench: the connection is lost.`, true);
+  }
+}
+click("open", () => byId("upload").click());
+byId("upload").addEventListener("change", () => {
+  upload(byId("upload").files[0]);
+  byId("upload").value = "";
+});
+for (const kind of ["dragenter", "dragover"])
+  window.addEventListener(kind, (event) => {
+    event.preventDefault();
+    byId("view").classList.add("over");
+  });
+window.addEventListener("dragleave", (event) => !event.relatedTarget && byId("view").classList.remove("over"));
+window.addEventListener("drop", (event) => {
+  event.preventDefault();
+  byId("view").classList.remove("over");
+  upload(event.dataTransfer.files[0]);
+});
+
+// ---- keys ------------------------------------------------------------------------------------------------------------------
+
+const keys = { f: "fit", b: "box", g: "grow", e: "edges", p: "probe", x: "cut" };
+window.addEventListener("keydown", (event) => {
+  const key = event.key.toLowerCase();
+  if (event.ctrlKey || event.metaKey) {
+    const id = { z: event.shiftKey ? "redo" : "undo", y: "redo", s: "save" }[key];
+    if (!id || (id !== "save" && event.target.matches("input[type=number], input[type=search]"))) return;
+    event.preventDefault();
+    if (!byId(id).disabled) byId(id).click();
+  } else if (key === "escape") {
+    draft.close();
+    press("box", false);
+    press("probe", false);
+    modes();
+  } else if (!event.altKey && keys[key] && !event.target.matches("input, select")) byId(keys[key]).click();
+});
+
+const dark = window.matchMedia("(prefers-color-scheme: dark)");
+const scheme = () => view.setDark(dark.matches);
+dark.addEventListener("change", scheme);
+scheme();
+enable();
+
+// For whoever drives the page by script.
+window.barwright = {
+  state: () => ({ connected, ...counts, revision: state?.revision, chosen: state ? numbers() : [], hovered: view.hovered,
+    conditions: state?.conditions, faces: state?.faces, answer: state?.answer, material: state?.material?.name, mass: state?.mass,
+    script: state?.script, undo: state?.undo, redo: state?.redo, busy: state?.busy, size: state?.size, saved: state?.saved,
+    said: byId("said").textContent, verdict: byId("verdict").dataset.colour, symbols: view.symbols.count, factor: view.factor,
+    triangles: view.scene ? view.scene.triangles.length / 3 : 0, waiting: asked?.what, draft: draft.kind }),
+  // A place of the window where a face is seen, or null where it is hidden.
+  place(number) {
+    const face = indexOf(number);
+    const { positions, triangles } = view.scene;
+    for (const t of view.surface.trianglesOfFaces.get(face) || []) {
+      const middle = [0, 1, 2].map((k) => (positions[3 * triangles[3 * t] + k] + positions[3 * triangles[3 * t + 1] + k] +
+        positions[3 * triangles[3 * t + 2] + k]) / 3);
+      const [x, y] = view.toWindow(middle);
+      if (document.elementFromPoint(x, y) === canvas && view.pick(x, y)?.face === face) return [x, y];
+    }
+    return null;
+  },
+  corners: () => [0, 1, 2, 3, 4, 5, 6, 7].map((k) => view.toWindow([0, 1, 2].map((i) => view.box()[k & (1 << i) ? "max" : "min"].getComponent(i)))),
+  view,
+  send,
+};

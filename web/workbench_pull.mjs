@@ -1,0 +1,64 @@
+// Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+// The handle that pushes or pulls the chosen face: the distance is shown in millimetres while it is dragged, and the
+// face moves in the view at once; the session moves it on release.
+import { digits } from "./workbench_words.mjs";
+
+export class Pull {
+  constructor(context) {
+    Object.assign(this, context);
+  }
+
+  facesChanged() {
+    const { view } = this;
+    const face = [...this.chosen()][0];
+    const edits = this.byId("edit").open && this.chosen().size === 1 && view.surface && !this.state().faces[face]?.locked;
+    const place = edits ? view.symbols.centre(view.surface, face) : null;
+    if (!place) return this.handles.set("pull", null);
+    const base = 0.12 * view.size;
+    this.handles.set("pull", { at: place.at, direction: place.normal, length: base, colour: "#b85c00",
+      move: (handle, x, y) => {
+        this.distance = this.rounded(this.handles.along(handle, x, y) - base);
+        handle.length = base + this.distance;
+        handle.words = `${this.distance > 0 ? "+" : ""}${digits(1000 * this.distance)} mm`;
+        this.preview(face, place.normal, this.distance);
+      },
+      end: (_, cancelled) => {
+        const { distance } = this;
+        this.distance = 0;
+        if (distance && !cancelled) {
+          this.byId("distance").value = digits(1000 * distance);
+          if (this.send("push", { faces: this.numbers(), distance })) return;
+        }
+        this.refused();
+      } });
+  }
+
+  // A tenth of a millimetre, or finer for small parts.
+  rounded(x) {
+    const step = this.view.size < 0.02 ? 1e-5 : 1e-4;
+    return Number((Math.round(x / step) * step).toFixed(6)) + 0;
+  }
+
+  // Moves the points of a face in the view.
+  preview(face, normal, distance) {
+    const { view } = this;
+    const { triangles } = view.scene;
+    const moved = new Set((view.surface.trianglesOfFaces.get(face) || []).flatMap((t) => [0, 1, 2].map((k) => triangles[3 * t + k])));
+    for (const [name, indices] of [["body", triangles], ["lines", view.surface.edges]]) {
+      const position = view[name].geometry.getAttribute("position");
+      for (let i = 0; i < indices.length; i++) {
+        if (!moved.has(indices[i])) continue;
+        for (let k = 0; k < 3; k++)
+          position.array[3 * i + k] = view.places[3 * indices[i] + k] + distance * normal.getComponent(k);
+      }
+      position.needsUpdate = true;
+    }
+    view.stage.wake();
+  }
+
+  // The view goes back to what the session has.
+  refused() {
+    if (this.view.scene) this.view.deform();
+    this.facesChanged();
+  }
+}
