@@ -3,27 +3,10 @@
 // colours of a field, the colour bar, numbers as text.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { fitDistance } from "./fit.mjs";
 
 export const number = (x) =>
   Math.abs(x) >= 1e4 || (x !== 0 && Math.abs(x) < 1e-2) ? x.toExponential(2) : x.toPrecision(4);
-
-// How far from the centre of a box a camera shows all of it with some room around it. `from`: direction to the camera.
-export function distanceToFit(box, from, camera, room = 1.12) {
-  const away = new THREE.Vector3(...from).normalize();
-  const right = new THREE.Vector3().crossVectors(camera.up, away);
-  if (right.lengthSq() < 1e-12) right.set(1, 0, 0);
-  right.normalize();
-  const up = new THREE.Vector3().crossVectors(away, right);
-  const half = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
-  const tangent = Math.tan((Math.PI * camera.fov) / 360) / room;
-  let distance = 0;
-  for (let k = 0; k < 8; k++) {
-    const corner = half.clone().multiply(new THREE.Vector3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
-    const needed = Math.max(Math.abs(corner.dot(right)) / Math.min(camera.aspect, 1e3), Math.abs(corner.dot(up))) / tangent;
-    distance = Math.max(distance, corner.dot(away) + needed);
-  }
-  return distance;
-}
 
 // The scene fills `view`; `frame(now)` is called before each picture. With `still` a picture is made only when the
 // camera has moved or after wake().
@@ -48,26 +31,40 @@ export function makeStage(view, frame, { still = false } = {}) {
   scene.add(camera);
   const controls = new OrbitControls(camera, renderer.domElement);
 
-  // Looks at a box from a direction.
+  // What is fitted into the picture, seen from where the camera is, until the person zooms or moves it.
+  let fitted = null;
+
+  const needed = (sizes, from) => fitDistance(sizes, from.toArray(), camera.up.toArray(), camera.fov, camera.aspect);
+
+  // Looks at a box from a direction: all of it is in the picture, whatever its shape and that of the view.
   function aim(box, from) {
     const centre = box.getCenter(new THREE.Vector3());
-    const size = box.getSize(new THREE.Vector3()).length() || 1;
+    const extent = box.getSize(new THREE.Vector3());
+    const size = extent.length() || 1;
+    const direction = new THREE.Vector3(...from).normalize();
+    const distance = needed(extent.toArray(), direction) || size;
     camera.near = size * 0.001;
-    camera.far = size * 20;
+    camera.far = size * 20 + 2 * distance;
     camera.updateProjectionMatrix();
-    const distance = distanceToFit(box, from, camera) || size * 1.5;
-    camera.position.copy(new THREE.Vector3(...from).normalize().multiplyScalar(distance).add(centre));
+    camera.position.copy(direction.multiplyScalar(distance).add(centre));
     controls.target.copy(centre);
     controls.update();
+    fitted = { extent: extent.toArray(), position: camera.position.clone() };
     return size;
   }
 
+  // A view of another shape shows the whole box again where the camera still is where it was aimed.
   function resize() {
     const { clientWidth, clientHeight } = view;
     renderer.setSize(clientWidth, clientHeight);
-    camera.aspect = clientWidth / Math.max(1, clientHeight);
+    camera.aspect = Math.max(1, clientWidth) / Math.max(1, clientHeight);
     camera.updateProjectionMatrix();
     wake();
+    if (!fitted || camera.position.distanceTo(fitted.position) > 1e-3 * camera.near) return;
+    const from = camera.position.clone().sub(controls.target);
+    camera.position.copy(from.normalize().multiplyScalar(needed(fitted.extent, from)).add(controls.target));
+    controls.update();
+    fitted.position.copy(camera.position);
   }
   let awake = true;
   function wake() {

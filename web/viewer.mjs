@@ -74,7 +74,9 @@ for (const motion of motions) {
       rest[r + 2] + factor * values[i + 2]));
   }
 }
-const size = aim(seen, data.view || [1, -1.4, 0.8]);
+// Shapes that are drawn at scale 1 are in the picture too.
+const swing = Math.max(0, ...motions.map((m) => (m.times ? 0 : m.factor * m.largest)));
+const size = aim(seen.expandByScalar(Number.isFinite(swing) ? swing : 0), data.view || [1, -1.4, 0.8]);
 
 const arrows = new Arrows(scene);
 const edges = new Edges(scene, data.lines || [], rest, size);

@@ -6,6 +6,7 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
+import { fit } from "./fit.mjs";
 import { live } from "./live.mjs";
 import { liveMore } from "./live_more.mjs";
 import { plane } from "./plane.mjs";
@@ -247,6 +248,7 @@ await test("the page of a warm part shows its temperature, and no controls of mo
     await page.screenshot({ path: path.join(process.env.BARWRIGHT_PICTURES, "warm.png"), fullPage: true });
 });
 
+await fit({ root, test, assert });
 // With BARWRIGHT_PICTURES=FOLDER pictures of the live view are left there, to be looked at.
 await study({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await site({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
