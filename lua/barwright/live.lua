@@ -111,8 +111,9 @@ end
 
 --- Serves a controller until Ctrl-C: `begin(server)` makes it, or returns nil, message, details. `page` names
 --- the page's files, `ready(address)` is called when the page can be opened.
-function live.serve(port, page, begin, ready)
-  local server, message, details = core.live_server {port = port}
+--- `upload_bytes`: the longest file that the page may send, or nil for none.
+function live.serve(port, page, begin, ready, upload_bytes)
+  local server, message, details = core.live_server {port = port, upload_bytes = upload_bytes}
   if not server then return nil, message, details end
   live.serve_page(server, page)
   local controller

@@ -135,7 +135,7 @@ local function read_all(self, events, how)
   local out, last = {}, nil
   for _, event in ipairs(events) do
     local client, kind, text = event[1], event[2], event[3]
-    local entry = {client = client, kind = kind}
+    local entry = {client = client, kind = kind, text = kind == "upload" and text or nil}
     if kind == "message" then
       entry.message, entry.why = how.read(text, self)
     end
@@ -159,6 +159,8 @@ function shared.handle(self, events, how)
   for _, entry in ipairs(read_all(self, events, how)) do
     if entry.kind == "open" then
       how.open(self, entry.client)
+    elseif entry.kind == "upload" then
+      how.upload(self, entry.text)
     elseif entry.kind == "close" then
       how.close(self, entry.client)
     elseif entry.message then

@@ -19,6 +19,7 @@ static int core_live_server(lua_State *L) {
       {"clients", LBW_INT, offsetof(lbw_live_options, clients)},
       {"message_bytes", LBW_COUNT, offsetof(lbw_live_options, message_bytes)},
       {"queue_bytes", LBW_COUNT, offsetof(lbw_live_options, queue_bytes)},
+      {"upload_bytes", LBW_COUNT, offsetof(lbw_live_options, upload_bytes)},
       {"queue_messages", LBW_INT, offsetof(lbw_live_options, queue_messages)},
       {NULL, LBW_OTHER, 0}};
   lbw_live_options options;
@@ -30,6 +31,8 @@ static int core_live_server(lua_State *L) {
   if (options.clients < 1 || options.clients > 64)
     return lbw_error(L, "live_server: option 'clients': a number from 1 to 64 expected, got %d",
                      options.clients);
+  if (options.upload_bytes < 0 || options.upload_bytes > (int64_t)4 << 30)
+    return lbw_error(L, "live_server: option 'upload_bytes': a size from 0 to 4 GiB expected");
   if (options.message_bytes < 1 || options.queue_bytes < 1 || options.queue_messages < 1)
     return lbw_error(L, "live_server: limits of at least 1 expected");
   lua_settop(L, 1);
@@ -106,7 +109,7 @@ static int server_disconnect(lua_State *L) {
 
 /* Copies the event behind a protected call, so that it is released when Lua has no memory. */
 static int push_event(lua_State *L) {
-  static const char *const kinds[] = {"open", "message", "close"};
+  static const char *const kinds[] = {"open", "message", "close", "upload"};
   const lbw_live_event *event = (const lbw_live_event *)lua_touserdata(L, 1);
   lua_pushinteger(L, event->client);
   lua_pushstring(L, kinds[event->kind]);
@@ -125,9 +128,9 @@ static int return_event(lua_State *L, lbw_live_event *event) {
   return failure ? lua_error(L) : 3;
 }
 
-/* server:receive(seconds): client, "open" | "message" | "close", text; nothing when none came in
- * time; nil, message, details when it was cancelled (Ctrl-C). Inside a function that the engine
- * calls it does not wait. */
+/* server:receive(seconds): client, "open" | "message" | "close" | "upload", text; nothing when none
+ * came in time; nil, message, details when it was cancelled (Ctrl-C). Inside a function that the
+ * engine calls it does not wait. */
 static int server_receive(lua_State *L) {
   static const double slice = 0.05; /* how long Ctrl-C may take */
   lbw_live_server *server = self(L);

@@ -54,6 +54,8 @@ lbw_live_event *lbw_live_receive(lbw_live_server *server, double seconds) {
       server->last = NULL;
     live_connection *from =
         event->kind == LBW_LIVE_MESSAGE ? find_window(server, event->client) : NULL;
+    if (event->kind == LBW_LIVE_UPLOAD)
+      server->uploading = false;
     if (from) {
       from->waiting--;
       from->waiting_bytes -= (int64_t)event->length;
@@ -226,6 +228,37 @@ static int hand_over(lbw_live_server *server, live_connection *connection, const
   bw_free(event);
   *reason = "too many messages";
   return has_space ? 0 : LIVE_CLOSE_POLICY;
+}
+
+int live_begin_upload(lbw_live_server *server, live_connection *connection, const char *query,
+                      size_t length) {
+  pthread_mutex_lock(&server->lock);
+  bool busy = server->uploading;
+  server->uploading = true;
+  pthread_mutex_unlock(&server->lock);
+  if (busy)
+    return 503;
+  size_t name = strlen(query);
+  lbw_live_event *event = (lbw_live_event *)bw_alloc(NULL, 1, sizeof *event + name + 1 + length);
+  if (!event) {
+    pthread_mutex_lock(&server->lock);
+    server->uploading = false;
+    pthread_mutex_unlock(&server->lock);
+    return 503;
+  }
+  *event = (lbw_live_event){.kind = LBW_LIVE_UPLOAD, .length = name + 1 + length};
+  memcpy(event->text, query, name);
+  event->text[name] = '\n';
+  connection->upload = event;
+  connection->uploaded = name + 1;
+  return 0;
+}
+
+void live_end_upload(lbw_live_server *server, live_connection *connection) {
+  pthread_mutex_lock(&server->lock);
+  post(server, connection->upload);
+  pthread_mutex_unlock(&server->lock);
+  connection->upload = NULL;
 }
 
 static bool takes_more(lbw_live_server *server, const live_connection *connection) {

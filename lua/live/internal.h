@@ -43,6 +43,7 @@ typedef struct live_outgoing {
 
 typedef enum live_stage {
   LIVE_HEAD,    /* reads the head of its request */
+  LIVE_BODY,    /* reads the body of an upload */
   LIVE_ANSWER,  /* sends the answer */
   LIVE_WINDOW,  /* an open WebSocket */
   LIVE_CLOSING, /* sends what is queued, the closing frame last; ignores what it reads */
@@ -61,6 +62,8 @@ typedef struct live_connection {
   bool pinged;     /* since then */
   char *in;
   size_t filled, capacity;
+  lbw_live_event *upload; /* what is read of a body, or NULL */
+  size_t uploaded;        /* bytes of its text */
   live_outgoing *sending;
   size_t sent;
   int64_t number; /* shared: of a window; 0 for none */
@@ -98,6 +101,7 @@ struct lbw_live_server {
   int64_t last_window;
   lbw_live_event *first, *last;
   bool stopping;
+  bool uploading; /* an upload is being read, or waits for the owner: one at a time */
 };
 
 /* ---- server.c -------------------------------------------------------------------------------- */
@@ -118,7 +122,7 @@ void live_wake(lbw_live_server *server);
 /* Answers a request. The head has its empty line, and is changed. The answer is queued and the
  * stage set; false when memory is out. */
 bool live_answer(lbw_live_server *server, live_connection *connection, char *head, size_t length);
-/* Answers with a refusal. */
+/* Answers with a status alone. */
 bool live_refuse(lbw_live_server *server, live_connection *connection, int code, const char *word);
 
 /* ---- frame.c --------------------------------------------------------------------------------- */
@@ -161,6 +165,11 @@ void live_enqueue(live_connection *connection, live_outgoing *message);
 void live_free_outgoing(live_outgoing *message);
 /* Makes a window of a connection whose WebSocket is agreed on, or begins to close it. */
 void live_admit(lbw_live_server *server, live_connection *connection);
+/* Makes room for an upload: 0, or the status to refuse it with. */
+int live_begin_upload(lbw_live_server *server, live_connection *connection, const char *query,
+                      size_t length);
+/* Hands the whole upload to the owner. */
+void live_end_upload(lbw_live_server *server, live_connection *connection);
 /* Takes the whole frames in the connection's buffer. */
 void live_take_frames(lbw_live_server *server, live_connection *connection);
 /* Queues a ping. */

@@ -43,6 +43,7 @@ static void free_connection(live_connection *connection) {
     live_free_outgoing(message);
   }
   bw_free(connection->close);
+  bw_free(connection->upload);
   bw_free(connection->in);
   bw_free(connection);
 }
@@ -51,6 +52,8 @@ static void free_connection(live_connection *connection) {
 static void end_at(lbw_live_server *server, live_connection **place) {
   live_connection *connection = *place;
   *place = connection->next;
+  if (connection->upload)
+    server->uploading = false;
   live_leave(server, connection);
   free_connection(connection);
 }
@@ -147,6 +150,24 @@ static taken read_window(lbw_live_server *server, live_connection *connection) {
   return TOOK;
 }
 
+static taken end_body(lbw_live_server *server, live_connection *connection) {
+  if (connection->uploaded < connection->upload->length)
+    return TOOK;
+  live_end_upload(server, connection);
+  return live_refuse(server, connection, 200, "OK") ? TOOK : ENDED;
+}
+
+/* What of a body came with the head. */
+static taken take_body(lbw_live_server *server, live_connection *connection) {
+  lbw_live_event *upload = connection->upload;
+  size_t left = upload->length - connection->uploaded;
+  size_t length = connection->filled < left ? connection->filled : left;
+  memcpy(upload->text + connection->uploaded, connection->in, length);
+  connection->uploaded += length;
+  connection->filled = 0;
+  return end_body(server, connection);
+}
+
 /* Takes the request off the buffer once its head is whole: what follows may be frames. */
 static taken read_head(lbw_live_server *server, live_connection *connection) {
   size_t before = connection->filled;
@@ -171,7 +192,20 @@ static taken read_head(lbw_live_server *server, live_connection *connection) {
     connection->heard = bw_seconds();
     live_take_frames(server, connection);
   }
-  return TOOK;
+  return connection->stage == LIVE_BODY ? take_body(server, connection) : TOOK;
+}
+
+/* Bytes of a body go where the owner gets them; each extends the time. */
+static taken read_body(lbw_live_server *server, live_connection *connection) {
+  lbw_live_event *upload = connection->upload;
+  taken took = receive(connection, upload->text + connection->uploaded,
+                       upload->length - connection->uploaded);
+  if (took != TOOK)
+    return took;
+  connection->uploaded += connection->filled;
+  connection->filled = 0;
+  connection->deadline = bw_seconds() + answer_seconds;
+  return end_body(server, connection);
 }
 
 static taken read_nothing(live_connection *connection) {
@@ -234,10 +268,12 @@ static void serve(lbw_live_server *server, live_connection *connection, int read
   if (ready & (POLLIN | POLLHUP | POLLERR))
     took = connection->stage == LIVE_HEAD     ? read_head(server, connection)
            : connection->stage == LIVE_WINDOW ? read_window(server, connection)
+           : connection->stage == LIVE_BODY   ? read_body(server, connection)
            : connection->stage == LIVE_ANSWER ? NOTHING
                                               : read_nothing(connection);
   bool ok = took != ENDED;
-  if (ok && connection->stage != LIVE_HEAD && connection->stage != LIVE_DRAIN) {
+  bool writes = connection->stage != LIVE_HEAD && connection->stage != LIVE_BODY;
+  if (ok && writes && connection->stage != LIVE_DRAIN) {
     ok = write_some(server, connection);
     pthread_mutex_lock(&server->lock);
     bool sent = !connection->sending && !connection->first;

@@ -3,6 +3,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -12,6 +13,7 @@
 typedef struct request {
   char *method, *target;
   const char *host, *origin, *upgrade, *connection, *key, *version;
+  const char *length, *transfer;
 } request;
 
 typedef enum reading { READ_WELL, MALFORMED, REPEATED } reading;
@@ -37,7 +39,9 @@ static reading read_field(request *out, char *line) {
                {"Upgrade", offsetof(request, upgrade)},
                {"Connection", offsetof(request, connection)},
                {"Sec-WebSocket-Key", offsetof(request, key)},
-               {"Sec-WebSocket-Version", offsetof(request, version)}};
+               {"Sec-WebSocket-Version", offsetof(request, version)},
+               {"Content-Length", offsetof(request, length)},
+               {"Transfer-Encoding", offsetof(request, transfer)}};
   char *value = line, *name = cut_off(&value, ":");
   if (!name || !*name || strpbrk(name, " \t"))
     return MALFORMED;
@@ -223,6 +227,24 @@ static bool agree(lbw_live_server *server, live_connection *connection, const re
   return true;
 }
 
+/* POST /TOKEN/upload?QUERY with a body whose length is given. */
+static bool accept_upload(lbw_live_server *server, live_connection *connection,
+                          const request *asked, const char *query) {
+  if (asked->transfer || !asked->length)
+    return live_refuse(server, connection, 411, "Length Required");
+  size_t digits = strspn(asked->length, "0123456789");
+  if (digits == 0 || digits > 15 || asked->length[digits] || strspn(asked->length, "0") == digits)
+    return live_refuse(server, connection, 400, "Bad Request");
+  int64_t length = strtoll(asked->length, NULL, 10);
+  if (length > server->options.upload_bytes)
+    return live_refuse(server, connection, 413, "Content Too Large");
+  int code = live_begin_upload(server, connection, query, (size_t)length);
+  if (code)
+    return live_refuse(server, connection, code, "Service Unavailable");
+  connection->stage = LIVE_BODY;
+  return true;
+}
+
 bool live_answer(lbw_live_server *server, live_connection *connection, char *head, size_t length) {
   request asked;
   reading how = read_request(&asked, head, length);
@@ -230,11 +252,16 @@ bool live_answer(lbw_live_server *server, live_connection *connection, char *hea
     return live_refuse(server, connection, 400, "Bad Request");
   if (how == REPEATED || !trusted(server, &asked))
     return live_refuse(server, connection, 403, "Forbidden");
-  asked.target[strcspn(asked.target, "?#")] = 0;
+  char *query = asked.target + strcspn(asked.target, "?#");
+  if (*query)
+    *query++ = 0;
   const char *path = path_below_token(server, asked.target);
   if (!path)
     return live_refuse(server, connection, 404, "Not Found");
   connection->shown = true;
+  if (strcmp(asked.method, "POST") == 0 && server->options.upload_bytes > 0 &&
+      strcmp(path, "upload") == 0)
+    return accept_upload(server, connection, &asked, query);
   bool get = strcmp(asked.method, "GET") == 0;
   if (!get && strcmp(asked.method, "HEAD") != 0)
     return live_refuse(server, connection, 405, "Method Not Allowed");

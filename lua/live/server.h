@@ -22,6 +22,7 @@ typedef struct lbw_live_options {
   int64_t message_bytes;  /* a longer message closes its connection */
   int64_t queue_bytes;    /* a client for whom more is waiting to be sent is closed */
   int queue_messages;     /* a client from whom more is waiting to be read is closed */
+  int64_t upload_bytes;   /* longest body of POST /TOKEN/upload; 0: none is taken */
   double head_seconds;    /* a connection whose request is not whole by then is ended */
   double silence_seconds; /* a client that neither took nor gave a byte for so long is ended; it is
                              asked for a sign of life after a third of that */
@@ -50,7 +51,13 @@ bw_status lbw_live_send(bw_context *context, lbw_live_server *server, int64_t cl
 /* Ends a client's connection with a code of RFC 6455 and a short reason. */
 void lbw_live_disconnect(lbw_live_server *server, int64_t client, int code, const char *reason);
 
-typedef enum lbw_live_kind { LBW_LIVE_OPEN, LBW_LIVE_MESSAGE, LBW_LIVE_CLOSE } lbw_live_kind;
+/* An upload has client 0; its text is the query of the request, a line feed, the body. */
+typedef enum lbw_live_kind {
+  LBW_LIVE_OPEN,
+  LBW_LIVE_MESSAGE,
+  LBW_LIVE_CLOSE,
+  LBW_LIVE_UPLOAD
+} lbw_live_kind;
 typedef struct lbw_live_event {
   struct lbw_live_event *next;
   lbw_live_kind kind;

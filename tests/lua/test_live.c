@@ -714,6 +714,105 @@ static void test_noise_does_no_harm(void **state) {
 
 /* ---- the end --------------------------------------------------------------------------------- */
 
+/* ---- uploads --------------------------------------------------------------------------------- */
+
+static void uploads(lbw_live_options *options) {
+  options->upload_bytes = 100000;
+  options->head_seconds = 3600;
+}
+
+/* The status of a POST below the token with these header lines and bytes behind the head. */
+static int post(const lbw_live_server *server, const char *path, const char *fields,
+                const void *body, size_t length) {
+  char request[1000], text[4096];
+  int n = snprintf(request, sizeof request, "POST /%s/%s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n%s\r\n",
+                   lbw_live_token(server), path, lbw_live_port(server), fields);
+  int s = connect_here(server);
+  put(s, request, (size_t)n);
+  put(s, body, length);
+  size_t got = get(s, text, sizeof text - 1);
+  text[got] = 0;
+  close(s);
+  return got > 12 ? atoi(text + 9) : 0;
+}
+
+static void test_an_upload_arrives_whole(void **state) {
+  lbw_live_server *server = start(state, uploads);
+  static char body[100000];
+  for (size_t i = 0; i < sizeof body; i++)
+    body[i] = (char)(i * 7 + i / 251);
+  for (int k = 0; k < 3; k++) { /* the next one after the owner took the one before */
+    assert_int_equal(post(server, "upload?name=a%20b.stl",
+                          "Content-Type: application/octet-stream\r\nContent-Length: 100000\r\n",
+                          body, sizeof body),
+                     200);
+    lbw_live_event *event = lbw_live_receive(server, TIME_LIMIT);
+    assert_non_null(event);
+    assert_int_equal(event->kind, LBW_LIVE_UPLOAD);
+    assert_int_equal(event->client, 0);
+    assert_int_equal(event->length, 15 + sizeof body);
+    assert_memory_equal(event->text, "name=a%20b.stl\n", 15);
+    assert_memory_equal(event->text + 15, body, sizeof body);
+    bw_free(event);
+  }
+  bw_release(server);
+}
+
+static void test_hostile_uploads_are_refused(void **state) {
+  lbw_live_server *server = start(state, uploads);
+  static const struct {
+    const char *path, *fields;
+    int code;
+  } cases[] = {
+      {"upload", "", 411},
+      {"upload", "Transfer-Encoding: chunked\r\n", 411},
+      {"upload", "Content-Length: 5\r\nTransfer-Encoding: chunked\r\n", 411},
+      {"upload", "Content-Length: 5\r\nContent-Length: 6\r\n", 403},
+      {"upload", "Content-Length: 0\r\n", 400},
+      {"upload", "Content-Length: -1\r\n", 400},
+      {"upload", "Content-Length: +5\r\n", 400},
+      {"upload", "Content-Length: 5 5\r\n", 400},
+      {"upload", "Content-Length: 0x10\r\n", 400},
+      {"upload", "Content-Length: \r\n", 400},
+      {"upload", "Content-Length: 99999999999999999999\r\n", 400},
+      {"upload", "Content-Length: 100001\r\n", 413},
+      {"upload", "Content-Length: 999999999999999\r\n", 413},
+      {"upload", "Content-Length: 5\r\nOrigin: http://example.org\r\n", 403},
+      {"upload/", "Content-Length: 5\r\n", 405},
+      {"", "Content-Length: 5\r\n", 405},
+      {"socket", "Content-Length: 5\r\n", 405},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    assert_int_equal(post(server, cases[i].path, cases[i].fields, "", 0), cases[i].code);
+  /* one at a time: a second is refused, until the first is gone */
+  char request[300];
+  int n = snprintf(request, sizeof request,
+                   "POST /%s/upload HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nContent-Length: 9\r\n\r\n12",
+                   lbw_live_token(server), lbw_live_port(server));
+  int s = connect_here(server);
+  put(s, request, (size_t)n);
+  int code = 0;
+  for (int k = 0; k < 1000 && code != 503; k++) { /* once the first was read */
+    code = post(server, "upload?name=x", "Content-Length: 3\r\n", "abc", 3);
+    if (code == 200)
+      bw_free(lbw_live_receive(server, TIME_LIMIT));
+  }
+  assert_int_equal(code, 503);
+  assert_null(lbw_live_receive(server, 0)); /* half of one is none */
+  close(s);
+  for (int k = 0; k < 1000 && code != 200; k++)
+    code = post(server, "upload", "Content-Length: 3\r\n", "abc", 3);
+  assert_int_equal(code, 200);
+  expect(server, LBW_LIVE_UPLOAD, "\nabc");
+  bw_release(server);
+}
+
+static void test_without_a_limit_nothing_is_uploaded(void **state) {
+  lbw_live_server *server = start(state, NULL);
+  assert_int_equal(post(server, "upload", "Content-Length: 5\r\n", "", 0), 405);
+  bw_release(server);
+}
+
 static void test_it_ends_with_clients_connected(void **state) {
   lbw_live_server *server = start(state, NULL);
   int s[3];
@@ -803,6 +902,9 @@ int main(void) {
       check_test(test_a_connection_without_a_request_is_ended),
       check_test(test_a_window_gone_without_a_word_is_noticed),
       check_test(test_noise_does_no_harm),
+      check_test(test_an_upload_arrives_whole),
+      check_test(test_hostile_uploads_are_refused),
+      check_test(test_without_a_limit_nothing_is_uploaded),
       check_test(test_it_ends_with_clients_connected),
       check_test(test_memory_running_out),
   };

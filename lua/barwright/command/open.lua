@@ -7,6 +7,9 @@ local model = require "barwright.command.model"
 local read_file = require "barwright.read_file"
 local workbench = require "barwright.workbench"
 
+-- The longest file that the page may send.
+local UPLOAD_BYTES = 256 << 20
+
 -- A saved workbench is run, and goes on from there.
 local function saved(path)
   if model.ending(path) ~= "lua" then return nil end
@@ -40,7 +43,7 @@ local function run(opts, out)
     if not opts.no_open then opened = browser.open(address) end
   end
   local ok
-  ok, message, details = live.serve(opts.port, "workbench", begin, ready)
+  ok, message, details = live.serve(opts.port, "workbench", begin, ready, UPLOAD_BYTES)
   if opened then opened:close() end
   if not ok then return out:fail(message, details) end
 end
@@ -49,7 +52,8 @@ return {
   summary = "the workbench in the browser: pick faces, load them, ask whether it holds",
   about = "Opens a part in a page: its surface is repaired, faces are picked, held and loaded, and the page "
     .. "answers whether it holds, with its interval. Faces are pushed, holes resized, weak places thickened. A "
-    .. "saved script goes on where it ended. Only this machine can reach the page, and only with the address that is printed.",
+    .. "saved script goes on where it ended. Only this machine can reach the page, and only with the address that "
+    .. "is printed.",
   server = true,
   arguments = {{name = "model", type = "file",
     what = "surface (STL OBJ OFF PLY), mesh, a script that returns a surface, or a saved workbench"}},

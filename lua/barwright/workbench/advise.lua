@@ -175,7 +175,8 @@ local function optimise_loads(entry, opts)
       or "No thickening was found that helps.", {status = "infeasible"}
   end
   return best.body, ("Stress over strength fell from %s to %s%s."):format(shown.percent(first),
-    shown.percent(used), used * opts.factor > 1 and "; what was asked for is not reached: this is the best that was found" or "")
+    shown.percent(used), used * opts.factor > 1
+    and "; what was asked for is not reached: this is the best that was found" or "")
 end
 
 local function optimise_worst(entry, opts)

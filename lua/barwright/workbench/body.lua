@@ -280,15 +280,31 @@ function body.mesh(self, elements, order)
   return mesh, labels
 end
 
---- The selection on the boundary of a mesh of some faces; nil where no facet is of them.
-function body.select(mesh, labels, faces)
-  local wanted, mask, some = {}, {}, false
+-- The facet of a mesh whose middle is nearest to a point.
+local function nearest_facet(mesh, at)
+  local nodes, best, min = mesh.nodes:totable(), 1, math.huge
+  for i, facet in ipairs(mesh.facets:totable()) do
+    local square = 0
+    for k = 1, 3 do
+      square = square + ((nodes[facet[1]][k] + nodes[facet[2]][k] + nodes[facet[3]][k]) / 3 - at[k]) ^ 2
+    end
+    if square < min then best, min = i, square end
+  end
+  return best
+end
+
+--- The selection on the boundary of a mesh of some faces. A face without a facet of its own, smaller than the
+--- elements, takes the facet nearest to its centre.
+function body.select(self, mesh, labels, faces)
+  local wanted, found, mask = {}, {}, {}
   for _, face in ipairs(faces) do wanted[face] = true end
   for i, label in ipairs(labels:totable()) do
     mask[i] = wanted[label] and 1 or 0
-    some = some or mask[i] == 1
+    if wanted[label] then found[label] = true end
   end
-  if not some then return nil end
+  for _, face in ipairs(faces) do
+    if not found[face] then mask[nearest_facet(mesh, self.faces[face].centre)] = 1 end
+  end
   return mesh.boundary:where(core.array.new(mask))
 end
 

@@ -78,6 +78,7 @@ local function long(self, what, work, ...)
   end
   local results = table.pack(pcall(shared.meanwhile, self, function(client, kind, text)
     if kind == "open" then open_window(self, client) end
+    if kind == "upload" then return true, true end
     if kind ~= "message" then return false end
     local message = #text < 65536 and json.decode(text)
     local asked = live_check.is_object(message) and message["do"]
@@ -119,8 +120,6 @@ end
 
 -- ---- actions ---------------------------------------------------------------------------------------
 
-local open
-
 local handlers = {export = export}
 
 -- Actions that are done at once, by the method of the same name.
@@ -142,7 +141,8 @@ for name, what in pairs(slow) do
   end
 end
 
-function handlers.save(self)
+function handlers.save(self, client, message)
+  if self.folder then return export(self, client, {id = message.id, format = "lua"}) end -- of a dropped file
   local path, why, details = self.bench:save {path = self.save}
   if not path then return nil, why, details end
   return true
@@ -158,10 +158,6 @@ end
 
 function handlers.repair() return true end -- done when the file was opened
 function handlers.cancel() return true end -- nothing to stop
-
-function handlers.open(self, _, message)
-  return open(self, message.path, message.unit)
-end
 
 -- A shape that is tried: its coarse stresses go to the pages, the workbench stays as it is.
 function handlers.drag(self, _, _, given)
@@ -194,8 +190,8 @@ local function act(self, client, message)
   if not handler then
     return nil, ("there is no action '%s'"):format(live_check.shown(name)), {status = "misuse"}
   end
-  if not (self.bench and self.bench:current()) and name ~= "open" then
-    return nil, "No part is open: drop or open a file first.", {status = "misuse"}
+  if not (self.bench and self.bench:current()) then
+    return nil, "No part is open: drop a file first.", {status = "misuse"}
   end
   return handler(self, client, message, options_of(message))
 end
@@ -220,7 +216,7 @@ end
 -- ---- opening ---------------------------------------------------------------------------------------
 
 -- Opens a file in place of the part before: its surface is sent at once, then it is repaired.
-function open(self, path, unit)
+local function open(self, path, unit, name)
   if type(path) ~= "string" then return nil, "open: 'path': the name of a file expected", {status = "misuse"} end
   local bench, why, details = model.try(workbench.read, path, {unit = unit})
   if not bench then return nil, why, details end
@@ -228,9 +224,40 @@ function open(self, path, unit)
   local ready
   ready, why, details = long(self, "checking the surface", bench.prepare, bench)
   if not ready then return nil, why, details end
+  bench.name = name
   self.bench, self.shown = bench, nil
   function bench.on_answer() publish(self) end
   return true
+end
+
+-- A dropped file: QUERY, a line feed, the bytes. It is kept in a temporary folder while it is open; a page never
+-- names a place on the disk.
+local function upload(self, text)
+  local query, bytes = text:match "^([^\n]*)\n(.*)$"
+  local name = (query:match "name=([^&]*)" or "part.stl"):gsub("%%(%x%x)", function(digits)
+    return string.char(tonumber(digits, 16))
+  end)
+  name = name:gsub("[^%w_. -]", "_"):gsub("^[. ]+", "")
+  self.message = nil
+  local folder, why, details = core.temporary_folder()
+  if folder and model.ending(name) == "lua" then
+    folder, why, details = nil, "A script is not run from a page: open it with `barwright open`.", nil
+  end
+  local file = folder and io.open(folder.path .. "/" .. name, "wb")
+  local ok
+  if file then
+    file:write(bytes)
+    file:close()
+    ok, why, details = open(self, folder.path .. "/" .. name, nil, name)
+  end
+  if ok then
+    if self.folder then self.folder:close() end
+    self.folder = folder
+  elseif not shared.stopped(details) then
+    say(self, (tostring(why or "the file cannot be kept"):gsub("^[^:]*/([^/:]+:)", "%1")), details)
+    if folder then folder:close() end
+  end
+  publish(self)
 end
 
 --- A controller without a part, or that of a file. about: {save = where scripts go}
@@ -268,7 +295,7 @@ local function take_whole(self, client, message)
   return true
 end
 
-local events = {read = read, open = open_window,
+local events = {read = read, open = open_window, upload = upload,
   close = function(self, client) self.clients[client] = nil end,
   handlers = {action = take_whole, move = take_whole}}
 
@@ -280,6 +307,8 @@ end
 --- The session will not go on: the pages are informed.
 function controller:finish()
   notify_all(self, {type = "closing"})
+  if self.folder then self.folder:close() end
+  self.folder = nil
 end
 
 return controller

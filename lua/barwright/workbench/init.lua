@@ -36,7 +36,8 @@ local unit_names = {"mm", "cm", "m", "km", "um", "in", "ft"}
 
 local open_rules = {unit = {type = "string", one_of = unit_names}}
 
---- Reads a file, without repair: the shape can be shown already. `prepare` goes on.
+--- Reads a file, without repair: the shape can be shown already. `prepare` goes on. A `name` of the result takes
+--- the place of the path in scripts.
 function workbench.read(path, given)
   local opts = options.read("open", given, open_rules)
   local read, message, details = body.read(path, opts.unit)
@@ -342,7 +343,7 @@ function workbench:unit(given)
   made, message, details = body.new(read.surface)
   if not made then return nil, message, details end
   -- the file is as if it had been opened with this unit: what was done so far goes on with the new lengths
-  if #made.faces ~= #self.history[1].body.faces then
+  if #self.history > 1 and #made.faces ~= #self.history[1].body.faces then
     return refuse "The faces of the part differ in this unit: open the file again with the unit."
   end
   self.unit_given, self.raw, self.doubt, self.likely = opts.unit, read, nil, nil
@@ -609,7 +610,7 @@ end
 
 --- A script that opens the file and repeats every action in force, and the answer.
 function workbench:script()
-  return lines.script(self.path, self.unit_given, script_lines(self))
+  return lines.script(self.name or self.path, self.unit_given, script_lines(self))
 end
 
 --- Writes the script to a file, else to one beside the part.

@@ -28,12 +28,6 @@ local function refuse(text)
   return nil, text, {status = "invalid"}
 end
 
-local function names(self, faces)
-  local list = {}
-  for i, face in ipairs(faces) do list[i] = self.faces[face].name end
-  return table.concat(list, ", ")
-end
-
 -- Applies a condition to a part; nil and a sentence where it cannot be.
 local function apply(self, part, labels, condition)
   if condition.kind == "gravity" then
@@ -42,11 +36,7 @@ local function apply(self, part, labels, condition)
     end
     return model.try(part.gravity, part, condition.vector)
   end
-  local on = body.select(part.mesh, labels, condition.faces)
-  if not on then
-    return refuse(("The mesh has no facet of %s, which is too small for it: take a finer accuracy."):format(
-      names(self, condition.faces)))
-  end
+  local on = body.select(self, part.mesh, labels, condition.faces)
   if condition.kind == "all" then return model.try(part.fix, part, on) end
   if condition.kind == "normal" then return model.try(part.slide, part, on) end
   if condition.kind == "force" then return model.try(part.load, part, {on = on, force = condition.vector}) end
@@ -69,6 +59,10 @@ local function fault(part, held, conditions)
     return "Every face is held: no load can stress the part. Release the faces that are not screwed or glued."
   end
   local free = part:rigid_modes()
+  if held and free and #free > 0 and part.mesh.component_count > 1 then
+    return ("The file has %d separate bodies, and not all of them are held: hold a face of each, or join them.")
+      :format(part.mesh.component_count)
+  end
   if held and free and #free > 0 then
     return ("The supports leave the part free to move: %s. Fix a face fully, or further faces."):format(
       free[1].text)
@@ -208,13 +202,7 @@ function judge.worst(self, material, conditions, elements, force)
     local labels, message, details = core.face_labels(self.surface, self.labels, mesh)
     if not labels then return nil, message, details end
     local list = {}
-    for i, condition in ipairs(held) do
-      list[i] = body.select(mesh, labels, condition.faces)
-      if not list[i] then
-        return nil, ("The mesh has no facet of %s: take a finer accuracy."):format(names(self, condition.faces)),
-          {status = "empty"}
-      end
-    end
+    for i, condition in ipairs(held) do list[i] = body.select(self, mesh, labels, condition.faces) end
     return list
   end or nil
   local found, message, details = model.try(breaking_force, self.surface, {material = material, force = force,

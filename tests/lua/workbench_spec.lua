@@ -1,0 +1,308 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The workbench without a browser: actions on a beam with closed forms, undo to the same bits, scripts that rerun to
+-- the same numbers, refusals in words; and its controller with a table in place of the server.
+local bw = require "barwright"
+local controller = require "barwright.workbench.controller"
+local json = require "barwright.json"
+local live_pack = require "barwright.live_pack"
+
+local folder = os.tmpname()
+os.remove(folder)
+os.execute(("mkdir -p '%s'"):format(folder))
+
+local LENGTH, WIDTH, HEIGHT = 0.1, 0.02, 0.01
+
+local function file(name, surface, options)
+  local path = folder .. "/" .. name
+  assert(surface:write(path, options))
+  return path
+end
+
+local beam_path = file("beam.stl", bw.surface.box {max = {LENGTH, WIDTH, HEIGHT}})
+
+local function facing(bench, normal)
+  for i, face in ipairs(bench:current().body.faces) do
+    local n = face.normal
+    if n[1] * normal[1] + n[2] * normal[2] + n[3] * normal[3] > 0.99 then return i end
+  end
+end
+
+local function beam()
+  local bench = assert(bw.workbench.open(beam_path))
+  return bench, facing(bench, {-1, 0, 0}), facing(bench, {1, 0, 0}), facing(bench, {0, 0, 1})
+end
+
+local function bits(number) return ("%a"):format(number) end
+
+local function near(expected, got, tolerance)
+  assert.is_true(math.abs(got / expected - 1) < tolerance, ("%g expected, got %g"):format(expected, got))
+end
+
+describe("the workbench", function()
+  it("lists faces with their area, centre and normal", function()
+    local bench, _, right = beam()
+    local state = bench:state()
+    assert.equal(6, #state.faces)
+    near(WIDTH * HEIGHT, state.faces[right].area, 1e-6)
+    near(LENGTH, state.faces[right].centre[1], 1e-6)
+    assert.equal("plane", state.faces[right].kind)
+    assert.is_true(state.units_plausible)
+    assert.is_true(state.repair.sound)
+    near(LENGTH * WIDTH * HEIGHT * bw.material.pla.density, state.mass, 1e-6)
+  end)
+
+  it("answers a cantilever as beam theory does", function()
+    local bench, left, right = beam()
+    assert(bench:fix {faces = {left}})
+    assert(bench:load {faces = {right}, force = {0, 0, -20}})
+    local answer = assert(bench:answer {accuracy = "coarse"})
+    local young, inertia = bw.material.pla.young, WIDTH * HEIGHT ^ 3 / 12
+    near(20 * LENGTH ^ 3 / (3 * young * inertia), answer.max_displacement, 0.02)
+    near(3.516 / (2 * math.pi) * math.sqrt(young * inertia
+      / (bw.material.pla.density * WIDTH * HEIGHT * LENGTH ^ 4)), answer.frequency, 0.02)
+    near(20, answer.load, 1e-6)
+    near(20 / answer.utilisation, answer.force, 1e-12)
+    assert.is_true(answer.low < answer.utilisation and answer.utilisation < answer.high)
+    assert.equal("holds", answer.verdict)
+    assert.equal("green", answer.colour)
+    -- bending stress at the support, 6 F L / (b h^2), with the concentration of the clamped edge
+    local bending = 6 * 20 * LENGTH / (WIDTH * HEIGHT ^ 2) / bw.material.pla.strength
+    assert.is_true(answer.utilisation > 0.8 * bending and answer.utilisation < 1.6 * bending)
+    -- half way along, where the bending moment is half as large
+    local found = assert(bench:probe {point = {LENGTH / 2, WIDTH / 2, HEIGHT}})
+    near(bending * bw.material.pla.strength / 2, found.von_mises, 0.05)
+    -- the strength times a hundredth breaks
+    assert(bench:material {young = young, poisson = 0.35, strength = bw.material.pla.strength / 100, density = 1240})
+    assert.equal("breaks", assert(bench:answer {accuracy = "coarse"}).verdict)
+    local state = bench:state()
+    assert.equal(2, #state.conditions)
+    assert.truthy(state.conditions[2].text:find("force", 1, true))
+    assert.truthy(json.encode(state))
+  end)
+
+  it("reruns its script to the same bits", function()
+    local bench, left, right, top = beam()
+    assert(bench:fix {faces = {left}})
+    assert(bench:load {faces = {right}, force = {0.1, 1 / 3, -20}})
+    assert(bench:gravity())
+    assert(bench:push {faces = {top}, distance = 1 / 700})
+    assert(bench:thicken {at = {0.02, 0.01, HEIGHT + 1 / 700}, radius = 0.008, offset = 0.001})
+    local answer = assert(bench:answer {accuracy = "coarse"})
+    local path = assert(bench:save {path = folder .. "/beam.workbench.lua"})
+    local pipe = assert(io.popen(("BARWRIGHT_QUIET=1 build/barwright -e 'local w = dofile(%q) local a = "
+      .. "w:current().answer print((\"%%a %%a %%a\"):format(a.utilisation, a.max_displacement, a.frequency))'")
+      :format(path)))
+    local text = pipe:read "a"
+    pipe:close()
+    assert.truthy(text:find(("%s %s %s"):format(bits(answer.utilisation), bits(answer.max_displacement),
+      bits(answer.frequency)), 1, true), text)
+  end)
+
+  it("undoes and redoes everything", function()
+    local bench, left, right, top = beam()
+    local before = bench:current().body.surface.points:tostring "<f8"
+    assert(bench:fix {faces = {left}})
+    assert(bench:push {faces = {top}, distance = 0.003})
+    assert(bench:load {faces = {right}, force = {0, 0, -20}})
+    assert(bench:remove {condition = 1})
+    assert(bench:material {name = "steel"})
+    assert(bench:lock {faces = {top}})
+    local after, script = bench:current().body.surface.points:tostring "<f8", bench:script()
+    for _ = 1, 6 do assert(bench:undo()) end
+    assert.is_nil(bench:undo())
+    assert.equal(before, bench:current().body.surface.points:tostring "<f8")
+    assert.same({}, bench:current().conditions)
+    for _ = 1, 6 do assert(bench:redo()) end
+    assert.is_nil(bench:redo())
+    assert.equal(after, bench:current().body.surface.points:tostring "<f8")
+    assert.equal(script, bench:script())
+  end)
+
+  it("pushes planes, keeps neighbours plane, and refuses what crosses itself", function()
+    local bench, _, right, top = beam()
+    assert(bench:push {faces = {top, right}, distance = 0.002})
+    near((LENGTH + 0.002) * WIDTH * (HEIGHT + 0.002), bench:current().body.surface.volume, 1e-9)
+    near(WIDTH * (HEIGHT + 0.002), bench:state().faces[right].area, 1e-6)
+    local made, message = bench:push {faces = {top}, distance = -0.05}
+    assert.is_nil(made)
+    assert.truthy(message:find("smaller distance", 1, true))
+    assert(bench:lock {faces = {top}})
+    made, message = bench:push {faces = {top}, distance = 0.001}
+    assert.is_nil(made)
+    assert.truthy(message:find("locked", 1, true))
+    local volume = bench:current().body.surface.volume
+    assert(bench:offset {distance = 0.001}) -- all faces but the locked one
+    near((LENGTH + 0.004) * (WIDTH + 0.002) * (HEIGHT + 0.003), bench:current().body.surface.volume, 1e-9)
+    assert.is_true(bench:current().body.surface.volume > volume)
+    assert(bench:undo())
+    assert.equal(bits(volume), bits(bench:current().body.surface.volume))
+  end)
+
+  it("gives a rod another radius", function()
+    local path = file("rod.stl", bw.surface.cylinder {axis = {0, 0, 0.04}, radius = 0.008, segments = 64})
+    local bench, round = assert(bw.workbench.open(path)), nil
+    for i, face in ipairs(bench:current().body.faces) do round = face.kind == "cylinder" and i or round end
+    local before = bench:current().body.surface.volume
+    assert(bench:radius {face = round, radius = 0.012})
+    near(before * 1.5 ^ 2, bench:current().body.surface.volume, 1e-6)
+    assert.equal(0.012, bench:state().faces[round].radius)
+    local made, message = bench:radius {face = round == 1 and 2 or 1, radius = 0.01}
+    assert.is_nil(made)
+    assert.truthy(message:find("no radius", 1, true))
+  end)
+
+  it("refuses in words what cannot be computed", function()
+    local bench, left, right = beam()
+    assert(bench:fix {faces = {left}})
+    local function refused(text, made, message)
+      assert.is_nil(made)
+      assert.truthy(message:find(text, 1, true), message)
+    end
+    refused("a load on a support does nothing", bench:load {faces = {left}, force = {0, 0, -1}})
+    refused("there is no face 99", bench:load {faces = {99}, force = {0, 0, -1}})
+    refused("choose one face", bench:load {faces = {}, force = {0, 0, -1}})
+    refused("three numbers", bench:load {faces = {right}, force = {0, 0 / 0, 1}})
+    assert(bench:gravity())
+    assert(bench:change {condition = 1, faces = {1, 2, 3, 4, 5, 6}})
+    refused("Every face is held", bench:answer {accuracy = "coarse"})
+    assert(bench:remove {condition = 1})
+    refused("Nothing holds the part", bench:answer {accuracy = "coarse"})
+    assert(bench:fix {faces = {left}, kind = "normal"})
+    refused("leave the part free to move", bench:answer {accuracy = "coarse"})
+    refused("no support or load 7", bench:remove {condition = 7})
+    assert.has_error(function() bench:fix {surfaces = {1}} end)
+  end)
+
+  it("balances loads without a support", function()
+    local bench, left, right = beam()
+    assert(bench:load {faces = {left}, force = {-100, 0, 0}})
+    assert(bench:load {faces = {right}, force = {100, 0, 0}})
+    local answer = assert(bench:answer {accuracy = "coarse"})
+    near(100 / (WIDTH * HEIGHT), answer.max_stress, 0.05)
+  end)
+
+  it("computes nothing for an implausible size until the unit is confirmed", function()
+    local path = file("tiny.stl", bw.surface.box {max = {0.1, 0.02, 0.01}}, {unit = "m"})
+    local bench = assert(bw.workbench.open(path))
+    assert.is_false(bench:state().units_plausible)
+    local answer, message = bench:answer()
+    assert.is_nil(answer)
+    assert.truthy(message:find("Nothing was computed", 1, true))
+    assert(bench:unit {unit = "m"})
+    assert.is_true(bench:state().units_plausible)
+    near(0.1, bench:state().size[1], 1e-6)
+    assert.truthy(bench:script():find('unit = "m"', 1, true))
+  end)
+
+  it("grows a patch from a triangle within a face without lines", function()
+    local path = file("ball.stl", bw.surface.implicit("x^2 + 2 * y^2 + 3 * z^2 + x * y / 2 - 4e-4",
+      {min = {-0.03, -0.03, -0.03}, max = {0.03, 0.03, 0.03}, cells = 24}))
+    local bench = assert(bw.workbench.open(path))
+    local count, area = #bench:current().body.faces, 0
+    for _, face in ipairs(bench:current().body.faces) do area = area + face.area end
+    assert(bench:fix {faces = {1}})
+    assert(bench:grow {triangle = 1, angle = 0.2})
+    local patch = bench:state().faces[bench.grown_face]
+    assert.equal(count + 1, #bench:state().faces)
+    assert.is_true(patch.area > 0 and patch.area < 0.1 * area)
+    local sum = 0
+    for _, face in ipairs(bench:current().body.faces) do sum = sum + face.area end
+    near(area, sum, 1e-9)
+  end)
+
+  it("advises places that gain what a new analysis shows, and applies them", function()
+    local bench, left, right = beam()
+    assert(bench:fix {faces = {left}})
+    assert(bench:load {faces = {right}, force = {0, 0, -20}})
+    local before = assert(bench:answer {accuracy = "coarse"}).utilisation
+    local list = assert(bench:advice())
+    for i = 2, #list do assert.is_true(list[i].gain <= list[i - 1].gain) end
+    if #list > 0 then
+      assert(bench:apply {advice = 1})
+      near(before / (1 + list[1].gain), assert(bench:answer {accuracy = "coarse"}).utilisation, 1e-9)
+    end
+  end)
+end)
+
+describe("the workbench's controller", function()
+  teardown(function() os.execute(("rm -r '%s'"):format(folder)) end)
+
+  local function served()
+    local sent, pages = {}, {}
+    local server = {}
+    function server.send(_, _, bytes, options) sent[#sent + 1] = {bytes, options} return true end
+    function server.serve(_, path, _, bytes) pages[path] = bytes end
+    function server.receive() end
+    local self = controller.new(server)
+    local function last(kind)
+      for i = #sent, 1, -1 do
+        local message = not sent[i][2] and json.decode(sent[i][1])
+        if message and message.type == kind then return message end
+      end
+    end
+    local function scene()
+      for i = #sent, 1, -1 do
+        if sent[i][2] then return live_pack.read(sent[i][1]) end
+      end
+    end
+    local function message(value) self:handle {{1, "message", json.encode(value)}} end
+    self:handle {{1, "open", ""}}
+    return self, message, last, scene, pages
+  end
+
+  it("sends the shape with its faces, acts, refuses, and exports", function()
+    local self, message, last, scene, pages = served()
+    message {id = 1, ["do"] = "fix", faces = {1}}
+    assert.truthy(last "refused".message:find("No part is open", 1, true))
+    assert(self:open(beam_path))
+    local header, blocks = scene()
+    assert.equal("shape", header.kind)
+    assert.equal(12, header.triangles)
+    assert.equal(48, #blocks.faces)
+    message {id = 2, ["do"] = "fix", faces = {5}}
+    assert.equal(2, last "done".id)
+    message {id = 3, ["do"] = "load", faces = {5}, force = {0, 0, -1}}
+    assert.equal(3, last "refused".id)
+    assert.truthy(last "state".message.text:find("held", 1, true))
+    message {id = 4, ["do"] = "load", faces = {6}, force = {0, 0, -1}}
+    assert.is_nil(last "state".message)
+    message {id = 5, ["do"] = "answer", accuracy = "coarse"}
+    assert.equal("green", last "state".answer.colour)
+    header, blocks = scene()
+    assert.equal("result", header.kind)
+    assert.equal(4 * header.points, #blocks.von_mises)
+    message {id = 6, ["do"] = "drag", push = {faces = {2}, distance = 0.001}}
+    assert.truthy(last "drag".latency_ms)
+    message {id = 7, ["do"] = "undo"}
+    header = scene()
+    assert.equal("shape", header.kind)
+    message {id = 8, ["do"] = "export", format = "stl"}
+    assert.equal(684, #pages[last "file".url])
+    message {id = 9, ["do"] = "export", format = "../x"}
+    assert.equal(9, last "refused".id)
+    message {id = 10, ["do"] = "open", path = beam_path}
+    assert.equal(10, last "refused".id)
+    for _, text in ipairs {"", "[]", "7", "{}", '{"do":7}', '{"do":"fix"}', '{"do":"fix","faces":7}',
+      '{"do":"fix","faces":[1],"more":1}', '{"do":"load","faces":[2],"force":{"x":1}}', '{"do":"__index"}'} do
+      self:handle {{1, "message", text}}
+    end
+    assert.equal(1, #last "state".conditions)
+  end)
+
+  it("opens a dropped file, and runs no dropped script", function()
+    local self, _, last, scene = served()
+    local input = assert(io.open(beam_path, "rb"))
+    local bytes = input:read "a"
+    input:close()
+    self:handle {{0, "upload", "name=..%2f..%2fmy%20beam.stl\n" .. bytes}}
+    assert.equal("shape", scene().kind)
+    assert.equal("_.._my beam.stl", last "state".file)
+    assert.truthy(last "state")
+    self:handle {{0, "upload", "name=evil.lua\nos.exit(7)"}}
+    assert.truthy(last "state".message.text:find("script", 1, true))
+    self:handle {{0, "upload", "name=broken.stl\nnothing"}}
+    assert.truthy(last "state".message.text)
+    assert.equal(6, #last "state".faces)
+    self:finish()
+  end)
+end)
