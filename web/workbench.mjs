@@ -77,12 +77,15 @@ const heard = {
     counts.states++;
     const before = state;
     state = message;
+    // A support's kind says how it holds.
+    for (const condition of state.conditions || [])
+      if (condition.kind === "all" || condition.kind === "normal") Object.assign(condition, { holds: condition.kind, kind: "fix" });
     if (asked && (message.reply === undefined || message.reply >= asked.id)) {
       setText("latency", `The last step took ${Math.round(message.latency_ms ?? performance.now() - asked.since)} ms.`);
       asked = null;
     }
     if (before && before.faces?.length !== state.faces?.length) chosen = new Set();
-    if (message.message) say(message.message.text, !!message.message.bad, message.message.details);
+    if (message.message) say(message.message.text, true, message.message.details);
     render();
   },
 
@@ -91,6 +94,7 @@ const heard = {
     if (!message.faces || typeof message.faces === "number")
       message.faces = new Uint32Array(message.triangles.length / 3).fill(0xffffffff);
     view.setScene(message);
+    pull.seen(message.kind);
     drawBar(byId("bar"), view.colour);
     byId("drop").hidden = true;
     if (state) render();
@@ -103,12 +107,26 @@ const heard = {
     enable();
   },
 
+  // How far long work is: many small messages.
+  busy(message) {
+    if (!state) return;
+    state.busy = message.busy;
+    renderAnswer();
+    enable();
+  },
+
+  // The stresses of a shape that is tried while a handle is dragged.
+  drag(message) {
+    setText("latency", `While dragging: ${Math.round(message.latency_ms)} ms a step.`);
+    pull.handled();
+  },
+
   probe(message) {
     if (message.von_mises !== undefined) setText("said", `Stress there: ${megapascals(message.von_mises)}.`);
   },
 
   file(message) {
-    make("a", { href: message.path, download: message.name || "" }).click();
+    make("a", { href: message.url, download: message.name || "" }).click();
     say(`${message.name || "The file"} is downloaded.`);
   },
 };
@@ -123,7 +141,7 @@ function render() {
   setText("mass", state.mass ? grams(state.mass) : "");
   byId("units").hidden = state.units_plausible !== false;
   if (state.units_plausible === false)
-    setText("units-words", `In ${state.unit || "mm"} the part would be ${state.size.map((x) => digits(1000 * x)).join(" × ")} mm. ` +
+    setText("units-words", state.units_message || `In ${state.unit || "mm"} the part would be ${state.size.map((x) => digits(1000 * x)).join(" × ")} mm. ` +
       "Choose the unit it was drawn in.");
   renderRepair();
   listFaces(byId("faces"), faces, byId("search").value, (i, on) => {
@@ -132,7 +150,7 @@ function render() {
     else next.delete(i);
     choose(next);
   }, point);
-  listConditions(byId("conditions"), state.conditions || [], {
+  listConditions(byId("conditions"), state.conditions || [], faces, {
     change: (condition) => draft.change(condition),
     remove: (condition) => send("remove", { condition: condition.index }),
     point: (list) => point(list.length ? indexOf(list[0]) : -1),
@@ -164,8 +182,6 @@ function renderRepair() {
   byId("mend").hidden = !repair || repair.sound;
 }
 
-const instead = { true: "", false: "" };
-
 function nextStep() {
   const conditions = state.conditions || [];
   if (!state.file) return "Open a part, choose faces, and say what holds and what pushes.";
@@ -183,7 +199,7 @@ function renderAnswer() {
   byId("verdict").setAttribute("aria-busy", String(!!busy));
   setText("verdict-words", busy ? `${busy.what} …` : shown ? shown.sentence : nextStep());
   setText("verdict-more", busy ? (busy.to_go_s ? `about ${Math.ceil(busy.to_go_s)} s to go` : "")
-    : shown ? answerLine(shown) : instead.true);
+    : shown ? answerLine(shown) : "");
   byId("progress").hidden = !busy;
   byId("progress").value = busy?.fraction || 0;
   byId("cancel").hidden = !busy;
@@ -198,7 +214,7 @@ function renderAnswer() {
     view.marker.position.set(...shown.at);
     view.marker.scale.setScalar(0.011 * (view.size || 0));
   }
-  const results = !!view.scene?.von_mises && !!shown;
+  const results = !!view.scene?.von_mises && (!!shown || pull.dragging);
   view.coloured = results;
   byId("legend").hidden = !results;
   if (results) setText("high", digits(view.range[1] / 1e6));
@@ -317,6 +333,8 @@ const context = { byId, view, handles, send, say, symbols, numbers, chosen: () =
 const draft = new Draft(context);
 const pull = new Pull(context);
 
+byId("edit").addEventListener("toggle", () => pull.facesChanged());
+
 click("fit", () => view.fit());
 click("clear", () => choose(new Set()));
 click("grow", grow);
@@ -327,7 +345,12 @@ click("mend", () => send("repair"));
 click("advice", () => send("advice"));
 click("cancel", () => send("cancel"));
 click("answer", () => send("answer", { accuracy: byId("accuracy").value }));
-click("lock", () => send("lock", { faces: numbers(), locked: byId("lock").textContent === "Lock" }));
+click("lock", () => {
+  const all = new Set(state.faces.filter((f) => f.locked).map((f) => f.index));
+  const on = byId("lock").textContent === "Lock";
+  for (const face of numbers()) all[on ? "add" : "delete"](face);
+  send("lock", { faces: [...all] });
+});
 click("bend", () => {
   bending = !(bending && !trueScale);
   trueScale = false;
@@ -467,6 +490,7 @@ window.barwright = {
     return null;
   },
   corners: () => [0, 1, 2, 3, 4, 5, 6, 7].map((k) => view.toWindow([0, 1, 2].map((i) => view.box()[k & (1 << i) ? "max" : "min"].getComponent(i)))),
+  young: () => state.material.young,
   view,
   send,
 };

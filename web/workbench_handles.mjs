@@ -24,6 +24,7 @@ export class Handles {
       circle.addEventListener("pointerdown", (event) => this.begin(name, handle, event));
       this.svg.append(handle.group);
       this.list[name] = handle;
+      this.place();
     }
     this.view.stage.wake();
   }

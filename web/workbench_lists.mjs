@@ -1,6 +1,6 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 // The lists beside the view: faces, supports and loads, advice, numbers of the answer. All text comes from the state.
-import { digits, faceName, faceText, grams, hertz, megapascals, millimetres, newtons, squared } from "./workbench_words.mjs";
+import { digits, faceName, faceText, grams, heading, hertz, megapascals, millimetres, newtons, squared } from "./workbench_words.mjs";
 
 const mostFaces = 200;
 
@@ -43,18 +43,20 @@ export function listFaces(element, faces, search, toggle, point) {
 
 export const unitOf = { force: "N", pressure: "MPa", moment: "N m", gravity: "m/s²" };
 
-function conditionWords({ kind, faces, value, text }) {
-  const at = (faces || []).length > 1 ? ` on ${faces.length} faces` : "";
-  if (text) return text;
-  const held = kind === "fix" ? "Fixed" : `${{ force: "Push", pressure: "Press", moment: "Turn", gravity: "Gravity" }[kind]} `;
-  const much = kind === "fix" ? "" : kind === "pressure" ? megapascals(value) : `${digits(value)} ${unitOf[kind]}`;
-  return `${held}${much}${at}`;
+const verbs = { force: "Push", pressure: "Press", moment: "Turn", gravity: "Gravity" };
+
+function conditionWords({ kind, holds, faces, value, vector }, all) {
+  const of = (number) => all.find((f) => f.index === number);
+  const where = !faces?.length ? "" : faces.length > 2 ? `: ${faces.length} faces` : `: ${faces.map((n) => faceName(of(n) || {})).join(" and ")}`;
+  if (kind === "fix") return `${holds === "normal" ? "Held across" : "Fixed"}${where}`;
+  const much = kind === "pressure" ? megapascals(value) : `${digits(value ?? Math.hypot(...vector))} ${unitOf[kind]}`;
+  return `${verbs[kind] || kind} ${much}${vector && kind !== "moment" ? heading(vector) : ""}${where}`;
 }
 
 // does: {change(condition), remove(condition), point(faces)}
-export function listConditions(element, conditions, does) {
-  fill(element, conditions, () => conditions.map((condition) => {
-    const words = conditionWords(condition);
+export function listConditions(element, conditions, faces, does) {
+  fill(element, [conditions, faces], () => conditions.map((condition) => {
+    const words = conditionWords(condition, faces);
     return make("li", { on: { pointerenter: () => does.point(condition.faces || []), pointerleave: () => does.point([]) } },
       make("span", { className: `dot ${condition.kind}` }), make("span", { textContent: words }),
       ...(condition.kind === "fix" ? [] : [make("button", { type: "button", className: "small", textContent: "Change",
@@ -96,7 +98,7 @@ export function listMaterial(element, material) {
 
 // One line under the verdict: what a maker asks next.
 export function answerLine(answer) {
-  return [answer.force !== undefined && `breaks at ${newtons(answer.force)}` +
+  return [answer.force !== undefined && !/breaks at/.test(answer.sentence) && `breaks at ${newtons(answer.force)}` +
       (answer.force_low !== undefined && answer.force_high !== undefined
         ? ` (${newtons(answer.force_low)} to ${newtons(answer.force_high)})` : ""),
     answer.max_displacement !== undefined && `moves ${millimetres(answer.max_displacement)}`,

@@ -8,6 +8,29 @@ export class Pull {
     Object.assign(this, context);
   }
 
+  get dragging() {
+    return this.handles.dragged === "pull";
+  }
+
+  // A scene has come: of a shape that is tried, or of another one.
+  seen(kind) {
+    this.live = this.dragging && kind === "result";
+  }
+
+  // One try at a time is under way; meanwhile only the newest distance is kept.
+  attempt(distance) {
+    this.wanted = distance;
+    if (this.waiting || !distance) return;
+    this.waiting = true;
+    this.wanted = null;
+    this.send("drag", { push: { faces: this.numbers(), distance } });
+  }
+
+  handled() {
+    this.waiting = false;
+    if (this.dragging && this.wanted) this.attempt(this.wanted);
+  }
+
   facesChanged() {
     const { view } = this;
     const face = [...this.chosen()][0];
@@ -20,11 +43,14 @@ export class Pull {
         this.distance = this.rounded(this.handles.along(handle, x, y) - base);
         handle.length = base + this.distance;
         handle.words = `${this.distance > 0 ? "+" : ""}${digits(1000 * this.distance)} mm`;
-        this.preview(face, place.normal, this.distance);
+        if (!this.live) this.preview(face, place.normal, this.distance);
+        if (this.state().conditions?.length && this.state().material) this.attempt(this.distance);
       },
       end: (_, cancelled) => {
         const { distance } = this;
         this.distance = 0;
+        this.live = this.waiting = false;
+        this.wanted = null;
         if (distance && !cancelled) {
           this.byId("distance").value = digits(1000 * distance);
           if (this.send("push", { faces: this.numbers(), distance })) return;
@@ -58,6 +84,7 @@ export class Pull {
 
   // The view goes back to what the session has.
   refused() {
+    if (this.dragging) return this.handled();
     if (this.view.scene) this.view.deform();
     this.facesChanged();
   }

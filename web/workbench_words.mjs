@@ -25,6 +25,13 @@ export function looks(normal) {
   return Math.abs(normal[k]) > 0.99 ? `, ${axes[k][normal[k] > 0 ? 0 : 1]}` : "";
 }
 
+// Where a vector points to: an axis, or nothing where it is none.
+export function heading(vector) {
+  const size = Math.hypot(...vector) || 1;
+  const k = [0, 1, 2].find((i) => Math.abs(vector[i]) > 0.999 * size);
+  return k === undefined ? "" : k === 2 ? (vector[2] > 0 ? " up" : " down") : ` to ${vector[k] > 0 ? "+" : "−"}${"XY"[k]}`;
+}
+
 export function faceName(face) {
   const kind = face.name || kinds[face.kind] || face.kind || "face";
   return `${kind}${face.radius ? `, R ${millimetres(face.radius)}` : face.kind === "plane" ? looks(face.normal) : ""}`;

@@ -54,13 +54,13 @@ session goes on with the edits that it has. Until then it can be edited by Lua s
 function live.serve_page(server, name)
   name = name or "live"
   local page, script = beside.find(name .. ".html"), beside.find(name .. ".js")
-  local style = beside.find "live.css"
+  local style = beside.find(name == "workbench" and "workbench.css" or "live.css")
   if not (page and script and style) then
     server:serve("", "text/html; charset=utf-8", missing)
     return
   end
   -- the page's policy allows styles in the page only
-  page = page:gsub("/%* live%.css %*/", function() return style end)
+  page = page:gsub("/%* %w+%.css %*/", function() return style end)
   server:serve("", "text/html; charset=utf-8", page)
   server:serve(name .. ".js", "text/javascript; charset=utf-8", script)
 end

@@ -12,6 +12,7 @@ import { liveMore } from "./live_more.mjs";
 import { plane } from "./plane.mjs";
 import { site } from "./site.mjs";
 import { study } from "./study.mjs";
+import { workbench } from "./workbench.mjs";
 
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 const { chromium } = await import(path.join(root, "web/node_modules/playwright-core/index.mjs"));
@@ -253,6 +254,7 @@ await fit({ root, test, assert });
 await study({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await site({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await liveMore({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
+await workbench({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await live({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await plane({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 

@@ -124,9 +124,8 @@ export class Mock {
       change: () => this.edit({ conditions: conditions.map((c, i) => (i + 1 === message.condition && message.force
         ? { ...c, vector: message.force, value: size(message.force), faces: message.faces } : c)) }, `part:change(${message.condition})`),
       material: () => this.edit({ material: message.name }, `part:material "${message.name}"`),
-      lock: () => this.edit({ locked: message.locked ? [...this.now.locked, ...message.faces]
-        : this.now.locked.filter((f) => !message.faces.includes(f)) }, "part:lock {}"),
-      push: () => this.edit({ height: this.now.height + message.distance, }, `part:push {faces = {${message.faces}}, distance = ${message.distance}}`),
+      lock: () => this.edit({ locked: message.faces }, "part:lock {}"),
+      push: () => this.edit({ height: this.now.height + message.distance }, `part:push {faces = {${message.faces}}, distance = ${message.distance}}`),
       radius: () => this.edit({ radius: message.radius }, `part:radius {radius = ${message.radius}}`),
       undo: () => {
         this.future.push(this.now);
@@ -144,7 +143,7 @@ export class Mock {
         { text: "Make the hole 1 mm smaller in radius", faces: [7], gain: 0.11 }]),
       apply: () => this.edit({ height: this.now.height + 0.0008 }, `part:apply(${message.advice})`),
       save: () => (this.saved = "plate.workbench.lua"),
-      export: () => socket.send(JSON.stringify({ type: "file", id: message.id, path: `plate.${message.format}`, name: `plate.${message.format}` })),
+      export: () => socket.send(JSON.stringify({ type: "file", id: message.id, url: `plate.${message.format}`, name: `plate.${message.format}` })),
       probe: () => socket.send(JSON.stringify({ type: "probe", id: message.id, point: message.point, von_mises: 1.2e7 })),
     };
     if (message.faces?.some((f) => this.now.locked.includes(f)) && what === "push")
