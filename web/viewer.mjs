@@ -6,6 +6,9 @@ import { Arrows } from "./arrows.mjs";
 import { colourMap } from "./colour.mjs";
 import { data } from "./data.mjs";
 import { Edges } from "./edges.mjs";
+import { Creases } from "./creases.mjs";
+import { Overlay } from "./overlay.mjs";
+import { rankedRows, rowsByKey } from "./rows.mjs";
 import { drawBar, makeBody, makeStage, number, paint } from "./stage.mjs";
 
 function bytes(base64) {
@@ -35,7 +38,9 @@ function frame(values, k, length) {
 // ---- scene ---------------------------------------------------------------------------------------
 
 const colour = colourMap(data.colours);
-const { scene, camera, aim, start } = makeStage(document.getElementById("view"), (now) => {
+const view = document.getElementById("view");
+const { scene, camera, controls, aim, start } = makeStage(view, (now) => {
+  overlay.place(position.array);
   if (!state.playing) return;
   const { times, seconds } = motions[state.motion] || {};
   if (times) {
@@ -56,13 +61,16 @@ const seen = body.geometry.boundingBox.clone();
 for (const line of data.lines || []) for (const [x, y, z] of line) seen.expandByPoint(new THREE.Vector3(x, y, z));
 const extentAtRest = seen.getSize(new THREE.Vector3()).length();
 
-// Scale 1: the largest displacement is a tenth of the diagonal of the box. A motion in time is never drawn smaller than
+// Scale 1: the largest displacement is 4 % of the diagonal of the box, of modes and what swings a tenth, which shows
+// their form. A load that moves the body farther by itself is drawn as it is, up to a tenth. A motion in time is never drawn smaller than
 // it is, since it may carry the body away: the view has room for it. Data may give the factor of scale 1.
 function factorOf(motion) {
   if (motion.kind === "shape") return 1;
   if (motion.factor) return motion.factor;
-  const factor = motion.largest > 0 ? (0.1 * extentAtRest) / motion.largest : 0;
-  return motion.times ? Math.max(1, factor) : factor;
+  if (!(motion.largest > 0)) return 0;
+  const tenth = (0.1 * extentAtRest) / motion.largest;
+  if (motion.times) return Math.max(1, tenth);
+  return motion.kind === "load" ? Math.max(0.4 * tenth, Math.min(1, tenth)) : tenth;
 }
 const place = new THREE.Vector3();
 for (const motion of motions) {
@@ -80,11 +88,13 @@ const size = aim(seen.expandByScalar(Number.isFinite(swing) ? swing : 0), data.v
 
 const arrows = new Arrows(scene);
 const edges = new Edges(scene, data.lines || [], rest, size);
+const creases = new Creases(scene, body.geometry, rest, triangles);
+const overlay = new Overlay(view, camera, data.callout, rest);
 
 // ---- state and controls ----------------------------------------------------------------------------
 
 const byId = (id) => document.getElementById(id);
-const state = { field: 0, motion: 0, scale: 1, range: 1, playing: false, phase: 1, behind: 0, frame: 0, since: 0 };
+const state = { field: 0, motion: 0, scale: 1, range: 1, own: false, playing: false, phase: 1, behind: 0, frame: 0, since: 0 };
 
 function fill(select, names) {
   for (const [i, name] of names.entries()) {
@@ -112,11 +122,16 @@ function extent(field) {
 function recolour() {
   const field = fields[state.field];
   if (!field) return paint(body);
-  const [low, full] = (field.extent ??= extent(field));
+  const [least, greatest] = (field.extent ??= extent(field));
+  const byLimit = field.limit > 0 && !state.own;
+  const [low, full] = byLimit ? [0, field.limit] : [least, greatest];
+  byId("upto").hidden = !(field.limit > 0);
+  byId("top").options[0].textContent = `the strength, ${number(field.limit || 0)} ${field.unit}`;
+  byId("top").options[1].textContent = `the largest value here, ${number(greatest)} ${field.unit}`;
   const high = low + (full - low) * state.range;
   paint(body, frame(field.values, state.frame, rest.length / 3), low, high, colour);
   byId("low").textContent = number(Math.abs(low) < 1e-6 * Math.abs(full) ? 0 : low);
-  byId("high").textContent = `${state.range < 1 ? "≥ " : ""}${number(high)}`;
+  byId("high").textContent = `${high < greatest ? "≥ " : ""}${number(high)}`;
   byId("unit").textContent = field.unit || "";
 }
 
@@ -129,7 +144,7 @@ function deform() {
     const values = frame(motion.values, state.frame, rest.length);
     for (let i = 0; i < p.length; i++) p[i] = rest[i] + state.phase * shown * values[i];
     for (let i = 0; motion.imaginary && i < p.length; i++) p[i] += state.behind * shown * motion.imaginary[i];
-    byId("scaletext").textContent = motion.kind === "mode" ? "" : `× ${number(shown)}`;
+    byId("scaletext").textContent = motion.kind === "mode" ? "" : `× ${shown >= 1e4 ? Math.round(shown) : number(shown)}`;
   }
   position.needsUpdate = true;
   arrows.place(position.array);
@@ -195,7 +210,11 @@ function select(motion) {
   }
   byId("motion").value = motion;
   document.querySelectorAll("tr[data-motion]").forEach((row) =>
-    row.classList.toggle("chosen", Number(row.dataset.motion) === motion));
+    {
+    const chosenRow = Number(row.dataset.motion) === motion;
+    row.classList.toggle("chosen", chosenRow);
+    row.setAttribute("aria-current", chosenRow);
+  });
   byId("true").disabled = !chosen || chosen.kind === "mode";
   byId("instant").hidden = !chosen?.times;
   if (chosen?.times) {
@@ -215,11 +234,47 @@ byId("scale").addEventListener("input", (e) => {
   state.scale = Number(e.target.value);
   deform();
 });
-byId("true").addEventListener("click", () => {
+// To the displacement as it is, and back.
+function switchScale() {
+  if (byId("true").disabled) return;
   const { factor } = motions[state.motion];
-  state.scale = factor > 0 ? 1 / factor : 1;
+  const trueScale = factor > 0 ? 1 / factor : 1;
+  state.scale = state.scale === trueScale ? 1 : trueScale;
   byId("scale").value = state.scale;
   deform();
+}
+byId("true").addEventListener("click", switchScale);
+byId("top").addEventListener("change", (e) => {
+  state.own = e.target.value === "own";
+  recolour();
+});
+
+// Turns the camera about what it looks at, or comes nearer.
+function turn(sideways, upwards, nearer) {
+  const away = camera.position.clone().sub(controls.target);
+  const at = new THREE.Spherical().setFromVector3(new THREE.Vector3(away.y, away.z, away.x));
+  at.theta += sideways;
+  at.phi = Math.min(Math.PI - 0.01, Math.max(0.01, at.phi + upwards));
+  at.radius *= nearer;
+  const p = new THREE.Vector3().setFromSpherical(at);
+  camera.position.set(p.z, p.x, p.y).add(controls.target);
+}
+const step = Math.PI / 24;
+const keys = {
+  ArrowLeft: () => turn(-step, 0, 1),
+  ArrowRight: () => turn(step, 0, 1),
+  ArrowUp: () => turn(0, -step, 1),
+  ArrowDown: () => turn(0, step, 1),
+  "+": () => turn(0, 0, 0.9),
+  "=": () => turn(0, 0, 0.9),
+  "-": () => turn(0, 0, 1 / 0.9),
+  t: switchScale,
+};
+view.addEventListener("keydown", (e) => {
+  const act = !e.ctrlKey && !e.metaKey && !e.altKey && keys[e.key];
+  if (!act) return;
+  e.preventDefault();
+  act();
 });
 byId("time").addEventListener("input", (e) => {
   state.playing = false;
@@ -237,8 +292,8 @@ byId("play").addEventListener("click", () => {
   byId("play").textContent = state.playing ? "Pause" : "Play";
   deform();
 });
-document.querySelectorAll("tr[data-motion]").forEach((row) =>
-  row.addEventListener("click", () => select(Number(row.dataset.motion))));
+rankedRows(document.querySelector("table.ranked"));
+rowsByKey(document.querySelectorAll("tr[data-motion]"), select);
 
 drawBar(byId("bar"), colour);
 recolour();
@@ -255,6 +310,9 @@ window.barwright = {
     arrows: arrows.count,
     arrowEnds: arrows.ends,
     edges: edges.count,
+    creases: creases.count,
+    shown: motions[state.motion] ? state.scale * motions[state.motion].factor : 0,
+    largest: motions[state.motion]?.largest || 0,
     triangles: triangles.length / 3,
   }),
 };

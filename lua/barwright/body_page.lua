@@ -18,8 +18,9 @@ local function floats(values, nodes, scale)
   return core.base64(table.concat(parts))
 end
 
---- Writes a page about a mesh: {title =, answer =, picture = function(path), and
---- fields = {{name =, unit =, values =, scale =}},
+--- Writes a page about a mesh: {title =, verdict = (report_verdict.lua) or nil, answer =, callout = {at =, text =}
+--- or nil, picture = function(path), and
+--- fields = {{name =, unit =, values =, scale =, limit = the strength in this unit or nil}},
 --- displacements = {{name =, kind =, values =, imaginary =, field = from 0, or nil, arrows =, times =, seconds =,
 --- factor =}}: values over the nodes, or where a `surface` is given over its points; a list with an array for
 --- each frame where they change in time,
@@ -37,7 +38,7 @@ function body_page.write(path, mesh, about)
   local data, motions = report.data(surface), about.displacements or {}
   for i, field in ipairs(about.fields) do
     local values = floats(field.values, nodes, field.scale)
-    data.fields[i] = {name = field.name, unit = field.unit, values = values}
+    data.fields[i] = {name = field.name, unit = field.unit, values = values, limit = field.limit}
   end
   for i, motion in ipairs(motions) do
     data.displacements[i] = {name = motion.name, kind = motion.kind, values = floats(motion.values, nodes),
@@ -46,6 +47,7 @@ function body_page.write(path, mesh, about)
       factor = motion.factor}
   end
   data.lines, data.rigid = report.lines(about.lines), about.rigid
+  data.callout = report.callout(about.callout)
   if about.view then
     local view, message, why = about.view(surface, nodes)
     if not view then return nil, message, why end
@@ -53,7 +55,7 @@ function body_page.write(path, mesh, about)
   end
   local manifest = {version = core.version, elements = mesh.element_count}
   for name, value in pairs(about.manifest or {}) do manifest[name] = value end
-  return report.page(path, {title = about.title, answer = about.answer, data = data,
+  return report.page(path, {title = about.title, verdict = about.verdict, answer = about.answer, data = data,
     body = report.legend(about) .. (about.body or ""), rows = about.rows, manifest = manifest,
     picture = about.picture})
 end

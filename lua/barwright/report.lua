@@ -7,6 +7,7 @@ local html = require "barwright.html"
 local json = require "barwright.json"
 local judged_stress = require "barwright.judged_stress"
 local options = require "barwright.options"
+local report_verdict = require "barwright.report_verdict"
 local shown = require "barwright.shown"
 
 local report = {}
@@ -20,6 +21,8 @@ local rules = {
   line_name = {type = "string"}, -- what they are
   view = {type = "table"}, -- from the object to the viewer
   answer = {type = "string"}, -- sentences in place of that of the largest stress
+  verdict = {type = "table"}, -- the head of the page (report_verdict.lua)
+  callout = {type = "table"}, -- {at =, text =}: a place with its text in the view
   region = {type = "integer", min = 1}, -- the one whose load is shown first; the worst one if left out
 }
 
@@ -63,6 +66,11 @@ local function chosen_regions(worst, count, first)
   return out
 end
 
+-- The strength in MPa, where one number is known: what colours go up to.
+local function limit_of(worst)
+  return type(worst.strength) == "number" and worst.strength * 1e-6 or nil
+end
+
 local function add_loads(worst, nodes, data, drawn)
   local mesh, judged = worst.mesh, judged_stress(worst.options.failure)
   for k, region in ipairs(drawn) do
@@ -74,6 +82,7 @@ local function add_loads(worst, nodes, data, drawn)
     local about = worst.regions[region]
     local name = about.label
     data.fields[#data.fields + 1] = {name = judged.name .. " under the load of " .. name, unit = "MPa",
+      limit = limit_of(worst),
       values = floats(mesh:to_nodes(judged.of(stress), "max"):gather(nodes) * 1e-6)}
     data.displacements[k] = {name = "worst load of " .. name, kind = "load",
       values = floats(u:gather(nodes)), field = #data.fields - 1,
@@ -94,17 +103,18 @@ local function add_modes(worst, nodes, data, count)
   end
 end
 
-local function table_of_regions(worst, drawn)
-  local motion = {}
+local function table_of_regions(worst, drawn, first)
+  local motion, order = {}, chosen_regions(worst, #worst.regions, first)
   for k, region in ipairs(drawn) do motion[region] = k - 1 end
   local rows = {}
-  for i, region in ipairs(worst.regions) do
-    rows[i] = {["data-motion"] = motion[i], region.label, shown.percent(region.volume_fraction),
+  for i, number in ipairs(order) do
+    local region = worst.regions[number]
+    rows[i] = {["data-motion"] = motion[number], region.label, shown.percent(region.volume_fraction),
       core.quantity(region.max_principal, "Pa"), region.utilisation and shown.percent(region.utilisation) or "",
       core.point(region.at), core.quantity(region.displacement, "m")}
   end
-  return "<h2>Weak regions</h2>\n" .. html.table({"found from", "volume", "stress", "of strength", "at",
-    "largest displacement"}, rows)
+  return "<h2>Weak regions, the largest stress first</h2>\n" .. html.table({"found from", "volume", "stress",
+    "of strength", "at", "largest displacement"}, rows, "ranked")
 end
 
 --- What the lines in the view stand for, as HTML.
@@ -117,7 +127,7 @@ local function data_of(worst, opts, drawn)
   local surface, nodes, details = worst.mesh:surface()
   if not surface then return nil, nodes, details end
   local data = report.data(surface)
-  data.fields[1] = {name = "weakness (largest principal stress)", unit = "MPa",
+  data.fields[1] = {name = "weakness (largest principal stress)", unit = "MPa", limit = limit_of(worst),
     values = floats(worst.mesh:to_nodes(worst.weakness, "max"):gather(nodes) * 1e-6)}
   local ok, message
   ok, message, details = add_loads(worst, nodes, data, drawn)
@@ -156,6 +166,12 @@ function report.lines(lines)
   return list
 end
 
+--- A place with its text in the view: {at =, text =}; nil where there is none.
+function report.callout(given)
+  if not given then return nil end
+  return {at = vector_of("callout", given.at), text = given.text}
+end
+
 -- The picture that `draw(path)` makes, for a page whose bundle was not built.
 local function picture(draw, path)
   local temporary <close> = core.temporary(path)
@@ -163,7 +179,8 @@ local function picture(draw, path)
   return name and draw(name) and html.image(name, "picture") or ""
 end
 
---- Writes a page: {title, answer, manifest, body (HTML), rows = what a row of its table shows, data,
+--- Writes a page: {title, verdict (report_verdict.lua) or nil,
+--- answer, manifest, body (HTML), rows = what a row of its table shows, data,
 --- picture = function(path)}.
 function report.page(path, page)
   local template = beside.find "report.html"
@@ -171,6 +188,7 @@ function report.page(path, page)
   local viewer = beside.find "viewer.js"
   return core.write_file(path, html.fill(template, {
     title = html.escape(page.title),
+    verdict = report_verdict.html(page.verdict),
     answer = html.escape(page.answer),
     manifest = html.escape(json.encode(page.manifest, "  ")),
     body = page.body,
@@ -179,6 +197,17 @@ function report.page(path, page)
     viewer = viewer and html.in_script(viewer) or "",
     picture = viewer and "" or picture(page.picture, path),
   }))
+end
+
+-- The head of the page of a worst case alone, whose stress has no error bar: it judges nothing.
+local function verdict_of(worst)
+  local used = worst.strength and type(worst.strength) == "number" and worst.max_principal / worst.strength
+  return {verdict = "computed", word = used and ("%s of the strength"):format(shown.percent(used))
+    or core.quantity(worst.max_principal, "Pa"),
+    headline = "The largest stress under the worst load, on one mesh: its error is not estimated.",
+    facts = {{"Force", worst.options.force and core.quantity(worst.options.force, "N")},
+      {"Largest stress", core.quantity(worst.max_principal, "Pa")}, {"Place", core.point(worst.at)},
+      {"Largest displacement", core.quantity(worst.max_displacement, "m")}}}
 end
 
 -- Options that JSON can hold: selections and places of other meshes are left out.
@@ -191,7 +220,7 @@ local function plain(given)
   return out
 end
 
---- Writes the report of a worst case to a path. Options: title, manifest, loads, modes.
+--- Writes the report of a worst case to a path. Options: those above.
 function report.write(worst, path, given)
   local opts = options.read("report", given, rules)
   if opts.region and opts.region > #worst.regions then
@@ -202,11 +231,13 @@ function report.write(worst, path, given)
   if not data then return nil, message, details end
   data.view = opts.view and vector_of("view", opts.view) or data.view
   data.lines = report.lines(opts.lines)
+  data.callout = report.callout(opts.callout)
   return report.page(path, {
     title = opts.title or "Worst-case analysis",
+    verdict = opts.verdict or verdict_of(worst),
     answer = opts.answer or tostring(worst),
     manifest = opts.manifest or {version = core.version, options = plain(worst.options)},
-    body = report.legend(opts) .. table_of_regions(worst, drawn),
+    body = report.legend(opts) .. table_of_regions(worst, drawn, drawn[1]),
     rows = "load",
     data = data,
     picture = function(name) return worst:picture(name, {lines = opts.lines, line_name = opts.line_name}) end,

@@ -918,7 +918,7 @@ describe("commands that compute", function()
     local written, write = nil, report.page
     report.page = function(_, given) written = given return true end -- luacheck: ignore
     assert(static_picture.report(static, "x.html", {title = "", arrows = {{at = {1, 0.1, 0.05},
-      force = {0, 50, 0}}}}, ""))
+      force = {0, 50, 0}}}}, {text = ""}))
     report.page = write -- luacheck: ignore
     assert.is_true(written.data.view[2] > 0) -- the arrow is on the side y = 0.1
     assert.is_true(#data.lines > 0)

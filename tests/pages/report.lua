@@ -24,7 +24,7 @@ pulled:load {on = mesh.boundary:above(3, 0.01), pressure = loads[2].pressure}
 local static = assert(pulled:solve())
 local static_picture = require "barwright.command.static_picture"
 assert(static_picture.report(static, arg[1] .. "/pulled.html",
-  static_picture.options(static, "A bar", loads, {"min:x"}), "It is pulled."))
+  static_picture.options(static, "A bar", loads, {"min:x"}), {text = "It is pulled."}))
 
 -- The bar let go of a load that acts at once: 40 frames of 10 ms.
 local transient = assert(pulled:transient {step = 1e-4})

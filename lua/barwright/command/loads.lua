@@ -52,6 +52,17 @@ function loads.read(opts, own)
   return list
 end
 
+--- What the loads are, in words: "max:z: (0, 0, -10) N; gravity (0, 0, -9.81) m/s2".
+function loads.text(given)
+  local list = {}
+  for i, load in ipairs(given) do
+    list[i] = load.place .. ": " .. (load.force and shown.vector(load.force, "N")
+      or core.quantity(load.pressure, "Pa"))
+  end
+  if given.gravity then list[#list + 1] = "gravity " .. shown.vector(given.gravity, "m/s2") end
+  return table.concat(list, "; ")
+end
+
 --- Supports and loads of a part; the part and the supported area (m2), or nil, message, details.
 function loads.set_up(part, opts, given, out)
   local mesh, area = part.mesh, 0

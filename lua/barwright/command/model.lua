@@ -152,6 +152,31 @@ function model.beyond_linear(displacement, box)
   return displacement > LARGE * longest
 end
 
+--- How large a displacement (m) of a mesh is beside the part: {length, thickness = what it is over the longest
+--- side and over the mean thickness, thickness_m, beyond = whether linear theory does not hold, text = in words}.
+--- The mean thickness is twice the volume over the surface.
+function model.deflection(displacement, mesh)
+  local longest, thickness = 0, 2 * mesh.volume / mesh.boundary.area
+  for k = 1, 3 do longest = math.max(longest, mesh.box.max[k] - mesh.box.min[k]) end
+  local found = {length = displacement / longest, thickness = displacement / thickness, thickness_m = thickness,
+    beyond = model.beyond_linear(displacement, mesh.box)}
+  found.text = ("%s of the longest side, %s of the mean thickness of %s"):format(shown.percent(found.length),
+    shown.percent(found.thickness), core.quantity(thickness, "m"))
+  return found
+end
+
+--- The same in the JSON object, and in words where it is large.
+function model.report_deflection(found, say, out)
+  out:json {beyond_linear_theory = found.beyond, displacement_over_length = found.length,
+    displacement_over_thickness = found.thickness, mean_thickness_m = found.thickness_m}
+  if found.beyond then
+    say("Displacements are beyond the range of linear theory: %s (%s).", model.large_deflection, found.text)
+  elseif found.thickness > 1 then
+    say("The displacement is larger than the mean thickness (%s): where a wall is constrained on two sides or "
+      .. "more, linear theory overestimates it.", found.text)
+  end
+end
+
 --- A count with its noun: "1 hole", "3 holes"; `many` where it is not the noun with an s.
 function model.count(n, one, many)
   return ("%d %s"):format(n, n == 1 and one or many or one .. "s")

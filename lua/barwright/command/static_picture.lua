@@ -121,17 +121,20 @@ function static_picture.options(static, title, loads, supports, singular, mass)
     .. (edge.lines and "; " .. edge.line_name or "")}
 end
 
---- Writes the page: options as of static:picture (title, lines, line_name, arrows), and sentences above the view,
---- which begins from where the picture is drawn.
+--- Writes the page: options as of static:picture (title, lines, line_name, arrows), and what stands above
+--- the view, {text = sentences, head =, callout =}, the last two as of body_page. The view begins from where the picture
+--- is drawn.
 function static_picture.report(static, path, options, answer)
-  local moved = static.displacement
-  local fields = {{name = "von Mises stress", unit = "MPa", values = static.von_mises, scale = 1e-6},
+  local moved, strength = static.displacement, static.material.strength
+  local fields = {{name = "von Mises stress", unit = "MPa", values = static.von_mises, scale = 1e-6,
+    limit = type(strength) == "number" and strength * 1e-6 or nil},
     {name = "displacement", unit = "mm", values = moved:map "norm(a)", scale = 1e3}}
   if static.material.parts and has_strength(static.material) then
     fields[3] = {name = "of the strength", unit = "%", values = static.mesh:to_nodes(static.utilisation, "max"),
-      scale = 100}
+      scale = 100, limit = 100}
   end
-  return body_page.write(path, static.mesh, {title = options.title, answer = answer, fields = fields,
+  return body_page.write(path, static.mesh, {title = options.title, verdict = answer.head, answer = answer.text,
+    callout = answer.callout, fields = fields,
     displacements = {{name = "under its loads", kind = "load", values = moved, field = 0,
       arrows = options.arrows}},
     lines = options.lines, line_name = options.line_name, view = function(surface, nodes)

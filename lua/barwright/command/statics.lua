@@ -109,6 +109,16 @@ local function report_fillet(static, read, opts, say, out)
     fillet_stress_error = found.estimated_error, fillet_at_m = found.at}
 end
 
+-- What to do where a part does not hold for certain, a list of sentences.
+local function advice_of(verdict, used, error)
+  if verdict == "holds" or not used then return {} end
+  if verdict == "unsure" and error >= 0.1 then
+    return {"The estimated error leaves it open: more --elements, or --error 0.05, make it smaller."}
+  end
+  return {("It carries these loads where they are %s of what they are, or where it is thicker at the place that "
+    .. "the picture marks."):format(shown.percent(1 / (used * (1 + error))))}
+end
+
 local function report(static, part, read, loads, opts, accuracy, out)
   local mesh = static.mesh
   local node = static.von_mises:argmax()
@@ -132,8 +142,8 @@ local function report(static, part, read, loads, opts, accuracy, out)
   say("The largest displacement is %s. The von Mises stress is largest at %s: %s (estimated error %s%s).",
     shown.estimate(max, "m"), core.point(at), shown.estimate(stress, "Pa"), shown.error(estimated),
     (coarse or accuracy) and "" or ", one mesh only")
-  local large = model.beyond_linear(max, mesh.box)
-  if large then say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
+  local deflection = model.deflection(max, mesh)
+  model.report_deflection(deflection, say, out)
   if singular then
     say("%s. The mean over a surface patch of radius %s is judged.",
       (tostring(singular):gsub("^%l", string.upper)), core.quantity(radius, "m"))
@@ -160,7 +170,7 @@ local function report(static, part, read, loads, opts, accuracy, out)
     estimated_error = estimated, at_m = at, singular = singular ~= nil,
     averaging_radius_m = singular and radius or nil, unit = model.unit_of(read, opts),
     max_von_mises_pa = stress, max_von_mises_at_m = at,
-    max_displacement_m = max, beyond_linear_theory = large, utilisation = used,
+    max_displacement_m = max, utilisation = used,
     utilisation_error = used and judged_error,
     strength_pa = strength, governing_region = governing and governing.region,
     by_region = governing and fine.governing.by_region, mean_error = mean, facet_error = found.facets,
@@ -175,7 +185,21 @@ local function report(static, part, read, loads, opts, accuracy, out)
     solver = model.solver_words(solved)}
   local title = static_picture.title(model.name(opts.model), {stress = stress, error = estimated,
     judged = singular and {used = used, error = judged_error, strength = strength}, verdict = words})
-  return {verdict = verdict, singular = singular, title = title, text = table.concat(text, "\n")}
+  local head = {verdict = verdict, headline = used and ("The judged stress is %s of the strength."):format(
+    shown.interval(used * 100, 100 * used * math.max(0, 1 - judged_error), 100 * used * (1 + judged_error), "%"))
+    or "The strength is not known.", facts = {
+    {"Loads", loads_of.text(loads)}, {"Constrained at", table.concat(opts.fix, ", ")},
+    {"Judged stress", used and type(strength) == "number" and shown.estimate(used * strength, "Pa") or nil},
+    {"Strength", type(strength) == "number" and core.quantity(strength, "Pa") or nil},
+    {"Largest von Mises stress", shown.estimate(stress, "Pa") .. ", estimated error " .. shown.error(estimated)},
+    {"At", core.point(at)},
+    {"Largest displacement", ("%s (%s)"):format(shown.estimate(max, "m"), deflection.text)},
+    {"Material", #read.made.named == 0 and made_of.text(read.made, opts) or nil},
+    {"Mass", out.object.mass_kg and core.quantity(out.object.mass_kg, "kg")},
+    {"Linear theory", deflection.beyond and "left: " .. model.large_deflection or nil}},
+    advice = advice_of(verdict, used, judged_error)}
+  return {verdict = verdict, singular = singular, title = title, text = table.concat(text, "\n"), head = head,
+    callout = {at = at, text = "largest: " .. shown.estimate(stress, "Pa")}}
 end
 
 local function analyse(opts, loads, out)
@@ -262,7 +286,7 @@ return {
     local failed = out:write_files {{opts.vtu, function() return static:write(opts.vtu) end},
       {opts.picture, function() return static:picture(opts.picture, picture) end},
       {opts.report, function()
-        return static_picture.report(static, opts.report, picture, answer.text)
+        return static_picture.report(static, opts.report, picture, answer)
       end}}
     if failed then return failed end
     return answer.verdict == "holds" and 0 or 1

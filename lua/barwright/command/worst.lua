@@ -15,7 +15,7 @@ local function newtons(force)
   return core.quantity(force, "N")
 end
 
-local function keep(breaking, verdict, large, opts, out)
+local function keep(breaking, verdict, opts, out)
   local worst, contact, singular = breaking.worst, breaking.contact, breaking.singular
   local edge = singular and singular.place
   out:json {singular_by = singular and singular.by,
@@ -26,7 +26,7 @@ local function keep(breaking, verdict, large, opts, out)
     singular = singular ~= nil, contact_area_m2 = contact, contact_area_asked_m2 = opts.contact,
     force_n = opts.force, failure = breaking.failure, averaging_radius_m = breaking.length,
     critical_distance_m = opts.length == "critical" and breaking.material.critical_distance or nil,
-    beyond_linear_theory = large, max_principal_pa = worst.max_principal, max_principal_at_m = worst.at,
+    max_principal_pa = worst.max_principal, max_principal_at_m = worst.at,
     strength_pa = worst.strength, max_displacement_m = worst.max_displacement, worst_region = worst.region,
     solver = model.solver_words(breaking.reports.solver),
   }
@@ -53,13 +53,14 @@ local sentences = {
 }
 
 -- The answer, in sentences.
-local function report(breaking, verdict, large, mass, made, opts, out)
+local function report(breaking, verdict, deflection, mass, made, opts, out)
   local singular = breaking.singular
   out:say("")
   out:say("%s breaks at %s under the worst load, on at least %s, at %s; %s%s.", model.name(opts.model),
     shown.interval(breaking.force, breaking.low, breaking.high, "N"), core.quantity(breaking.contact, "m2"),
     core.point(breaking.at), made_of.text(made, opts), mass and ", " .. core.quantity(mass, "kg") or "")
-  out:say(sentences[verdict], newtons(opts.force))
+  out:say(sentences[verdict], newtons(opts.force)
+    .. (opts.given["--force"] and "" or " (a hand's, as no --force is given)"))
   local others = {}
   for i, place in ipairs(breaking.ties) do
     others[i] = ("%s at %s"):format(shown.estimate(1 / place.utilisation, "N"), core.point(place.at))
@@ -77,9 +78,7 @@ local function report(breaking, verdict, large, mass, made, opts, out)
       core.quantity(breaking.contact, "m2"),
       core.quantity(opts.contact, "m2"))
   end
-  if large then
-    out:say("  Deflections there are beyond the range of linear theory: %s.", model.large_deflection)
-  end
+  model.report_deflection(deflection, function(text, ...) out:say("  " .. text, ...) end, out)
   out:say("  Estimated from %s; the stress is the mean over a surface patch of radius %s%s, judged by %s. The "
     .. "search for the worst load is heuristic.", model.count(#breaking.history, "mesh", "meshes"),
     core.quantity(breaking.length, "m"), opts.length == "critical" and ", half the critical distance" or "",
@@ -139,14 +138,15 @@ local SAME_PART = {"--unit", "--material", "--young", "--poisson", "--strength",
   "--contact", "--length", "--elements", "--modes", "--regions"}
 
 -- What to thicken where the part does not hold for certain. Advice that fails is reported; the command does not
--- fail.
+-- fail. The sentences are returned as well.
 local function advise(breaking, verdict, opts, out)
-  if verdict == "holds" then return end
+  if verdict == "holds" then return {} end
+  local say, texts = out:recorded()
   local advice, message = breaking:advice {force = opts.force}
   if not advice then
     out:json {advice = {force_n = opts.force, message = message}}
-    out:say("No advice: %s.", message)
-    return
+    say("No advice: %s.", message)
+    return texts
   end
   local thickened, first = bw.json.list {}, advice.places[1]
   for i, place in ipairs(advice.places) do
@@ -155,21 +155,36 @@ local function advise(breaking, verdict, opts, out)
   end
   out:json {advice = {force_n = opts.force, places = thickened, predicted_breaking_force_n = advice.force,
     predicted_breaking_force_low_n = advice.low, predicted_breaking_force_high_n = advice.high}}
-  if not first then return out:say("Advice: no thickening was found that helps.") end
-  out:say("Advice: thicken %s, most by %s within %s of %s; predicted: breaks at %s.",
+  if not first then
+    say("Advice: no thickening was found that helps.")
+    return texts
+  end
+  say("Advice: thicken %s, most by %s within %s of %s; predicted: breaks at %s.",
     model.count(#thickened, "place"), shown.estimate(first.offset, "m"), shown.estimate(first.radius, "m"),
     core.point(first.at), shown.interval(advice.force, advice.low, advice.high, "N"))
-  if #opts.fix + #opts.forbid > 0 then return end -- strengthening takes free parts only
+  if #opts.fix + #opts.forbid > 0 then return texts end -- strengthening takes free parts only
   local same = {}
   for _, name in ipairs(SAME_PART) do
     local text = opts.given[name]
     if text then same[#same + 1] = (" %s %s"):format(name, model.shell(text)) end
   end
-  out:say("  `barwright strengthen %s --force %.14gN%s --out FILE.stl` does it and computes the force again.",
+  say("  `barwright strengthen %s --force %.14gN%s --out FILE.stl` does it and computes the force again.",
     model.shell(opts.model), opts.force, table.concat(same))
+  return texts
 end
 
-local VERDICTS = {holds = "it holds", breaks = "it breaks", unsure = "too close to decide"}
+-- The head of the page.
+local function head_of(breaking, verdict, deflection, mass, made, opts)
+  local interval = shown.interval(breaking.force, breaking.low, breaking.high, "N")
+  return {verdict = verdict, headline = ("Breaks at %s under the worst load; %s were asked for."):format(interval,
+    newtons(opts.force)), facts = {{"Force asked for", newtons(opts.force)},
+    {"Contact, at least", core.quantity(breaking.contact, "m2")}, {"Breaks at", core.point(breaking.at)},
+    {"Material", made_of.text(made, opts)}, {"Mass", mass and core.quantity(mass, "kg")},
+    {"Constrained at", #opts.fix > 0 and table.concat(opts.fix, ", ") or nil},
+    {"Largest displacement", ("%s (%s)"):format(core.quantity(deflection.thickness * deflection.thickness_m, "m"),
+      deflection.text)},
+    {"Linear theory", deflection.beyond and "left: " .. model.large_deflection or nil}}}
+end
 
 -- What pictures draw: a cross where it breaks, as large as the patch that is judged, and the edge of a finding.
 local function marks(breaking)
@@ -193,7 +208,7 @@ local function view_of(breaking)
 end
 
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
-local function write_files(breaking, verdict, opts, folder, out)
+local function write_files(breaking, head, opts, folder, out)
   local worst = breaking.worst
   local lines, line_name = marks(breaking)
   local function marked(given)
@@ -227,12 +242,12 @@ local function write_files(breaking, verdict, opts, folder, out)
   if ok and vtu then ok, message, details = leave(vtu, worst:write(vtu)) end
   if ok and page then
     local force = newtons(opts.force)
-    local answer = ("breaks at %s at %s under the worst load, on at least %s; under %s: %s.\nShown first: "
-      .. "the load that breaks it, with %s on one side. The colours are stresses of elements, without an estimate "
-      .. "of their error."):format(shown.interval(breaking.force, breaking.low, breaking.high, "N"),
-      core.point(breaking.at), core.quantity(breaking.contact, "m2"), force, VERDICTS[verdict], force)
+    local answer = ("Shown first: the load that breaks it, with %s on one side. The colours are stresses of "
+      .. "elements, without an estimate of their error."):format(force)
     ok, message, details = leave(page, worst:report(page, marked {manifest = folder and folder.manifest,
-      view = view_of(breaking), answer = answer, region = breaking.region,
+      view = view_of(breaking), verdict = head, answer = answer,
+      callout = {at = breaking.at, text = "breaks here at " .. shown.interval(breaking.force, breaking.low,
+        breaking.high, "N")}, region = breaking.region,
       title = "Worst case of " .. model.name(opts.model)}))
   end
   if not ok then return nil, message, details end
@@ -270,16 +285,18 @@ local function analyse(opts, out)
   if not breaking then return nil, opts.model .. ": " .. message, details end
   local worst = breaking.worst
   local verdict = breaking:verdict(opts.force)
-  local large = model.beyond_linear(worst.max_displacement * math.min(1, breaking.force / opts.force), read.box)
+  local deflection = model.deflection(worst.max_displacement * math.min(1, breaking.force / opts.force),
+    worst.mesh)
   model.report_mesh(worst.mesh, read.made, out)
   out:json {unit = model.unit_of(read, opts), repaired = breaking.log and breaking.log.repaired or false,
     surface_moved_m = breaking.log and breaking.log.surface_moved or 0}
-  keep(breaking, verdict, large, opts, out)
-  report(breaking, verdict, large, out.object.mass_kg, read.made, opts, out)
+  keep(breaking, verdict, opts, out)
+  report(breaking, verdict, deflection, out.object.mass_kg, read.made, opts, out)
   report_limits(breaking, opts, out)
-  advise(breaking, verdict, opts, out)
+  local head = head_of(breaking, verdict, deflection, out.object.mass_kg, read.made, opts)
+  head.advice = advise(breaking, verdict, opts, out)
   local ok
-  ok, message, details = write_files(breaking, verdict, opts, folder, out)
+  ok, message, details = write_files(breaking, head, opts, folder, out)
   if not ok then return nil, message, details end
   out:json {seconds = bw.seconds() - start}
   if folder then
