@@ -8,9 +8,9 @@ import { fitDistance } from "./fit.mjs";
 export const number = (x) =>
   Math.abs(x) >= 1e4 || (x !== 0 && Math.abs(x) < 1e-2) ? x.toExponential(2) : x.toPrecision(4);
 
-// The scene fills `view`; `frame(now)` is called before each picture. With `still` a picture is made only when the
-// camera has moved or after wake().
-export function makeStage(view, frame, { still = false } = {}) {
+// The scene fills `view`; `frame(now)` is called before each picture. With `onDemand` a picture is drawn where the camera
+// moved or `touch` was called, else always.
+export function makeStage(view, frame, { onDemand = false } = {}) {
   let renderer;
   try {
     renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
@@ -30,6 +30,9 @@ export function makeStage(view, frame, { still = false } = {}) {
   lamp.position.set(0.6, 0.8, 1);
   scene.add(camera);
   const controls = new OrbitControls(camera, renderer.domElement);
+  let touched = true;
+  const touch = () => (touched = true);
+  controls.addEventListener("change", touch);
 
   // What is fitted into the picture, seen from where the camera is, until the person zooms or moves it.
   let fitted = null;
@@ -57,31 +60,27 @@ export function makeStage(view, frame, { still = false } = {}) {
   function resize() {
     const { clientWidth, clientHeight } = view;
     renderer.setSize(clientWidth, clientHeight);
+    touch();
     camera.aspect = Math.max(1, clientWidth) / Math.max(1, clientHeight);
     camera.updateProjectionMatrix();
-    wake();
     if (!fitted || camera.position.distanceTo(fitted.position) > 1e-3 * camera.near) return;
     const from = camera.position.clone().sub(controls.target);
     camera.position.copy(from.normalize().multiplyScalar(needed(fitted.extent, from)).add(controls.target));
     controls.update();
     fitted.position.copy(camera.position);
   }
-  let awake = true;
-  function wake() {
-    awake = true;
-  }
   new ResizeObserver(resize).observe(view);
   resize();
 
   function draw(now) {
-    requestAnimationFrame(draw);
-    if (!controls.update() && still && !awake) return;
-    awake = false;
     frame(now);
-    renderer.render(scene, camera);
+    controls.update();
+    if (touched || !onDemand) renderer.render(scene, camera);
+    touched = false;
+    requestAnimationFrame(draw);
   }
   const start = () => requestAnimationFrame(draw);
-  return { renderer, scene, camera, controls, aim, start, wake };
+  return { renderer, scene, camera, controls, aim, start, touch };
 }
 
 // A surface of triangles whose points have colours: lit, unless the material is given.

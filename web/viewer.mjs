@@ -5,6 +5,7 @@ import * as THREE from "three";
 import { Arrows } from "./arrows.mjs";
 import { colourMap } from "./colour.mjs";
 import { data } from "./data.mjs";
+import { Detail } from "./detail.mjs";
 import { Edges } from "./edges.mjs";
 import { Creases } from "./creases.mjs";
 import { Overlay } from "./overlay.mjs";
@@ -39,8 +40,9 @@ function frame(values, k, length) {
 
 const colour = colourMap(data.colours);
 const view = document.getElementById("view");
-const { scene, camera, controls, aim, start } = makeStage(view, (now) => {
+const stage = makeStage(view, (now) => {
   overlay.place(position.array);
+  detail.hold(state.playing);
   if (!state.playing) return;
   const { times, seconds } = motions[state.motion] || {};
   if (times) {
@@ -52,10 +54,12 @@ const { scene, camera, controls, aim, start } = makeStage(view, (now) => {
   // What lies on something rigid swings to one side.
   state.phase = data.rigid && motions[state.motion]?.kind === "load" ? (1 - state.behind) / 2 : Math.sin(angle);
   deform();
-});
+}, { onDemand: true });
+const { scene, camera, controls, aim, start, touch } = stage;
 const body = makeBody(new Float32Array(rest), triangles);
 const position = body.geometry.getAttribute("position");
 scene.add(body);
+const detail = new Detail(stage, body);
 // Lines may reach beyond the body: an obstacle does.
 const seen = body.geometry.boundingBox.clone();
 for (const line of data.lines || []) for (const [x, y, z] of line) seen.expandByPoint(new THREE.Vector3(x, y, z));
@@ -120,6 +124,7 @@ function extent(field) {
 }
 
 function recolour() {
+  touch();
   const field = fields[state.field];
   if (!field) return paint(body);
   const [least, greatest] = (field.extent ??= extent(field));
@@ -136,6 +141,7 @@ function recolour() {
 }
 
 function deform() {
+  touch();
   const motion = motions[state.motion];
   const p = position.array;
   if (!motion || state.scale === 0) p.set(rest);
@@ -189,6 +195,7 @@ function showFrame(k) {
 function showArrows() {
   arrows.show(motions[state.motion]?.arrows || [], rest, triangles, size);
   arrows.place(position.array);
+  touch();
 }
 
 // What swings is shown where it is largest.
@@ -314,5 +321,8 @@ window.barwright = {
     shown: motions[state.motion] ? state.scale * motions[state.motion].factor : 0,
     largest: motions[state.motion]?.largest || 0,
     triangles: triangles.length / 3,
+    drawn: detail.triangles,
   }),
+  // Milliseconds of one picture, the mean of some while the camera turns: drawn whole, or coarse as it is then.
+  cost: (whole, pictures = 5) => detail.cost(whole, pictures),
 };

@@ -237,7 +237,7 @@ function symbols() {
   const known = (state.conditions || []).filter((c) => !draft.changes(c));
   view.symbols.show([...known, ...draft.conditions()].map((c) => ({ ...c, faces: (c.faces || []).map((n) => indexOf(n) + 1) })),
     view.surface, view.rest, view.size);
-  view.stage.wake();
+  view.stage.touch();
 }
 
 function enable() {

@@ -26,7 +26,7 @@ export class Handles {
       this.list[name] = handle;
       this.place();
     }
-    this.view.stage.wake();
+    this.view.stage.touch();
   }
 
   begin(name, handle, event) {

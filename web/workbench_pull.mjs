@@ -79,7 +79,7 @@ export class Pull {
       }
       position.needsUpdate = true;
     }
-    view.stage.wake();
+    view.stage.touch();
   }
 
   // The view goes back to what the session has.

@@ -24,7 +24,7 @@ export function roundDown(x) {
 export class View {
   // frame(): called before each picture.
   constructor(element, frame) {
-    this.stage = makeStage(element, frame, { still: true });
+    this.stage = makeStage(element, frame, { onDemand: true });
     this.stage.renderer.localClippingEnabled = true;
     this.canvas = this.stage.renderer.domElement;
     this.selected = new Set();
@@ -47,7 +47,7 @@ export class View {
   setDark(dark) {
     this.stage.scene.background.set(dark ? 0x12171d : 0xf2f5f8);
     if (this.lines) this.lines.material.color.set(dark ? 0x06090c : 0x2a3642);
-    this.stage.wake();
+    this.stage.touch();
   }
 
   // A scene from the session. Whether its shape is another one than before.
@@ -124,7 +124,7 @@ export class View {
     this.body.geometry.computeBoundingSphere();
     this.lines.geometry.computeBoundingSphere();
     this.tree = null;
-    this.stage.wake();
+    this.stage.touch();
   }
 
   // ---- colours --------------------------------------------------------------------------------------
@@ -166,7 +166,7 @@ export class View {
     else attribute.clearUpdateRanges();
     this.uploaded = this.body.uuid;
     attribute.needsUpdate = true;
-    this.stage.wake();
+    this.stage.touch();
   }
 
   rowOfColours() {
@@ -203,13 +203,13 @@ export class View {
     const away = from || (this.aimed ? camera.position.clone().sub(controls.target).toArray() : [1, -1.4, 0.8]);
     this.aimed = true;
     this.stage.aim(this.box(), away);
-    this.stage.wake();
+    this.stage.touch();
   }
 
   zoom(factor) {
     const { camera, controls } = this.stage;
     camera.position.sub(controls.target).multiplyScalar(factor).add(controls.target);
-    this.stage.wake();
+    this.stage.touch();
   }
 
   // Turns the camera about what it looks at, in radians.
@@ -222,7 +222,7 @@ export class View {
     place.theta += across;
     place.phi = Math.min(Math.PI - 0.01, Math.max(0.01, place.phi + up));
     camera.position.copy(controls.target).add(offset.setFromSpherical(place).applyQuaternion(toY.invert()));
-    this.stage.wake();
+    this.stage.touch();
   }
 
   // ---- pointer -------------------------------------------------------------------------------------------
@@ -288,6 +288,6 @@ export class View {
       part.material.clippingPlanes = this.cut ? [this.plane] : [];
       part.material.needsUpdate = true;
     }
-    this.stage.wake();
+    this.stage.touch();
   }
 }

@@ -6,6 +6,7 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
+import { detail } from "./detail.mjs";
 import { fit } from "./fit.mjs";
 import { live } from "./live.mjs";
 import { liveMore } from "./live_more.mjs";
@@ -293,6 +294,7 @@ await test("the page of a warm part shows its temperature, and no controls of mo
 });
 
 await fit({ root, test, assert });
+await detail({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 // With BARWRIGHT_PICTURES=FOLDER pictures of the live view are left there, to be looked at.
 await study({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await site({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
