@@ -81,6 +81,7 @@
 #include "barwright/singular.h"
 #include "barwright/temporary.h"
 
+#include "barwright/cad.h"
 #include "barwright/grid.h"
 #include "barwright/io.h"
 

@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+#include "barwright/cad.h"
 #include "io/formats.h"
 #include "io/raw.h"
 #include "io/vtu.h"
@@ -25,7 +26,11 @@ static bool begins(const bwi_cursor *cursor, const char *text) {
   return bwi_left(cursor) >= length && memcmp(cursor->at, text, length) == 0;
 }
 
-/* A file of a kind that barwright does not read but can name. */
+static const char *cad_format(const bwi_cursor *cursor) {
+  return bw_cad_format(cursor->begin, (size_t)(cursor->end - cursor->begin));
+}
+
+/* A file of a kind that is not read here but can be named. */
 static const char *foreign_kind(const bwi_cursor *cursor) {
   static const struct {
     const char *magic;
@@ -35,7 +40,6 @@ static const char *foreign_kind(const bwi_cursor *cursor) {
       {"\xFE\xFF", "text in UTF-16: save it as plain text (UTF-8)"},
       {"\x1F\x8B", "compressed by gzip: unpack it first"},
       {"PK\x03\x04", "a ZIP archive (3MF?): unpack it, or export STL"},
-      {"ISO-10303-21", "a STEP file, which holds curved surfaces: export a triangle mesh (STL)"},
       {"glTF", "a glTF file: export STL, OBJ or PLY"},
       {"# vtk DataFile", "a legacy VTK file: save it as VTU (.vtu)"},
       {"$NOD", "a Gmsh file of version 1: save it as 4.1 or 2.2"},
@@ -47,7 +51,10 @@ static const char *foreign_kind(const bwi_cursor *cursor) {
   for (size_t i = 0; i < sizeof known / sizeof *known; i++)
     if (begins(cursor, known[i].magic))
       return known[i].kind;
-  return NULL;
+  const char *cad = cad_format(cursor);
+  return !cad                     ? NULL
+         : strcmp(cad, "STEP") == 0 ? "a STEP file of curved surfaces: read it as a surface, and fill it"
+                                  : "an IGES file of curved surfaces: read it as a surface, and fill it";
 }
 
 /* "OFF" with the prefixes that say what vertices carry. */
@@ -126,8 +133,12 @@ bw_status bwi_fail_unknown(bwi_cursor *cursor, const char *considered) {
     return bwi_fail_byte(cursor, "the file is empty (0 bytes)");
   const char *kind = foreign_kind(cursor);
   cursor->at = cursor->begin;
-  if (kind)
-    return bwi_fail_byte(cursor, "this is %s", kind);
+  if (kind) {
+    bwi_fail_byte(cursor, "this is %s", kind);
+    if (cad_format(cursor))
+      bw_detail_text(cursor->context, "cad", cad_format(cursor));
+    return BW_FORMAT;
+  }
   size_t left = bwi_left(cursor);
   return bwi_fail_byte(cursor, "the content, beginning '%s', is of no format that is read here: %s",
                        bwi_show((bwi_word){cursor->at, left < 41 ? left : 41}), considered);
@@ -194,7 +205,7 @@ static bw_status surface_of_mesh(bwi_cursor *cursor, bwi_format kind, bw_surface
   if (!known)
     status =
         bwi_fail_unknown(cursor, "STL (text beginning with 'solid', or a binary size of 84 + 50 n "
-                                 "bytes), OBJ, OFF, PLY, MSH, VTU, PVTU, MEDIT, INP");
+                                 "bytes), OBJ, OFF, PLY, MSH, VTU, PVTU, MEDIT, INP, STEP, IGES");
   if (status == BW_OK)
     status = bwi_raw_surface(&raw, format, surface, info);
   bwi_raw_clear(&raw);

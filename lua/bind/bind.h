@@ -358,6 +358,9 @@ int lbw_mesh_faces(lua_State *L);
 int lbw_face_labels(lua_State *L);
 void lbw_add_faces(lua_State *L, const bw_surface *surface);
 
+/* cad.c: surface.read of a STEP or IGES file. */
+int lbw_cad_read(lua_State *L, const char *path, const bw_cad_options *options);
+
 /* mesh_regions.c: mesh.regions, mesh.element_regions, mesh:region(name),
  * mesh:with_regions(tags, names), mesh:split(where, name), mesh:interface(a, b). */
 int lbw_mesh_regions(lua_State *L);

@@ -3,6 +3,7 @@
 #include "bind.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -26,11 +27,27 @@ static void push_read_info(lua_State *L, const bw_read_info *info, double unit) 
   lua_setfield(L, -2, "metres_per_unit");
 }
 
-/* surface.read(path, {unit}) */
+/* Whether the failure names a file that OpenCASCADE reads. */
+static bool is_cad(const bw_context *context) {
+  const char *key, *text;
+  double number;
+  for (int i = 0; bw_detail(context, i, &key, &number, &text); i++)
+    if (strcmp(key, "cad") == 0)
+      return true;
+  return false;
+}
+
+/* surface.read(path, {unit, tolerance, angle}) */
 static int surface_read(lua_State *L) {
-  static const lbw_option options[] = {{"unit", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  static const lbw_option options[] = {
+      {"unit", LBW_OTHER, 0},
+      {"tolerance", LBW_REAL, offsetof(bw_cad_options, tolerance)},
+      {"angle", LBW_REAL, offsetof(bw_cad_options, angle)},
+      {NULL, LBW_OTHER, 0}};
   const char *path = lbw_check_text(L, 1, NULL);
-  lbw_options(L, 2, "surface.read", options, NULL);
+  bw_cad_options cad = {0};
+  lbw_options(L, 2, "surface.read", options, &cad);
+  cad.unit = lbw_unit_option(L, 2, "surface.read", 0);
   double unit = lbw_unit_option(L, 2, "surface.read", lbw_unit_of_path(path));
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *read = NULL, *scaled = NULL;
@@ -41,6 +58,10 @@ static int surface_read(lua_State *L) {
   status = bw_surface_scale(context, read, unit, &scaled);
 done:
   bw_release(read);
+  if (status == BW_FORMAT && is_cad(context)) {
+    lbw_leave(L, BW_OK, 0);
+    return lbw_cad_read(L, path, &cad);
+  }
   lbw_box_fill(L, box, scaled);
   push_read_info(L, &info, unit);
   return lbw_leave(L, status, 2);
