@@ -139,7 +139,7 @@ const heard = {
 
   optimised(message) {
     setBusy(false);
-    say(message.message, !message.met, 1);
+    say(message.message, !message.met);
   },
 
   file(message) {
@@ -325,8 +325,8 @@ function pickJoint(index) {
 }
 
 function chooseAgain() {
-  for (const [i, button] of [...byId("bones").children].entries()) button.classList.toggle("on", i === bone && joint < 0);
-  for (const [i, button] of [...byId("joints").children].entries()) button.classList.toggle("on", i === joint);
+  for (const [i, button] of [...byId("bones").children].entries()) press(button, i === bone && joint < 0);
+  for (const [i, button] of [...byId("joints").children].entries()) press(button, i === joint);
   const b = scene.bones[bone];
   if (!b || !state) return handles.setBone(null, scene.size);
   bones.choose(bone, joint);
@@ -365,9 +365,14 @@ stage.renderer.domElement.addEventListener("pointerup", (event) => {
 
 // ---- buttons and keys ------------------------------------------------------------------------------------
 
+function press(button, on) {
+  button.classList.toggle("on", on);
+  button.setAttribute("aria-pressed", on);
+}
+
 function showModes() {
   for (const button of document.querySelectorAll("[data-mode]"))
-    button.classList.toggle("on", button.dataset.mode === handles.act);
+    press(button, button.dataset.mode === handles.act);
 }
 
 function setMode(mode) {

@@ -37,8 +37,10 @@ const heardOf = { states: 0, refused: 0 };
 
 // A message stays for so many milliseconds, then the failure of the state is shown.
 let keptUntil = 0;
+let refusal = false; // what is said is why something failed; it goes with the next edit that counts
 
 function say(text, bad = false, stay = 4000) {
+  refusal = bad && stay === 4000;
   keptUntil = performance.now() + stay;
   byId("said").textContent = text;
   byId("said").classList.toggle("bad", bad);
@@ -100,6 +102,7 @@ const heard = {
     readouts(scene, state);
     enable();
     if (state.drag && state.drag.client === me) tools.drag.handled(state.drag.seq);
+    if (refusal && before && (state.edits !== before.edits || state.can_redo !== before.can_redo)) keptUntil = 0;
     if (state.failure) say(state.failure, true);
     else if (performance.now() > keptUntil)
       say(state.drag && state.drag.client !== me ? "another window drags the outline" : "", false, 0);
@@ -316,10 +319,15 @@ function beep(before) {
 
 // ---- what the person does ------------------------------------------------------------------------------
 
+function press(button, on) {
+  button.classList.toggle("on", on);
+  button.setAttribute("aria-pressed", on);
+}
+
 function setTool(tool) {
   tools.setTool(tool);
   for (const button of document.querySelectorAll("[data-tool]"))
-    button.classList.toggle("on", button.dataset.tool === tools.tool);
+    press(button, button.dataset.tool === tools.tool);
 }
 setTool("drag");
 

@@ -2,6 +2,8 @@
 // The outline with its handles: drawing, and what lies under the mouse. Points are numbered from 0 here
 // and in the blocks of the protocol, handles from 1.
 
+import { ink } from "./theme.mjs";
+
 const blue = "#1565c0";
 
 export class Outline {
@@ -73,7 +75,7 @@ export class Outline {
   draw(pen, tool) {
     if (!this.points) return;
     pen.lineWidth = 1.5;
-    pen.strokeStyle = "#1d2733";
+    pen.strokeStyle = ink();
     pen.beginPath();
     for (const loop of this.loops) this.trace(pen, loop);
     pen.stroke();
@@ -107,7 +109,7 @@ export class Outline {
       const [x, y] = this.at(segment.start);
       const pinned = this.pins.has(s + 1);
       pen.fillStyle = pinned ? "#c62828" : lit && lit.vertex === s + 1 ? blue : "#fff";
-      pen.strokeStyle = "#1d2733";
+      pen.strokeStyle = ink();
       pen.beginPath();
       if (pinned) pen.arc(x, y, 5, 0, 2 * Math.PI);
       else pen.rect(x - 3.5, y - 3.5, 7, 7);

@@ -3,6 +3,7 @@
 // both under one map from metres to pixels; wheel and buttons zoom, whoever asks pans. It is drawn when
 // something was touched, not always.
 import * as THREE from "three";
+import { themed } from "./theme.mjs";
 
 export function makePlane(view, frame) {
   const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
@@ -10,10 +11,12 @@ export function makePlane(view, frame) {
   renderer.setPixelRatio(ratio);
   const canvas = document.createElement("canvas");
   canvas.id = "over";
+  canvas.tabIndex = 0;
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", "The shape in the plane. Arrow keys move the view, plus and minus zoom, F shows all of it.");
   view.prepend(renderer.domElement, canvas);
   const pen = canvas.getContext("2d");
   const scene = new THREE.Scene();
-  scene.background = new THREE.Color(0xf7f8fa);
   const camera = new THREE.OrthographicCamera(-1, 1, 1, -1, -10, 10);
   const plane = { renderer, canvas, scene, camera, width: 1, height: 1, centre: [0, 0], scale: 1 };
 
@@ -27,6 +30,10 @@ export function makePlane(view, frame) {
     plane.touched = true;
   }
   plane.touch = () => (plane.touched = true);
+  themed((background) => {
+    scene.background = new THREE.Color(background);
+    plane.touch();
+  });
 
   plane.toScreen = (x, y) => [plane.width / 2 + (x - plane.centre[0]) * plane.scale,
     plane.height / 2 - (y - plane.centre[1]) * plane.scale];
@@ -69,6 +76,13 @@ export function makePlane(view, frame) {
     event.preventDefault();
     plane.zoom(Math.exp(-0.0015 * event.deltaY), event.offsetX, event.offsetY);
   }, { passive: false });
+
+  const steps = { ArrowLeft: [40, 0], ArrowRight: [-40, 0], ArrowUp: [0, 40], ArrowDown: [0, -40] };
+  canvas.addEventListener("keydown", (event) => {
+    if (!steps[event.key]) return;
+    event.preventDefault();
+    plane.pan(...steps[event.key]);
+  });
 
   function draw() {
     requestAnimationFrame(draw);

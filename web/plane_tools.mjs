@@ -39,7 +39,7 @@ export class Tools {
   }
 
   down(event) {
-    if (event.button !== 0 || !this.outline.points) return;
+    if (event.button !== 0 || !event.isPrimary || !this.outline.points) return;
     this.drag.end(); // whose button was let go where nobody saw it
     const [x, y] = [event.offsetX, event.offsetY];
     const hit = this.outline.hit(x, y, this.tool, event.shiftKey);
@@ -61,6 +61,7 @@ export class Tools {
   }
 
   move(event) {
+    if (!event.isPrimary) return;
     const [x, y] = [event.offsetX, event.offsetY];
     const press = this.press;
     if (!press) {

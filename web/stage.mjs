@@ -4,6 +4,8 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { fitDistance } from "./fit.mjs";
+import { stageKeys } from "./stage_keys.mjs";
+import { themed } from "./theme.mjs";
 
 export const number = (x) =>
   Math.abs(x) >= 1e4 || (x !== 0 && Math.abs(x) < 1e-2) ? x.toExponential(2) : x.toPrecision(4);
@@ -21,7 +23,6 @@ export function makeStage(view, frame, { onDemand = false } = {}) {
   renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
   view.appendChild(renderer.domElement);
   const scene = new THREE.Scene();
-  scene.background = new THREE.Color(0xf7f8fa);
   scene.add(new THREE.HemisphereLight(0xffffff, 0xb0b4bc, 1.6));
   const lamp = new THREE.DirectionalLight(0xffffff, 1.8);
   const camera = new THREE.PerspectiveCamera(35, 1, 0.001, 20);
@@ -33,9 +34,14 @@ export function makeStage(view, frame, { onDemand = false } = {}) {
   let touched = true;
   const touch = () => (touched = true);
   controls.addEventListener("change", touch);
+  themed((background) => {
+    scene.background = new THREE.Color(background);
+    touch();
+  });
 
   // What is fitted into the picture, seen from where the camera is, until the person zooms or moves it.
   let fitted = null;
+  let last = null; // what was aimed at
 
   const needed = (sizes, from) => fitDistance(sizes, from.toArray(), camera.up.toArray(), camera.fov, camera.aspect);
 
@@ -52,6 +58,7 @@ export function makeStage(view, frame, { onDemand = false } = {}) {
     camera.position.copy(direction.multiplyScalar(distance).add(centre));
     controls.target.copy(centre);
     controls.update();
+    last = [box.clone(), from];
     fitted = { extent: extent.toArray(), position: camera.position.clone() };
     return size;
   }
@@ -80,7 +87,9 @@ export function makeStage(view, frame, { onDemand = false } = {}) {
     requestAnimationFrame(draw);
   }
   const start = () => requestAnimationFrame(draw);
-  return { renderer, scene, camera, controls, aim, start, touch };
+  const stage = { renderer, scene, camera, controls, aim, start, touch, again: () => last && aim(...last) };
+  stageKeys(stage);
+  return stage;
 }
 
 // A surface of triangles whose points have colours: lit, unless the material is given.

@@ -217,11 +217,7 @@ function select(motion) {
   }
   byId("motion").value = motion;
   document.querySelectorAll("tr[data-motion]").forEach((row) =>
-    {
-    const chosenRow = Number(row.dataset.motion) === motion;
-    row.classList.toggle("chosen", chosenRow);
-    row.setAttribute("aria-current", chosenRow);
-  });
+    row.setAttribute("aria-current", row.classList.toggle("chosen", Number(row.dataset.motion) === motion)));
   byId("true").disabled = !chosen || chosen.kind === "mode";
   byId("instant").hidden = !chosen?.times;
   if (chosen?.times) {

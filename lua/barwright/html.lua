@@ -74,6 +74,39 @@ function html.figure(path, caption)
   return ("<figure>%s<figcaption>%s</figcaption></figure>\n"):format(image, escape(caption))
 end
 
+-- Text between signs of Markdown in a line that is escaped already.
+local function inline(line)
+  local codes = {}
+  line = line:gsub("`([^`]+)`", function(code)
+    codes[#codes + 1] = "<code>" .. code .. "</code>"
+    return ("\1%d\1"):format(#codes)
+  end)
+  line = line:gsub("%[([^%]\n]+)%]%((https?://[^%s%)]+)%)", '<a href="%2">%1</a>')
+  line = line:gsub("%[([^%]\n]+)%]%([^%s%)]+%)", "%1") -- what stands beside the page's sources
+  line = line:gsub("%*%*([^*]+)%*%*", "<strong>%1</strong>"):gsub("(%s)%*([^%s*][^*]*)%*", "%1<em>%2</em>")
+  return (line:gsub("\1(%d+)\1", function(i) return codes[tonumber(i)] end))
+end
+
+--- Text with Markdown as HTML: paragraphs, lists of "- ", `code`, **strong**, links to addresses of the web.
+function html.prose(text)
+  local out = {}
+  for block in (escape(text):gsub("\n%s*\n", "\0") .. "\0"):gmatch "([^%z]*)%z" do
+    local words, items = {}, {}
+    for line in block:gmatch "[^\n]+" do
+      local item = line:match "^%s*[-*] (.*)"
+      if item then items[#items + 1] = item
+      elseif #items > 0 then items[#items] = items[#items] .. " " .. line:gsub("^%s+", "")
+      else words[#words + 1] = line:gsub("^%s*#+%s*", "") end
+    end
+    if #words > 0 then out[#out + 1] = "<p>" .. inline(table.concat(words, "\n")) .. "</p>" end
+    if #items > 0 then
+      for i, item in ipairs(items) do items[i] = "<li>" .. inline(item) .. "</li>" end
+      out[#out + 1] = "<ul>" .. table.concat(items) .. "</ul>"
+    end
+  end
+  return table.concat(out, "\n")
+end
+
 --- A template with {{name}} replaced by parts.name.
 function html.fill(template, parts)
   return (template:gsub("{{(%l+)}}", function(name) return parts[name] end))
@@ -111,7 +144,7 @@ function html.document(page)
   return table.concat {'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">',
     '<meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">\n<title>',
     title, "</title><style>\n", STYLE, ("body { max-width: %grem }\n"):format(page.width or 68), page.style or "",
-    "</style></head>\n<body><h1>", title, "</h1>\n", page.body, "</body></html>\n"}
+    "</style></head>\n<body><main><h1>", title, "</h1>\n", page.body, "</main></body></html>\n"}
 end
 
 return html

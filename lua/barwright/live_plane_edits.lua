@@ -54,7 +54,15 @@ function makers.smooth(object, e)
 end
 
 function makers.hole(object, e)
-  local opts = {centre = e.at, radius = e.radius, tag = tag_for_hole(object),
+  local kind, at = kinds.of(object), e.at
+  if kind and kind.mirror then
+    -- The outline is the right half; a hole in the image is one there.
+    at = {math.abs(at[1]), at[2]}
+    if at[1] <= e.radius then
+      return nil, "the hole crosses the axis of symmetry: put it farther from the axis, or make it smaller"
+    end
+  end
+  local opts = {centre = at, radius = e.radius, tag = tag_for_hole(object),
     name = free_name(object.outline)}
   local hole, why = outlines.circle(opts)
   if not hole then return nil, why end

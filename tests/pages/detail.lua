@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Writes the page of a large body to arg[1]: cells of the box along each edge by arg[2], 40 if left out. Its fields are
--- formulas, since only the page is measured. Prints how long the page takes.
+-- Writes the page of a large body to arg[1]: arg[2] cells along each edge of the box, 40 if left out. Its fields
+-- are formulas, since only the page is measured. Prints how long the page takes.
 local bw = require "barwright"
 local body_page = require "barwright.body_page"
 local cells = tonumber(arg[2] or 40)

@@ -6,6 +6,7 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
+import { accessible } from "./accessible.mjs";
 import { detail } from "./detail.mjs";
 import { fit } from "./fit.mjs";
 import { live } from "./live.mjs";
@@ -298,6 +299,7 @@ await detail({ browser, root, folder, test, assert, pictures: process.env.BARWRI
 // With BARWRIGHT_PICTURES=FOLDER pictures of the live view are left there, to be looked at.
 await study({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await site({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
+await accessible({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await liveMore({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await workbench({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await live({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });

@@ -25,7 +25,7 @@ local function figures(result, out)
     end
   end
   if #rows == 0 then return end
-  out[#out + 1] = html.table({"", "quantity", "figure", "reference", "allowed", "source"}, rows)
+  out[#out + 1] = html.table({"result", "quantity", "figure", "reference", "allowed", "source"}, rows)
 end
 
 local function faults(result, out)
@@ -49,7 +49,7 @@ local function one(result, folder, open)
   local out = {("<details%s><summary><span class=\"status %s\">%s</span> %s <small>%s%s</small></summary>"):format(
     open and " open" or "", result.status, result.status, escape(result.title),
     escape(tap.place(result, result.line)), result.seconds_run and (", %.3g s"):format(result.seconds_run) or "")}
-  if result.about then out[#out + 1] = ("<p>%s</p>"):format(escape(result.about)) end
+  if result.about then out[#out + 1] = html.prose(result.about) end
   if result.status == "skipped" and result.message then
     out[#out + 1] = ("<p class=\"skipped\">%s</p>"):format(escape(result.message))
   end
@@ -58,12 +58,12 @@ local function one(result, folder, open)
     if entry.kind == "picture" and folder then
       out[#out + 1] = html.figure(folder .. "/" .. entry.file, entry.caption)
     end
-    if entry.kind == "note" then out[#out + 1] = ("<p>%s</p>"):format(escape(entry.text)) end
+    if entry.kind == "note" then out[#out + 1] = html.prose(entry.text) end
   end
   figures(result, out)
   for _, entry in ipairs(result.entries) do
     if entry.kind == "table" then
-      if entry.text then out[#out + 1] = ("<p>%s</p>"):format(escape(entry.text)) end
+      if entry.text then out[#out + 1] = html.prose(entry.text) end
       out[#out + 1] = html.table(entry.heads, entry.rows)
     end
   end
@@ -95,7 +95,7 @@ function page.document(run, manifest, folder)
   for _, file in ipairs(run.files) do
     out[#out + 1] = ("<h2>%s</h2>"):format(escape(file.title or file.file))
     if file.title then out[#out + 1] = ("<small>%s</small>"):format(escape(file.file)) end
-    if file.text then out[#out + 1] = ("<p>%s</p>"):format(escape(file.text)) end
+    if file.text then out[#out + 1] = html.prose(file.text) end
     for _, result in ipairs(run.scenarios) do
       if result.file == file.file and not is_bad(result) then out[#out + 1] = one(result, folder, false) end
     end
