@@ -80,6 +80,7 @@
 ---@field results bw.ResultsModule
 ---@field scenario bw.ScenarioModule
 ---@field study bw.StudyModule
+---@field workbench bw.WorkbenchModule
 ---@field plot bw.PlotModule
 local bw = {}
 

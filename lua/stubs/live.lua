@@ -82,7 +82,7 @@ function LiveServer:send(client, bytes, options) end
 ---Errors: cancelled (Ctrl-C).
 ---@param seconds? number (s) how long it waits. Range: 0 to 1e6. Default: 0
 ---@return integer? client (-) who it came from
----@return string? kind "open", "message" or "close"; or the message of an error
+---@return string? kind "open", "message", "close" or "upload"; or the message of an error
 ---@return string|bw.Details|nil text the message that came; or the details of an error
 function LiveServer:receive(seconds) end
 

@@ -20,7 +20,7 @@ local groups = {
     .. "response_spectrum fatigue transient drop eigensolver system sparse_matrix operator singular"},
   {"Where a part breaks", "worst_case worst_buckling breaking_force strengthen drop_test brute_force worst_loads "
     .. "lp"},
-  {"Edit sessions", "edit optimise skeleton subdomains incremental_system live"},
+  {"Edit sessions", "edit optimise skeleton subdomains incremental_system live workbench"},
   {"The plane", "outline plane responsive sheet bridge metallophone flow"},
   {"Solids on grids", "grid solid metamaterial"},
   {"Studies and tests", "study scenario plot distributed"},

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The workbench without a browser: actions on a beam with closed forms, undo to the same bits, scripts that rerun to
--- the same numbers, refusals in words; and its controller with a table in place of the server.
+-- The workbench without a browser: actions on a beam with closed forms, undo to the same bits, scripts that rerun
+-- to the same numbers, refusals in words; and its controller with a table in place of the server.
 local bw = require "barwright"
 local controller = require "barwright.workbench.controller"
 local json = require "barwright.json"
@@ -72,7 +72,8 @@ describe("the workbench", function()
     local found = assert(bench:probe {point = {LENGTH / 2, WIDTH / 2, HEIGHT}})
     near(bending * bw.material.pla.strength / 2, found.von_mises, 0.05)
     -- the strength times a hundredth breaks
-    assert(bench:material {young = young, poisson = 0.35, strength = bw.material.pla.strength / 100, density = 1240})
+    assert(bench:material {young = young, poisson = 0.35, strength = bw.material.pla.strength / 100,
+      density = 1240})
     assert.equal("breaks", assert(bench:answer {accuracy = "coarse"}).verdict)
     local state = bench:state()
     assert.equal(2, #state.conditions)

@@ -20,7 +20,7 @@ end
 
 local function read(path)
   local refusal = script_file.refusal(path)
-  if refusal then fail(refusal) end
+  if refusal then fail(("%s, `barwright open %s` opens it in the browser"):format(refusal, path)) end
   local text, why = read_file(path)
   return text or fail(why, "io")
 end

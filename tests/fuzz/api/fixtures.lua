@@ -243,6 +243,11 @@ makers.Optimisation = {function(p)
   local session = assert(bw.edit(p.Model, {skeleton = p.Skeleton}))
   return assert(session:optimise {von_mises = 1e12, move_supports = true})
 end}
+makers.Workbench = {function()
+  local path = files.path "workbench.stl"
+  assert(bw.surface.box {max = {0.1, 0.02, 0.01}}:write(path))
+  return assert(bw.workbench.open(path))
+end}
 makers.LiveServer = {function() return assert(core.live_server {}) end}
 makers.Results = {function() return assert(bw.results.open(files.path "results", {script = "good.lua"})) end}
 makers.SteadySheet = {function() return assert(bw.responsive.steady(sheet_options())) end,
