@@ -176,7 +176,7 @@ function render() {
 function renderRepair() {
   const repair = state.repair;
   setText("part-words", state.faces ? `${state.faces.length} faces` : "");
-  setText("repair-words", !repair ? "" : repair.sound ? "The surface is closed and sound." :
+  setText("repair-words", !repair ? "" : repair.sound ? (repair.log?.length ? "" : "The surface is closed and sound.") :
     "The surface has faults. Repair closes gaps and removes what is double.");
   fill(byId("repair"), repair?.log || [], () => (repair?.log || []).map((line) => make("li", { textContent: line })));
   byId("mend").hidden = !repair || repair.sound;

@@ -16,8 +16,9 @@ local function blocks_of(surface, labels)
 end
 
 local function header_of(kind, surface, revision)
-  return {type = "scene", kind = kind, revision = revision, colours = live_pack.colours(), points = surface.point_count,
-    triangles = surface.triangle_count, box = {min = surface.box.min, max = surface.box.max}}
+  return {type = "scene", kind = kind, revision = revision, colours = live_pack.colours(),
+    points = surface.point_count, triangles = surface.triangle_count,
+    box = {min = surface.box.min, max = surface.box.max}}
 end
 
 --- The surface of a file as it was read, before anything is known of it.
