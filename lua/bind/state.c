@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <unistd.h>
 
 static const char state_key;    /* registry: the state's userdata */
 static const char error_key;    /* registry: the error value of a callback that failed */
@@ -280,6 +281,9 @@ static int core_warn(lua_State *L) {
   return lbw_leave(L, BW_OK, 0);
 }
 
+/* Whether standard output is a terminal. */
+LBW_PUSH(core_terminal, lua_pushboolean(L, isatty(STDOUT_FILENO)))
+
 LBW_PUSH(core_interrupted, lua_pushboolean(L, lbw_state_of(L)->stopping))
 LBW_PUSH(core_seconds, lua_pushnumber(L, bw_seconds()))
 
@@ -338,6 +342,7 @@ static const luaL_Reg functions[] = {{"progress", core_progress},
                                      {"threads", core_threads},
                                      {"warn", core_warn},
                                      {"warnings", core_warnings},
+                                     {"terminal", core_terminal},
                                      {"interrupted", core_interrupted},
                                      {"seconds", core_seconds},
                                      {"sha256", core_sha256},

@@ -71,6 +71,47 @@ local wrong = {
   {"statics part.stl part.stl" .. PUSHED, 2, "'part.stl' is one argument too many"},
   {"statics bar.msh --unit m" .. PUSHED .. "--vtu ./bar.msh", 2, "./bar.msh is the MODEL: give another file"},
   {"statics bar.msh --unit m --fix all --force max:x=1,0,0", 2, "no load reaches the body"},
+  {"statics bar.msh --unit m" .. FIXED .. "--force min:x=0,0,1", 2, "the load at min:x lies on a support"},
+  {"statics bar.msh --unit m" .. FIXED .. "--force max:x=0,0,0", 2, "every load is 0, so that nothing is tried"},
+  {"statics bar.msh --unit m" .. FIXED .. "--gravity 0,0,0", 2, "every load is 0, so that nothing is tried"},
+  {"statics part.stl" .. PUSHED .. "--material young=2GPa", 2, "young= and poisson= are needed"},
+  {"statics part.stl" .. PUSHED .. "--material young=2GPa,poisson=0.7", 2, "poisson: a number from 0 up to 0.499"},
+  {"statics part.stl" .. PUSHED .. "--material young=2GPa,poisson=0.3,colour=3", 2, "got 'colour=3'"},
+  {"statics part.stl" .. PUSHED .. "--material young=2m,poisson=0.3", 2, "young: a number with one of the units"},
+  {"statics bar.msh" .. PUSHED .. "--material lid=young=2GPa,poisson=0.3", 2, "bar.msh has no regions"},
+  {"modes", 2, "MODEL is missing"},
+  {"modes nofile.stl", 3, "nofile.stl: cannot be read"},
+  {"modes part.stl --fix top", 2, "--fix: "},
+  {"modes part.stl --count 1.5", 2, "--count: a whole number"},
+  {"modes part.stl --solver qr", 2, "--solver: one of auto, lanczos, arpack, lobpcg, slepc expected"},
+  {"modes part.stl --vtu x.stl", 2, "--vtu: a file that ends in"},
+  {"modes part.stl --material adamant", 2, "'adamant' is not known"},
+  {"check", 2, "MODEL is missing"},
+  {"check nofile.stl", 3, "nofile.stl: cannot be read"},
+  {"check part.stl --unit furlong", 2, "'furlong' is not known"},
+  {"check part.stl --thin 3", 2, "'3' has no unit"},
+  {"check part.stl --picture x.png", 2, "give --edges yes or --faces yes as well"},
+  {"check part.stl --edges maybe", 2, "--edges: one of yes, no expected"},
+  {"heat part.stl", 2, "--"},
+  {"heat part.stl --temperature min:x=80C --convection all", 2, "--convection: "},
+  {"convert part.stl", 2, "is missing"},
+  {"convert nofile.stl out.obj", 3, "nofile.stl: cannot be read"},
+  {"convert part.stl out.doc", 2, "out.doc"},
+  {"materials unobtainium", 2, "unobtainium"},
+  {"live", 2, "is missing"},
+  {"live nofile.lua", 3, "nofile.lua"},
+  {"study", 2, "is missing"},
+  {"study run nofile.lua --out o", 3, "nofile.lua"},
+  {"rerun", 2, "is missing"},
+  {"rerun nofile.json", 3, "nofile.json"},
+  {"test", 2, "is missing"},
+  {"test nofile.lua", 3, "nofile.lua"},
+  {"completion tcsh", 2, "one of bash, zsh, fish expected"},
+  {"manual now", 2, "no argument expected"},
+  {"help wrost", 2, "wrost"},
+  {"worst part.stl --strenght 3MPa", 2, "unknown option --strenght: did you mean --strength"},
+  {"worst part.stl --force=20N --force=30N", 2, "option --force is given twice"},
+  {"worst part.stl --json=yes", 2, "option --json takes no value"},
   {"respond part.stl" .. SHAKEN .. "--base 0,0,1g", 2, "--to FREQUENCY is missing"},
   {"respond part.stl" .. SHAKEN .. "--base 0,0,1g --to 100 --from 200", 2, "below the 100 Hz of --to expected"},
   {"respond bar.msh --unit m" .. SHAKEN .. "--base 0,0,0 --to 100", 2, "nothing excites the body"},
@@ -116,6 +157,15 @@ describe("a wrong invocation", function()
       assert.equal(status, code, err)
     end)
   end
+
+  it("writes nothing", function()
+    local pipe = assert(io.popen(("ls '%s'"):format(folder)))
+    local names = {}
+    for name in pipe:lines() do names[#names + 1] = name end
+    pipe:close()
+    assert.equal("bar.msh comma.csv curve.png cut.stl empty.csv empty.msh empty.stl facet.stl folder.stl junk.csv "
+      .. "junk.msh junk.stl ok.csv part.stl plate.svg text.stl", table.concat(names, " "))
+  end)
 
   it("leaves the files as they were", function()
     local before = check.read(folder .. "/bar.msh")

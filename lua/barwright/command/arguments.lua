@@ -12,7 +12,8 @@
 -- Types: "string" (the default), "number" (with a unit where `unit` names one), "integer", "flag", "file",
 -- "folder". Rules of numbers: min, max, above, below. Rules of all: one_of, needed, many (a list; options
 -- may then be repeated), list (values with commas between, each by the rule), word (a word instead of a value),
--- keyed (a value may have KEY= before it).
+-- keyed (a value may have KEY= before it), inline (a
+-- function: true where it reads the text by itself, nil where it is another one, else false and a sentence).
 -- The options have a field for each name ("-" becomes "_"); flags are true or false. `common` replaces --help,
 -- --json and --quiet, which are every command's (script.lua).
 local core = require "barwright.core"
@@ -117,6 +118,11 @@ end
 
 --- The value of one word by a rule, or nil and a sentence without a subject.
 function arguments.value(rule, text)
+  if rule.inline then
+    local own, message = rule.inline(text)
+    if own then return text end
+    if own == false then return nil, message end
+  end
   if rule.keyed then
     local key, word = text:match "^(.*=)([^=]*)$"
     if key then
@@ -262,7 +268,7 @@ end
 local types = {string = true, number = true, integer = true, flag = true, file = true, folder = true}
 local rule_keys = {name = true, value = true, type = true, default = true, one_of = true, what = true,
   optional = true, many = true, needed = true, unit = true, min = true, max = true, above = true,
-  below = true, endings = true, word = true, list = true, keyed = true}
+  below = true, endings = true, word = true, list = true, keyed = true, inline = true}
 local command_keys = {summary = "string", about = "string", arguments = "table", options = "table",
   examples = "table", run = "function", server = "boolean", common = "table"}
 

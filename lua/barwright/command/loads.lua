@@ -63,9 +63,31 @@ function loads.text(given)
   return table.concat(list, "; ")
 end
 
+--- A sentence where the loads of statics are all zero: nothing is tried then; nil elsewhere.
+function loads.nothing(given)
+  for _, load in ipairs(given) do
+    if load.pressure and load.pressure ~= 0 then return nil end
+    for _, x in ipairs(load.force or {}) do
+      if x ~= 0 then return nil end
+    end
+  end
+  for _, x in ipairs(given.gravity or {}) do
+    if x ~= 0 then return nil end
+  end
+  return "every load is 0, so that nothing is tried: give a --force, a --pressure or --gravity that is not 0"
+end
+
+-- Whether all nodes of a selection are in a set.
+local function lies_in(selection, set)
+  for _, node in ipairs(selection.nodes:totable()) do
+    if not set[node] then return false end
+  end
+  return true
+end
+
 --- Supports and loads of a part; the part and the supported area (m2), or nil, message, details.
 function loads.set_up(part, opts, given, out)
-  local mesh, area = part.mesh, 0
+  local mesh, area, fixed = part.mesh, 0, {}
   for _, place in ipairs(opts.fix) do
     local selection, message, details = places.select(mesh, place)
     if not selection then return nil, message, details end
@@ -73,11 +95,20 @@ function loads.set_up(part, opts, given, out)
     ok, message = model.try(part.fix, part, selection)
     if not ok then return nil, place .. ": " .. message, {status = "invalid"} end
     area = area + selection.area
+    for _, node in ipairs(selection.nodes:totable()) do fixed[node] = true end
     out:say("Constrained at %s (%s).", place, core.quantity(selection.area, "m2"))
+  end
+  if lies_in(mesh.boundary, fixed) then
+    return nil, ("the whole surface is constrained at %s: no load reaches the body; constrain a smaller place")
+      :format(table.concat(opts.fix, ", ")), {status = "invalid"}
   end
   for _, load in ipairs(given) do
     local selection, message, details = places.select(mesh, load.place)
     if not selection then return nil, message, details end
+    if lies_in(selection, fixed) then
+      return nil, ("the load at %s lies on a support, which takes all of it: move the load, or constrain a "
+        .. "smaller place"):format(load.place), {status = "invalid"}
+    end
     local ok
     ok, message = model.try(part.load, part, {on = selection, force = load.force, pressure = load.pressure})
     if not ok then return nil, load.place .. ": " .. message, {status = "invalid"} end

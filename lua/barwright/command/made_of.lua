@@ -4,18 +4,82 @@
 local bw = require "barwright"
 local core = require "barwright.core"
 local has_strength = require "barwright.has_strength"
+local quantity = require "barwright.command.quantity"
 local shown = require "barwright.shown"
 
 local made_of = {}
 
+-- ---- constants on the command line ------------------------------------------------------------------
+
+-- What an inline material may have: unit, and the range as of the options.
+local constants = {young = {unit = "Pa", above = 0}, poisson = {min = 0, max = 0.499},
+  strength = {unit = "Pa", above = 0}, density = {unit = "kg/m3", above = 0}, toughness = {above = 0}}
+
+-- "REGION" and {young =, ...} of "REGION=young=2GPa,poisson=0.35", without a region "" and the constants; nil
+-- where a text is no such list; or false and a sentence.
+local function read_inline(text)
+  local from = nil
+  for name in pairs(constants) do
+    local at = text:find("^" .. name .. "=[%d.+-]") or text:find("=" .. name .. "=[%d.+-]")
+    if at and at > 1 then at = at + 1 end -- behind the sign
+    if at and (not from or at < from) then from = at end
+  end
+  if not from then return nil end
+  local found = {}
+  for word in (text:sub(from) .. ","):gmatch "([^,]*)," do
+    local name, value = word:match "^([^=]*)=(.*)$"
+    local rule = constants[name]
+    if not rule then
+      return false, ("constants such as young=2GPa,poisson=0.35,strength=40MPa,density=1200 expected, got '%s'")
+        :format(word)
+    end
+    if found[name] then return false, ("%s is given twice in '%s'"):format(name, text) end
+    local number, expected = quantity.read(value, rule.unit)
+    if not number then return false, ("%s: %s expected, got '%s'"):format(name, expected, value) end
+    if rule.above and number <= rule.above or rule.min and (number < rule.min or number > rule.max) then
+      return false, rule.above and ("%s: a value above 0 expected, got '%s'"):format(name, value)
+        or ("%s: a number from %g up to %g expected, got '%s'"):format(name, rule.min, rule.max, value)
+    end
+    found[name] = number
+  end
+  if not (found.young and found.poisson) then
+    return false, ("young= and poisson= are needed, got '%s'"):format(text)
+  end
+  return text:sub(1, math.max(0, from - 2)), found
+end
+
+-- For arguments.lua.
+local function is_inline(text)
+  local region, message = read_inline(text)
+  if region == nil or region == false then return region, message end
+  return true
+end
+
+-- The region (nil: none) and the material of a text of --material.
+local function region_and_material(text, known)
+  local region, found = read_inline(text)
+  if region then
+    found.name = "the given material"
+    return region ~= "" and region or nil, bw.material.isotropic(found)
+  end
+  local name
+  region, name = text:match "^(.*)=([^=]*)$"
+  name = name or text
+  known[name] = known[name] or bw.material.named(name)
+  return region, known[name]
+end
+
 --- Materials by name.
 made_of.option = {name = "material", value = "NAME|REGION=NAME", default = {"pla"}, many = true, keyed = true,
-  one_of = bw.material.names(), what = "what it is made of; `barwright materials` lists them; with REGION= what a "
+  inline = is_inline,
+  one_of = bw.material.names(), what = "what it is made of; `barwright materials` lists them, and constants such "
+    .. "as young=2GPa,poisson=0.35,strength=40MPa,density=1200 stand for a name; with REGION= what a "
     .. "region of a mesh file is made of, and NAME alone is for all others"}
 
 --- The same of commands that take one material for all of a part: they refuse REGION=NAME by made_of.several.
-made_of.one_option = {name = "material", value = "NAME", default = "pla", keyed = true,
-  one_of = bw.material.names(), what = "what it is made of; `barwright materials` lists them"}
+made_of.one_option = {name = "material", value = "NAME", default = "pla", keyed = true, inline = is_inline,
+  one_of = bw.material.names(), what = "what it is made of; `barwright materials` lists them, and constants such "
+    .. "as young=2GPa,poisson=0.35,strength=40MPa,density=1200 stand for a name"}
 
 --- Values that replace those of the named material.
 made_of.value_options = {
@@ -39,7 +103,7 @@ local function with_values(named, opts)
   if not (opts.young or opts.poisson or opts.strength or opts.density or opts.toughness) then return named end
   local young, poisson, strength = opts.young or named.young, opts.poisson or named.poisson,
     opts.strength or named.strength
-  if type(young) ~= "number" or type(poisson) ~= "number" or type(strength) ~= "number" then
+  if type(young) ~= "number" or type(poisson) ~= "number" or strength and type(strength) ~= "number" then
     return nil, ("%s differs with the direction: give --young, --poisson and --strength, or another --material")
       :format(named.name)
   end
@@ -78,15 +142,13 @@ function made_of.read(opts)
   local by_region = type(opts.material) == "table"
   local made, known = {named = {}, by_region = by_region}, {}
   for _, text in ipairs(by_region and opts.material or {opts.material}) do
-    local region, name = text:match "^(.*)=([^=]*)$"
-    name = name or text
-    known[name] = known[name] or bw.material.named(name)
+    local region, material = region_and_material(text, known)
     if region then
-      made.named[#made.named + 1] = {region, known[name]}
+      made.named[#made.named + 1] = {region, material}
     elseif made.default then
       return nil, "option --material is given twice for all of the part: REGION=NAME is for a region of its mesh"
     else
-      made.default = known[name]
+      made.default = material
     end
   end
   local message

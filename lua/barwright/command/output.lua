@@ -23,9 +23,16 @@ end
 -- Statuses of failures that say that the input or the request is refused.
 local refused = {misuse = true, invalid = true, unsupported = true, empty = true, different = true}
 
+-- Whether standard output shows colours: a terminal, and nobody asked for none (no-color.org).
+local function in_colour()
+  local none, kind = os.getenv "NO_COLOR", os.getenv "TERM"
+  return core.terminal() and (not none or none == "") and kind ~= nil and kind ~= "dumb"
+end
+
 --- For the command `name`; `opts.json` and `opts.quiet` count.
 function output.create(name, opts)
-  return setmetatable({name = name, machine = opts.json, quiet = opts.quiet, object = {}}, output)
+  return setmetatable({name = name, machine = opts.json, quiet = opts.quiet, object = {},
+    colour = in_colour()}, output)
 end
 
 -- What cannot be written is reported once, at the end.
@@ -34,11 +41,26 @@ local function write(self, text)
   if not ok then self.unwritten = self.unwritten or why end
 end
 
+-- Words of a verdict on a terminal, each with its colour: green, amber, red. One of a line is coloured.
+local coloured = {{"too close to decide", 33}, {"the error is too large to decide", 33}, {"it holds", 32},
+  {"it breaks", 31}, {"it stays below the strength", 32}, {"Sound:", 32}, {"Not sound", 31}}
+
+--- A line with the words of verdicts in colours.
+function output.paint(text)
+  for _, one in ipairs(coloured) do
+    local from, to = text:find(one[1], 1, true)
+    if from then
+      return ("%s\27[1;%dm%s\27[0m%s"):format(text:sub(1, from - 1), one[2], one[1], text:sub(to + 1))
+    end
+  end
+  return text
+end
+
 --- A line for people; with more arguments a format and its values.
 function output:say(text, ...)
   if self.machine or self.quiet then return end
   if select("#", ...) > 0 then text = text:format(...) end
-  write(self, text)
+  write(self, self.colour and output.paint(text) or text)
 end
 
 --- A function that says a line, and the list of the lines that it said, for a page: quiet or not.

@@ -122,8 +122,8 @@ function static_picture.options(static, title, loads, supports, singular, mass)
 end
 
 --- Writes the page: options as of static:picture (title, lines, line_name, arrows), and what stands above
---- the view, {text = sentences, head =, callout =}, the last two as of body_page. The view begins from where the picture
---- is drawn.
+--- the view, {text = sentences, head =, callout =}, the last two as of body_page. The view begins from where the
+--- picture is drawn.
 function static_picture.report(static, path, options, answer)
   local moved, strength = static.displacement, static.material.strength
   local fields = {{name = "von Mises stress", unit = "MPa", values = static.von_mises, scale = 1e-6,

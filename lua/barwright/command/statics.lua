@@ -276,7 +276,8 @@ return {
     {"barwright statics shelf.stl --fix min:x --pressure max:z=2kPa --gravity 0,0,-9.81", "books on a shelf"}},
   run = function(opts, out)
     local loads, message = loads_of.read(opts, "gravity")
-    if not loads then return out:misuse(message) end
+    if loads then message = loads_of.nothing(loads) end
+    if message then return out:misuse(message) end
     local static, answer, details = analyse(opts, loads, out)
     if not static then return out:fail(answer, details) end -- a message
     local picture
