@@ -19,6 +19,7 @@ local edit_pose = require "barwright.edit_pose"
 local edit_report = require "barwright.edit_report"
 local edit_script = require "barwright.edit_script"
 local edit_shape = require "barwright.edit_shape"
+local edit_surface = require "barwright.edit_surface"
 local optimise = require "barwright.optimise"
 
 local raise = core.raise
@@ -29,6 +30,7 @@ local properties = {}
 local rules = {
   skeleton = {type = "skeleton"}, -- left out: extracted from the surface
   bones = {type = "integer", default = 0, min = 0}, -- wanted of the extracted one
+  surface = {type = "surface"}, -- that the mesh was made from, which is edited along
   subdomains = {type = "subdomains"}, -- left out: from weights and thresholds
   -- of the subdomains; left out: the engine's own
   threshold = {type = "number", above = 0, max = 1},
@@ -440,9 +442,10 @@ function properties:edits()
   return list
 end
 
---- The boundary as it is now, to write as STL.
+--- The surface as it is now, to write as STL, and a report: the one given as option `surface`, edited as the mesh
+--- was, else the boundary of the mesh.
 function class:surface()
-  return current(self).shape.mesh:surface()
+  return edit_surface.of(current(self).shape, self.opts.surface)
 end
 
 -- The last result, if it is of the current state.

@@ -89,6 +89,23 @@ static int subdomains_posed_nodes(lua_State *L) {
   return lbw_leave(L, bw_pose_nodes(lbw_enter(L), subdomains, map, node), 1);
 }
 
+/* subdomains:posed_surface(maps, surface, tolerance or nil): surface, how far a point moved at most
+ */
+static int subdomains_posed_surface(lua_State *L) {
+  const bw_subdomains *subdomains = check_subdomains(L, 1);
+  lua_settop(L, 4);
+  double *map = bone_rows(L, 2, "maps", subdomains->skeleton->bone_count, MAP);
+  const bw_surface *surface = (const bw_surface *)lbw_check(L, 3, &lbw_surface_class);
+  double tolerance = lua_isnil(L, 4) ? 0 : lbw_check_real(L, 4, "tolerance"), moved = 0;
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *posed = NULL;
+  bw_status status =
+      bw_pose_surface(lbw_enter(L), subdomains, map, surface, tolerance, &posed, &moved);
+  lbw_box_fill(L, box, posed);
+  lua_pushnumber(L, moved);
+  return lbw_leave(L, status, 2);
+}
+
 /* subdomains:pose_derivative(pose, bone, axis): of every node by the scale of a bone along its
  * axis */
 static int subdomains_pose_derivative(lua_State *L) {
@@ -220,6 +237,7 @@ void lbw_open_pose(lua_State *L) {
                                          {"reach", skeleton_reach},
                                          {NULL, NULL}};
   static const luaL_Reg of_subdomains[] = {{"posed_nodes", subdomains_posed_nodes},
+                                           {"posed_surface", subdomains_posed_surface},
                                            {"pose_derivative", subdomains_pose_derivative},
                                            {"motion", subdomains_motion},
                                            {NULL, NULL}};

@@ -80,6 +80,7 @@ function edit_module.begin(script, session) end
 ---@field thresholds? table<string, number> in its place, for single bones by name. Default: none
 ---@field fraction? number (-) thresholds are lowered until each bone has this fraction of the elements that it moves most; 0: never. Range: 0 to 1. Default: 0.35
 ---@field heat? number (-) of the skinning weights, above 0; larger: more elements follow one bone. Default: 20
+---@field surface? bw.Surface that the mesh was made from: `session:surface` is this one, edited. Default: the boundary of the mesh
 ---@field subdomains? bw.Subdomains of the part's own mesh. Default: made from skeleton and weights
 ---@field quality? number (-) elements of a lower shape quality (`mesh:shapes`) are relaxed. Range: 0 to 0.5. Default: 0.02
 ---@field relax? boolean relax inner nodes where an edit inverts elements. Default: true
@@ -112,6 +113,14 @@ function edit_module.begin(script, session) end
 ---@field current_pose bw.Array (any, bone_count × 15, per bone) as of `skeleton:rest_pose`
 ---@field edits bw.SessionEdit[] in force, the oldest first
 local Session = {}
+
+---What became of the surface of a session.
+---@class bw.EditedSurface
+---@field triangles integer (count) of the result
+---@field triangles_before integer (count) of the surface that was given
+---@field largest_displacement number (m) of a point by the edits
+---@field deviation number (m) largest distance between the result and the boundary of the mesh, which is what was analysed
+---@field sound boolean closed, oriented and free of crossings; where false, make the edit smaller
 
 ---An edit of a session.
 ---@class bw.SessionEdit
@@ -306,9 +315,14 @@ function Session:synchronise() end
 ---@return bw.Details? details
 function Session:moved(part) end
 
----The boundary as it is now: `session:surface():write("part.stl")`.
----@return bw.Surface surface with a triangle for every facet
----@return bw.Array nodes (index from 1, point_count × 1, per point) the node of the mesh
+---The surface as it is now: `session:surface():write("part.stl")`. It is the option `surface` of `bw.edit`, moved as the mesh was:
+---its points and triangles stay, and are split only where the edit bends within a triangle. Without that option it is the boundary
+---of the mesh.
+---
+---Errors: memory, limit (it would have too many triangles), cancelled.
+---@return bw.Surface? surface with outward facets
+---@return bw.EditedSurface|string report what was done, or the message
+---@return bw.Details? details
 function Session:surface() end
 
 ---Writes the fields of the current shape to a .vtu file: those of `static:write`, and the subdomains.

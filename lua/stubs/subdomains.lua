@@ -103,6 +103,18 @@ function Subdomains:stiffness_subdomains_touched(mask) end
 ---@return bw.Array nodes (m, node_count × 3, per node) their places
 function Subdomains:posed_nodes(maps) end
 
+---The surface that the mesh was made from under maps of the bones. Its points keep their order, and new ones follow. A triangle is
+---split where the map within it differs by more than the tolerance from its interpolation.
+---
+---Errors: empty (no facets), limit (too many triangles), memory, cancelled.
+---@param maps bw.Array|number[][] (any, bone_count × 12, per bone) as of `skeleton:pose_maps`
+---@param surface bw.Surface at rest
+---@param tolerance? number (m) of the interpolation. Default: 1e-4 of the surface's size
+---@return bw.Surface? posed surface
+---@return number|string moved (m) how far a point moved at most, or the message
+---@return bw.Details? details
+function Subdomains:posed_surface(maps, surface, tolerance) end
+
 ---How every node moves with the scale of a bone along one of its axes. Places of nodes are linear in the scales.
 ---
 ---Source: Y. Xie and others 2015, equation 20.
