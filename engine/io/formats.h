@@ -11,6 +11,7 @@ typedef enum bwi_format {
   BWI_OBJ,
   BWI_OFF,
   BWI_PLY,
+  BWI_3MF,
   BWI_MSH,
   BWI_VTU,
   BWI_MEDIT,

@@ -133,6 +133,7 @@ bw_status bwi_off_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *
 bw_status bwi_off_write(bw_writer *writer, const bw_surface *surface);
 bw_status bwi_ply_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *info);
 bw_status bwi_ply_write(bw_writer *writer, const bw_surface *surface, bool ascii);
+bw_status bwi_3mf_parse(bwi_cursor *archive, bw_surface **surface, bw_read_info *info);
 bw_status bwi_medit_write(bw_writer *writer, const bw_mesh *mesh);
 bw_status bwi_inp_write_mesh(bw_writer *writer, const bw_mesh *mesh);
 

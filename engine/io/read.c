@@ -9,6 +9,7 @@
 #include "io/formats.h"
 #include "io/raw.h"
 #include "io/vtu.h"
+#include "io/zip.h"
 
 const char *bwi_ending(const char *path) {
   const char *slash = strrchr(path, '/');
@@ -39,7 +40,7 @@ static const char *foreign_kind(const bwi_cursor *cursor) {
       {"\xFF\xFE", "text in UTF-16: save it as plain text (UTF-8)"},
       {"\xFE\xFF", "text in UTF-16: save it as plain text (UTF-8)"},
       {"\x1F\x8B", "compressed by gzip: unpack it first"},
-      {"PK\x03\x04", "a ZIP archive (3MF?): unpack it, or export STL"},
+      {"PK\x03\x04", "a ZIP archive: unpack it, or read it as a surface where it is 3MF"},
       {"glTF", "a glTF file: export STL, OBJ or PLY"},
       {"# vtk DataFile", "a legacy VTK file: save it as VTU (.vtu)"},
       {"$NOD", "a Gmsh file of version 1: save it as 4.1 or 2.2"},
@@ -109,6 +110,8 @@ static bwi_format detect(bwi_cursor *cursor) {
     return BWI_VTU;
   if (word.length >= 20 && bwi_word_is_nocase((bwi_word){word.at, 20}, "MeshVersionFormatted"))
     return BWI_MEDIT;
+  if (bwi_is_zip(cursor))
+    return BWI_3MF;
   if (foreign_kind(cursor))
     return BWI_UNKNOWN;
   if (word.length >= 5 && bwi_word_is_nocase((bwi_word){word.at, 5}, "solid"))
@@ -205,7 +208,7 @@ static bw_status surface_of_mesh(bwi_cursor *cursor, bwi_format kind, bw_surface
   if (!known)
     status =
         bwi_fail_unknown(cursor, "STL (text beginning with 'solid', or a binary size of 84 + 50 n "
-                                 "bytes), OBJ, OFF, PLY, MSH, VTU, PVTU, MEDIT, INP, STEP, IGES");
+                                 "bytes), OBJ, OFF, PLY, 3MF, MSH, VTU, PVTU, MEDIT, INP, STEP, IGES");
   if (status == BW_OK)
     status = bwi_raw_surface(&raw, format, surface, info);
   bwi_raw_clear(&raw);
@@ -228,6 +231,8 @@ bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned
     return bwi_off_parse(&cursor, surface, info);
   case BWI_PLY:
     return bwi_ply_parse(&cursor, surface, info);
+  case BWI_3MF:
+    return bwi_3mf_parse(&cursor, surface, info);
   default:
     return surface_of_mesh(&cursor, kind, surface, info);
   }
@@ -244,14 +249,15 @@ bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned ch
   bwi_raw_init(&raw, context, name);
   bwi_format kind = count ? detect(&cursor) : BWI_UNKNOWN;
   bw_status status = read_raw(&cursor, kind, &raw, &format, &known);
-  if (kind == BWI_STL || kind == BWI_OBJ || kind == BWI_OFF || kind == BWI_PLY)
+  if (kind == BWI_STL || kind == BWI_OBJ || kind == BWI_OFF || kind == BWI_PLY || kind == BWI_3MF)
     status = bwi_fail_byte(&cursor,
                            "this is a surface (%s), not a mesh of tetrahedra: read it as "
                            "a surface and fill it",
                            kind == BWI_STL   ? "STL"
                            : kind == BWI_OBJ ? "OBJ"
                            : kind == BWI_OFF ? "OFF"
-                                             : "PLY");
+                           : kind == BWI_PLY ? "PLY"
+                                             : "3MF");
   else if (!known)
     status = bwi_fail_unknown(&cursor, "VTU, MSH 2.2 and 4.1, MEDIT, TetGen, INP");
   if (status == BW_OK)
@@ -339,10 +345,12 @@ bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const
     return bw_surface_write_vtu(context, surface, path, 0, NULL);
   if (bwi_has_ending(path, "msh"))
     return bwi_msh_write_surface(context, surface, path, ascii);
+  if (bwi_has_ending(path, "3mf"))
+    return bw_surface_write_3mf(context, surface, path, 1);
   if (!stl && !obj && !off && !ply)
     return bw_fail(context, BW_INVALID,
                    "%s: the ending '%s' names no format that surfaces are written in: use .stl "
-                   ".obj .ply .off .vtu or .msh",
+                   ".obj .ply .off .3mf .vtu or .msh",
                    path, bwi_ending(path));
   bw_status status = bw_writer_open(context, path, &writer);
   if (status != BW_OK)

@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 static const bw_surface *self(lua_State *L) {
   return (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
@@ -25,6 +26,14 @@ static void push_read_info(lua_State *L, const bw_read_info *info, double unit) 
   lua_setfield(L, -2, "groups");
   lua_pushnumber(L, unit);
   lua_setfield(L, -2, "metres_per_unit");
+  if (info->group_name) {
+    lua_createtable(L, info->group_count, 0);
+    for (int i = 0; i < info->group_count; i++) {
+      lua_pushstring(L, info->group_name[i].text);
+      lua_rawseti(L, -2, i + 1);
+    }
+    lua_setfield(L, -2, "group_names");
+  }
 }
 
 /* Whether the failure names a file that OpenCASCADE reads. */
@@ -47,14 +56,15 @@ static int surface_read(lua_State *L) {
   const char *path = lbw_check_text(L, 1, NULL);
   bw_cad_options cad = {0};
   lbw_options(L, 2, "surface.read", options, &cad);
-  cad.unit = lbw_unit_option(L, 2, "surface.read", 0);
-  double unit = lbw_unit_option(L, 2, "surface.read", lbw_unit_of_path(path));
+  double unit = cad.unit = lbw_unit_option(L, 2, "surface.read", 0); /* 0: none is given */
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *read = NULL, *scaled = NULL;
   bw_read_info info = {0};
   bw_status status;
   bw_context *context = lbw_enter(L);
   BW_TRY(bw_surface_read(context, path, &read, &info));
+  if (unit == 0)
+    unit = info.unit > 0 ? info.unit : lbw_unit_of_path(path);
   status = bw_surface_scale(context, read, unit, &scaled);
 done:
   bw_release(read);
@@ -64,6 +74,7 @@ done:
   }
   lbw_box_fill(L, box, scaled);
   push_read_info(L, &info, unit);
+  bw_free(info.group_name);
   return lbw_leave(L, status, 2);
 }
 
@@ -93,6 +104,8 @@ static int surface_write(lua_State *L) {
   BW_TRY(bw_surface_scale(context, surface, 1 / unit, &scaled));
   if (vtu)
     status = bw_surface_write_vtu(context, scaled, path, count, field);
+  else if (length > 4 && strcasecmp(path + length - 4, ".3mf") == 0)
+    status = bw_surface_write_3mf(context, scaled, path, unit);
   else
     status = bw_surface_write(context, scaled, path, ascii);
 done:

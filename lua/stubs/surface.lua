@@ -10,7 +10,7 @@
 ---@class bw.SurfaceModule
 local surface_module = {}
 
----Reads a surface from an STL, OBJ, OFF, PLY, MSH or VTU file. The content decides which format it is. A mesh of
+---Reads a surface from an STL, OBJ, OFF, PLY, 3MF, MSH or VTU file. The content decides which format it is. A mesh of
 ---tetrahedra gives its boundary.
 ---
 ---Errors: io (the file cannot be read), format (it is none of these, or damaged), geometry (a coordinate is not finite),
@@ -37,7 +37,8 @@ function surface_module.read(path, options) end
 ---@field polygons integer (count) facets with more than three corners, which were cut into triangles
 ---@field skipped integer (count) records that were not read: lines, single points, unknown elements
 ---@field groups integer (count) groups of facets: groups, solids or regions of the file
----@field metres_per_unit number (m, per unit of the file) the unit that was applied
+---@field metres_per_unit number (m, per unit of the file) the unit that was applied: as given, else what a 3MF file says, else by the ending
+---@field group_names? string[] the names of the objects of a 3MF file, by group; empty texts where it gives none
 
 ---A surface from points and triangles.
 ---
@@ -143,7 +144,7 @@ function surface_module.implicit(value, options) end
 ---@field box bw.Box the smallest box that holds it
 local Surface = {}
 
----Writes the surface to a file, whose ending decides the format: .stl (binary), .obj, .ply, .off, .vtu or .msh.
+---Writes the surface to a file, whose ending decides the format: .stl (binary), .obj, .ply, .off, .3mf, .vtu or .msh.
 ---
 ---Errors: io (the file cannot be written).
 ---@param path string the file

@@ -18,12 +18,13 @@
 static inline bw_status parse_surface(const char *name, const unsigned char *bytes, size_t count) {
   bw_context *context = parse_context();
   bw_surface *surface = NULL;
-  bw_read_info info;
+  bw_read_info info = {{0}};
   bw_status status = bw_surface_parse(context, name, bytes, count, &surface, &info);
   parse_require((status == BW_OK) == (surface != NULL));
   parse_require(status == BW_OK || bw_message(context)[0]);
   parse_require(!surface || surface->triangle_count > 0);
   bw_release(surface);
+  bw_free(info.group_name);
   return status;
 }
 
@@ -178,7 +179,8 @@ static inline void parse_bytes(const char *format, const unsigned char *bytes, s
   } else {
     parse_surface(name, copy, count);
     bool surface_only = strcmp(format, "stl") == 0 || strcmp(format, "obj") == 0 ||
-                        strcmp(format, "off") == 0 || strcmp(format, "ply") == 0;
+                        strcmp(format, "off") == 0 || strcmp(format, "ply") == 0 ||
+                        strcmp(format, "3mf") == 0;
     if (!surface_only)
       parse_mesh(name, copy, count);
   }

@@ -50,7 +50,7 @@ BW_API bool bw_parse_number(const char *text, double *value);
 BW_API bw_status bw_read_file(bw_context *context, const char *path, unsigned char **bytes,
                               size_t *count);
 
-/* ---- surfaces: STL OBJ OFF PLY MSH VTU ---------------------------------------------------- */
+/* ---- surfaces: STL OBJ OFF PLY 3MF MSH VTU------------------------------------------------ */
 
 /* What a reader found. */
 typedef struct bw_read_info {
@@ -58,6 +58,9 @@ typedef struct bw_read_info {
   int64_t polygons; /* facets with more than three corners that were cut into triangles */
   int64_t skipped;  /* records that were passed over (lines, points, unknown elements) */
   int group_count;  /* of groups, solids or objects in the file; 1 for a volume mesh */
+  double unit;      /* (m) of one unit of the file, where the format says it (3MF, glTF); else 0 */
+  bw_name *group_name; /* (group_count) of the objects of a 3MF or glTF file, else NULL; release
+                          with bw_free */
 } bw_read_info;
 
 /* Points as in the file (no unit conversion); exactly equal points of STL facets are welded.
@@ -71,10 +74,15 @@ BW_API bw_status bw_surface_read(bw_context *context, const char *path, bw_surfa
  * messages and its ending decides where the content does not. */
 BW_API bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned char *bytes,
                                   size_t count, bw_surface **surface, bw_read_info *info);
-/* By the ending of the path: .stl (binary; `ascii` for text), .obj .ply .off .vtu .msh; BW_INVALID
- * for another. */
+/* By the ending of the path: .stl (binary; `ascii` for text), .obj .ply .off .vtu .msh, .3mf (in
+ * metres); BW_INVALID for another. */
 BW_API bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const char *path,
                                   bool ascii);
+/* The same as .3mf, whose points are in a `unit` (m) that the file names: micron, millimetre,
+ * centimetre, inch, foot or metre; BW_INVALID for another. Groups that share no point become
+ * objects of their own. BW_LIMIT beyond 4 GB. */
+BW_API bw_status bw_surface_write_3mf(bw_context *context, const bw_surface *surface,
+                                      const char *path, double unit);
 
 /* ---- tetrahedral meshes: VTU MSH MEDIT TetGen INP ------------------------------------------ */
 

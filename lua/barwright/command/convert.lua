@@ -4,7 +4,7 @@ local lengths = require "barwright.command.lengths"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 
-local surface_endings = {stl = true, obj = true, ply = true, off = true}
+local surface_endings = {stl = true, obj = true, ply = true, off = true, ["3mf"] = true}
 local mesh_endings = {msh = true, pvtu = true, mesh = true, inp = true, node = true, ele = true}
 local drawing_endings = {svg = true, dxf = true}
 
@@ -111,9 +111,9 @@ end
 
 return {
   summary = "from one file format into another, repaired or filled on the way",
-  about = "The ending of OUT says the format: surfaces STL OBJ PLY OFF VTU MSH, meshes of tetrahedra MSH VTU MESH "
-    .. "INP NODE, drawings SVG DXF. A mesh that is written as STL, OBJ, PLY or OFF gives its boundary; a surface "
-    .. "that is written as MESH, INP or NODE, or with --elements, is filled with tetrahedra. Surfaces are "
+  about = "The ending of OUT says the format: surfaces STL OBJ PLY OFF 3MF VTU MSH, meshes of tetrahedra MSH VTU "
+    .. "MESH INP NODE, drawings SVG DXF. A mesh that is written as STL, OBJ, PLY, OFF or 3MF gives its boundary; "
+    .. "a surface that is written as MESH, INP or NODE, or with --elements, is filled with tetrahedra. Surfaces are "
     .. "written in millimetres and meshes in metres unless --out-unit says otherwise.\n\n"
     .. output.codes "it was written",
   arguments = {{name = "in", type = "file", what = "the file to read"},
