@@ -11,7 +11,7 @@
 
 enum { PIECE = 1024 }; /* the longest that one call adds */
 
-static bool make_room(bwi_growing *text) {
+static bool reserve(bwi_growing *text) {
   if (text->status == BW_OK &&
       !bw_grow(text->context, (void **)&text->at, &text->capacity, text->count, PIECE, 1))
     text->status = BW_MEMORY;
@@ -20,7 +20,7 @@ static bool make_room(bwi_growing *text) {
 
 void bwi_growing_print(bwi_growing *text, const char *format, ...) {
   va_list arguments;
-  if (!make_room(text))
+  if (!reserve(text))
     return;
   locale_t before = uselocale(bwi_c_locale());
   va_start(arguments, format);
@@ -34,6 +34,6 @@ void bwi_growing_print(bwi_growing *text, const char *format, ...) {
 }
 
 void bwi_growing_number(bwi_growing *text, double value) {
-  if (make_room(text))
+  if (reserve(text))
     text->count += (size_t)bw_format_number(value, text->at + text->count);
 }

@@ -182,11 +182,11 @@ static bw_status pack(bw_context *context, bwi_zip_part *p, unsigned char **pack
   int result = deflateInit2(&stream, 6, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
   if (result != Z_OK)
     return bw_fail(context, BW_MEMORY, "no memory to pack %s", p->name);
-  size_t room = deflateBound(&stream, (uLong)(p->head_count + p->count));
-  *packed = room < UINT32_MAX ? BW_NEW(context, unsigned char, room) : NULL;
+  size_t bound = deflateBound(&stream, (uLong)(p->head_count + p->count));
+  *packed = bound < UINT32_MAX ? BW_NEW(context, unsigned char, bound) : NULL;
   if (*packed) {
     stream.next_out = *packed;
-    stream.avail_out = (uInt)room;
+    stream.avail_out = (uInt)bound;
     stream.next_in = (unsigned char *)p->head;
     stream.avail_in = (uInt)p->head_count;
     if (p->head_count > 0)

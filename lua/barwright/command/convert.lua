@@ -113,8 +113,8 @@ return {
   summary = "from one file format into another, repaired or filled on the way",
   about = "The ending of OUT says the format: surfaces STL OBJ PLY OFF 3MF VTU MSH, meshes of tetrahedra MSH VTU "
     .. "MESH INP NODE, drawings SVG DXF. A mesh that is written as STL, OBJ, PLY, OFF or 3MF gives its boundary; "
-    .. "a surface that is written as MESH, INP or NODE, or with --elements, is filled with tetrahedra. Surfaces are "
-    .. "written in millimetres and meshes in metres unless --out-unit says otherwise.\n\n"
+    .. "a surface that is written as MESH, INP or NODE, or with --elements, is filled with tetrahedra. Surfaces "
+    .. "are written in millimetres and meshes in metres unless --out-unit says otherwise.\n\n"
     .. output.codes "it was written",
   arguments = {{name = "in", type = "file", what = "the file to read"},
     {name = "out", type = "file", what = "the file to write"}},
