@@ -68,6 +68,7 @@
 
 #include "barwright/base.h"
 #include "barwright/confine.h"
+#include "barwright/boolean.h"
 #include "barwright/faces.h"
 #include "barwright/job.h"
 #include "barwright/lp.h"

@@ -73,6 +73,7 @@ local bw = {
   von_mises_slopes = core.von_mises_slopes,
   quadratic_program = core.quadratic_program,
 }
+require "barwright.named_surfaces"
 require "barwright.fields"
 require "barwright.adaptive"
 require "barwright.buckling"

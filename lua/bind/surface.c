@@ -8,6 +8,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "barwright/boolean.h"
+
 static const bw_surface *self(lua_State *L) {
   return (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
 }
@@ -388,6 +390,42 @@ static int surface_distance(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+/* ---- two bodies ------------------------------------------------------------------------------ */
+
+static int combined(lua_State *L, bw_boolean operation) {
+  const bw_surface *first = self(L);
+  const bw_surface *second = (const bw_surface *)lbw_check(L, 2, &lbw_surface_class);
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_status status = bw_surface_boolean(lbw_enter(L), first, second, operation, &out);
+  return lbw_leave_object(L, box, out, status);
+}
+
+static int surface_union(lua_State *L) {
+  return combined(L, BW_BOOLEAN_UNION);
+}
+
+static int surface_difference(lua_State *L) {
+  return combined(L, BW_BOOLEAN_DIFFERENCE);
+}
+
+static int surface_intersection(lua_State *L) {
+  return combined(L, BW_BOOLEAN_INTERSECTION);
+}
+
+/* surface:groups_on(mesh): the group of every facet of the mesh's boundary */
+static int surface_groups_on(lua_State *L) {
+  const bw_surface *surface = self(L);
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 2, &lbw_mesh_class);
+  if (!surface->group)
+    return lbw_error(L, "groups_on: the surface has no groups: surface:named gives it one");
+  int32_t *group = (int32_t *)lbw_push_array(L, BW_I32, mesh->facet_count, 1)->data;
+  bw_status status = bw_groups_on_mesh(lbw_enter(L), surface, mesh, group);
+  for (int32_t t = 0; t < mesh->facet_count && status == BW_OK; t++)
+    group[t]++;
+  return lbw_leave(L, status, 1);
+}
+
 /* ---- checking -------------------------------------------------------------------------------- */
 
 static void push_report(lua_State *L, const bw_surface_report *report) {
@@ -526,14 +564,24 @@ done:
   return lbw_leave(L, status, 2);
 }
 
-static const luaL_Reg methods[] = {
-    {"write", surface_write},         {"check", surface_check},
-    {"repair", surface_repair},       {"remesh", surface_remesh},
-    {"wrap", surface_wrap},           {"orient", surface_orient},
-    {"weld", surface_weld},           {"scale", surface_scale},
-    {"transform", surface_transform}, {"translate", surface_translate},
-    {"rotate", surface_rotate},       {"distance", surface_distance},
-    {"faces", lbw_surface_faces},     {NULL, NULL}};
+static const luaL_Reg methods[] = {{"write", surface_write},
+                                   {"check", surface_check},
+                                   {"repair", surface_repair},
+                                   {"remesh", surface_remesh},
+                                   {"wrap", surface_wrap},
+                                   {"orient", surface_orient},
+                                   {"weld", surface_weld},
+                                   {"scale", surface_scale},
+                                   {"transform", surface_transform},
+                                   {"translate", surface_translate},
+                                   {"rotate", surface_rotate},
+                                   {"distance", surface_distance},
+                                   {"faces", lbw_surface_faces},
+                                   {"union", surface_union},
+                                   {"difference", surface_difference},
+                                   {"intersection", surface_intersection},
+                                   {"groups_on", surface_groups_on},
+                                   {NULL, NULL}};
 static const luaL_Reg properties[] = {{"points", surface_points},
                                       {"triangles", surface_triangles},
                                       {"groups", surface_groups},

@@ -105,6 +105,25 @@ function surface_module.cylinder(options) end
 ---@field radius number (m) the radius, above 0
 ---@field segments? integer (count) sides of the polygon that stands for the circle. Range: 3 to 1000000. Default: 48
 
+---An outline extruded along z from 0. The faces have the names "start" (at 0) and "end" and the tags of the outline.
+---
+---Errors: geometry (the outline cannot be filled), limit (too many elements).
+---```lua
+---local plate = assert(bw.surface.extrude(bw.outline.rectangle {width = 0.04, height = 0.02}, {height = 0.01}))
+---print(plate.volume) -- near 8e-06
+---```
+---@param outline bw.Outline what is extruded, with its holes
+---@param options bw.SurfaceExtrudeOptions how far, and how finely
+---@return bw.Surface? surface closed, with named faces
+---@return string? message
+---@return bw.Details? details
+function surface_module.extrude(outline, options) end
+
+---How an outline is extruded.
+---@class bw.SurfaceExtrudeOptions
+---@field height number (m) the length along z, above 0
+---@field curvature? number (degrees) the largest turn between sides along curves. Range: above 0, to 90. Default: 20
+
 ---The zero set of a function of x, y and z that is negative inside, by marching tetrahedra. The function must be
 ---positive on the box's surface. One that is nowhere negative on the grid raises.
 ---
@@ -320,6 +339,61 @@ function Surface:distance(other) end
 ---@return bw.Array|string places (m, samples × 3, per place) their coordinates, or the message
 ---@return bw.Details? details
 function Surface:thickness(samples) end
+
+---The union of two bodies: what lies in either. Intersections are exact, points are rounded once at the end. Names of
+---faces are kept. Where faces of both coincide, the name is that of the first.
+---
+---Errors: geometry (a surface is not sound, or the result touches itself), limit (time or memory ran out).
+---@param other bw.Surface the other body, closed
+---@return bw.Surface? surface the surface of the union
+---@return string? message
+---@return bw.Details? details
+function Surface:union(other) end
+
+---The difference of two bodies: what lies in the first and not in the other. As `union` otherwise. Where nothing is left
+---it raises.
+---
+---Errors: geometry (a surface is not sound, or the result touches itself), limit (time or memory ran out).
+---@param other bw.Surface the body that is taken away, closed
+---@return bw.Surface? surface the surface of the difference
+---@return string? message
+---@return bw.Details? details
+function Surface:difference(other) end
+
+---The intersection of two bodies: what lies in both. As `union` otherwise. Where nothing is left
+---it raises.
+---
+---Errors: geometry (a surface is not sound, or the result touches itself), limit (time or memory ran out).
+---@param other bw.Surface the other body, closed
+---@return bw.Surface? surface the surface of the intersection
+---@return string? message
+---@return bw.Details? details
+function Surface:intersection(other) end
+
+---The same surface with one name for all its triangles.
+---@param name string the name, such as "bolt hole"
+---@return bw.Surface surface with one group, of that name
+function Surface:named(name) end
+
+---The names of the groups of triangles. Moves and booleans keep them.
+---@return string[] names by number of the group; empty where they have none
+function Surface:face_names() end
+
+---The part of a mesh's boundary that lies on the triangles of a name. A name that is not there raises.
+---@param mesh bw.Mesh a mesh that was filled from the surface
+---@param name string of the face
+---@return bw.Selection selection the part
+function Surface:face_on(mesh, name) end
+
+---The group of the triangle that is nearest to the middle of each facet of a mesh's boundary. A surface without groups
+---raises.
+---
+---Errors: only those that every function may give.
+---@param mesh bw.Mesh a mesh that was filled from the surface
+---@return bw.Array? groups (index from 1, facet_count × 1, per facet) the groups
+---@return string? message
+---@return bw.Details? details
+function Surface:groups_on(mesh) end
 
 ---The faces of the surface by descending area: parts that sharp edges or the end of a plane, cylinder, cone or sphere
 ---bound.
