@@ -38,6 +38,7 @@ const heardOf = { states: 0, shapes: 0 };
 
 // A message stays through so many of the states that follow.
 let kept = 0;
+let outcome = null; // of a search that has ended, while its state is on the way
 
 function say(text, bad = false, states = 0) {
   kept = states;
@@ -104,7 +105,11 @@ const heard = {
     readouts();
     const drag = state.drag;
     if (drag && drag.client === me) handles.handled(drag.seq);
-    if (kept > 0 && !state.failure) kept--;
+    if (outcome) {
+      setBusy(false);
+      say(state.failure || outcome.message, !!state.failure || !outcome.met);
+      outcome = null;
+    } else if (kept > 0 && !state.failure) kept--;
     else say(state.failure || (drag && drag.client !== me ? `another window drags ${drag.bone || drag.joint}` : ""),
       !!state.failure);
   },
@@ -138,8 +143,7 @@ const heard = {
   },
 
   optimised(message) {
-    setBusy(false);
-    say(message.message, !message.met);
+    outcome = message; // said with the colours that it is about, which come next
   },
 
   file(message) {

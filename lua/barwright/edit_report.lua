@@ -51,7 +51,7 @@ end
 local function table_of_edits(session)
   local rows = {}
   for i, edit in ipairs(session.edits) do rows[i] = {i, edit.script, edit.mesh} end
-  return "<h2>Edits</h2>\n" .. html.table({"", "edit", "mesh"}, rows)
+  return "<h2>Edits</h2>\n" .. html.table({"number", "edit", "mesh"}, rows)
 end
 
 local function answer(session, result)

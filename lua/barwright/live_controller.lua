@@ -233,9 +233,8 @@ function handlers.optimise(self, client, message)
       ties = self.ties, loads = self.loads.kind, worst = self.about.worst,
       move_supports = message.move_supports})
   if not report and shared.stopped(details) then why = "stopped: the shape is as it was" end
-  local ok, failure = publish(self, self.session) -- the words come with the colours that they are about
   notify_all(self, {type = "optimised", met = report ~= nil, message = report and tostring(report) or why})
-  return ok, failure
+  return publish(self, self.session)
 end
 
 --- Which loads the stresses are of: the part's own, or the worst ones of the shape as it is.
@@ -244,12 +243,11 @@ function handlers.loads(self, client, message)
   if message.loads == "worst" then
     local ok, why, details = shared.with_progress(self, "looking for the worst load", live_loads.find, self)
     if not ok and shared.stopped(details) then why = "stopped: the loads are what they were" end
-    local words = ok and live_loads.words(self) or why
-    local shown, failure = publish(self, self.session) -- the words come with the colours that they are about
-    notify_all(self, {type = "optimised", met = ok ~= nil, message = words})
-    return shown, failure
+    notify_all(self, {type = "optimised", met = ok ~= nil, message = ok and live_loads.words(self) or why})
+    if not ok then return publish(self, self.session) end
+  else
+    live_loads.own(self)
   end
-  live_loads.own(self)
   return publish(self, self.session)
 end
 

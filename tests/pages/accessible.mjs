@@ -31,7 +31,7 @@ export async function accessible({ browser, root, folder, test, assert, pictures
   const made = [
     ["drop", ["drop", bar, "--material", "pla", "--height", "1m", "--down", "0,0,-1", "--report", `${own}/drop.html`]],
     ["buckle", ["buckle", bar, "--material", "pla", "--fix", "min:x", "--force", "max:x=-10,0,0", "--report", `${own}/buckle.html`]],
-    ["scenarios", ["test", "scenarios/verification/beam.lua", "--out", `${own}/scenarios`]],
+    ["scenarios", ["test", "scenarios/verification/10_statics.lua", "--out", `${own}/scenarios`]],
   ];
   const pages = ["report", "session", "pulled", "motion", "respond", "warm"].map((name) => [name, `${folder}/${name}.html`]);
   for (const [name, given] of made) {
