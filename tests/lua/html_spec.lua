@@ -34,11 +34,18 @@ describe("an HTML page", function()
     assert.equal([[a <\/script>]], html.in_script "a </script>")
   end)
 
+  it("sets Markdown, and keeps what is none", function()
+    assert.equal("<p>The sum <code>a*b*c</code> is <strong>bold</strong>, 2*3 &lt; 7</p>",
+      html.prose "The sum `a*b*c` is **bold**, 2*3 < 7")
+    assert.equal('<p>x</p>\n<ul><li>one more</li><li><a href="https://a.b/c_d">two</a></li></ul>',
+      html.prose "x\n\n- one\n  more\n- [two](https://a.b/c_d)")
+  end)
+
   it("stands in one frame with one heading", function()
     local page = html.document {title = "A & B", body = "<p>x</p>", width = 50, style = "p { color: red }\n"}
     assert.equal(1, page:find("<!doctype html>\n<html lang=\"en\">", 1, true))
     assert.truthy(page:find("<title>A &amp; B</title>", 1, true))
-    assert.truthy(page:find("<h1>A &amp; B</h1>\n<p>x</p></body></html>\n", 1, true))
+    assert.truthy(page:find("<h1>A &amp; B</h1>\n<p>x</p></main></body></html>\n", 1, true))
     assert.truthy(page:find("max-width: 50rem", 1, true))
     assert.is_nil(page:find "https?://")
   end)
