@@ -105,7 +105,6 @@ local wrong = {
   {"rerun", 2, "is missing"},
   {"rerun nofile.json", 3, "nofile.json"},
   {"test", 2, "is missing"},
-  {"test nofile.lua", 3, "nofile.lua"},
   {"completion tcsh", 2, "one of bash, zsh, fish expected"},
   {"manual now", 2, "no argument expected"},
   {"help wrost", 2, "wrost"},
