@@ -18,9 +18,10 @@ enum { IGES_SECTION = 72, IGES_COLUMNS = 80 };
 
 const char *bw_cad_format(const unsigned char *bytes, size_t count) {
   static const char step[] = "ISO-10303-21";
-  while (count > 0 && (*bytes == ' ' || *bytes == '\n' || *bytes == '\r' || *bytes == '\t'))
-    bytes++, count--;
-  if (count >= sizeof step - 1 && memcmp(bytes, step, sizeof step - 1) == 0)
+  size_t begin = 0;
+  while (begin < count && (bytes[begin] == ' ' || bytes[begin] == '\n' || bytes[begin] == '\r'))
+    begin++;
+  if (count - begin >= sizeof step - 1 && memcmp(bytes + begin, step, sizeof step - 1) == 0)
     return "STEP";
   if (count < IGES_COLUMNS || bytes[IGES_SECTION] != 'S' || bytes[IGES_COLUMNS - 1] != '1')
     return NULL;

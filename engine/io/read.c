@@ -53,9 +53,10 @@ static const char *foreign_kind(const bwi_cursor *cursor) {
     if (begins(cursor, known[i].magic))
       return known[i].kind;
   const char *cad = cad_format(cursor);
-  return !cad                     ? NULL
-         : strcmp(cad, "STEP") == 0 ? "a STEP file of curved surfaces: read it as a surface, and fill it"
-                                  : "an IGES file of curved surfaces: read it as a surface, and fill it";
+  return !cad ? NULL
+         : strcmp(cad, "STEP") == 0
+             ? "a STEP file of curved surfaces: read it as a surface, and fill it"
+             : "an IGES file of curved surfaces: read it as a surface, and fill it";
 }
 
 /* "OFF" with the prefixes that say what vertices carry. */

@@ -1,6 +1,7 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// The child's side: a file becomes shapes of OpenCASCADE, and these become triangles. Faces of a body share the
-// polygons of their common edges, whose nodes are merged here by the topology, not by distance.
+// The child's side: a file becomes shapes of OpenCASCADE, and these become triangles. Faces of a
+// body share the polygons of their common edges, whose nodes are merged here by the topology, not
+// by distance.
 #include "occt/internal.h"
 
 #include <algorithm>
@@ -29,6 +30,7 @@
 #include <GProp_GProps.hxx>
 #include <IGESCAFControl_Reader.hxx>
 #include <IGESData_IGESModel.hxx>
+#include <Interface_InterfaceModel.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <NCollection_DataMap.hxx>
@@ -38,8 +40,8 @@
 #include <Standard_Failure.hxx>
 #include <Standard_Version.hxx>
 #include <StepRepr_RepresentationItem.hxx>
-#include <TCollection_AsciiString.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
+#include <TCollection_AsciiString.hxx>
 #include <TDF_LabelSequence.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
@@ -48,6 +50,8 @@
 #include <TopTools_ShapeMapHasher.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
+#include <TransferBRep.hxx>
+#include <Transfer_TransientProcess.hxx>
 #include <XCAFApp_Application.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
@@ -58,7 +62,8 @@
 
 namespace {
 
-// The default tolerance over the diagonal of the box, and how far edges of loose faces may lie apart.
+// The default tolerance over the diagonal of the box, and how far edges of loose faces may lie
+// apart.
 const double TOLERANCE = 5e-4, SEWING = 1e-5;
 
 // What goes to the caller as a status.
@@ -67,7 +72,8 @@ struct failure {
   std::string text;
 };
 
-template <class value> using by_shape = NCollection_DataMap<TopoDS_Shape, value, TopTools_ShapeMapHasher>;
+template <class value>
+using by_shape = NCollection_DataMap<TopoDS_Shape, value, TopTools_ShapeMapHasher>;
 
 struct body {
   TopoDS_Shape shape; // a solid, or an open shell
@@ -79,8 +85,7 @@ struct file {
   std::vector<body> bodies;
   std::vector<TopoDS_Face> loose; // faces of no solid
   std::string loose_name;
-  by_shape<std::string> face_name; // by the face without its location
-  Handle(XSControl_TransferReader) origin;
+  by_shape<std::string> name; // of faces and solids, which are without their locations here
 };
 
 struct result {
@@ -102,7 +107,9 @@ public:
 
 protected:
   pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
-    char *base = from == std::ios_base::beg ? eback() : from == std::ios_base::cur ? gptr() : egptr();
+    char *base = from == std::ios_base::beg   ? eback()
+                 : from == std::ios_base::cur ? gptr()
+                                              : egptr();
     setg(eback(), base + offset, egptr());
     return pos_type(gptr() - eback());
   }
@@ -113,11 +120,13 @@ protected:
 
 double metres_of(TCollection_AsciiString name) {
   static const std::map<std::string, double> units = {
-      {"millimetre", 1e-3}, {"millimeter", 1e-3}, {"mm", 1e-3},       {"metre", 1},
-      {"meter", 1},         {"m", 1},             {"centimetre", 1e-2}, {"cm", 1e-2},
-      {"decimetre", 0.1},   {"micrometre", 1e-6}, {"kilometre", 1e3}, {"inch", 0.0254},
-      {"in", 0.0254},       {"foot", 0.3048},     {"ft", 0.3048},     {"mile", 1609.344},
-      {"mil", 2.54e-5},     {"microinch", 2.54e-8}, {"nanometre", 1e-9}};
+      {"millimetre", 1e-3}, {"millimeter", 1e-3}, {"mm", 1e-3},
+      {"metre", 1},         {"meter", 1},         {"m", 1},
+      {"centimetre", 1e-2}, {"cm", 1e-2},         {"decimetre", 0.1},
+      {"micrometre", 1e-6}, {"kilometre", 1e3},   {"inch", 0.0254},
+      {"in", 0.0254},       {"foot", 0.3048},     {"ft", 0.3048},
+      {"mile", 1609.344},   {"mil", 2.54e-5},     {"microinch", 2.54e-8},
+      {"nanometre", 1e-9}};
   name.LowerCase();
   auto found = units.find(name.ToCString());
   return found == units.end() ? 0 : found->second;
@@ -125,7 +134,8 @@ double metres_of(TCollection_AsciiString name) {
 
 // By the flag of the global section of an IGES file.
 double metres_of_flag(int flag) {
-  static const double metres[] = {0, 0.0254, 1e-3, 0, 0.3048, 1609.344, 1, 1e3, 2.54e-5, 1e-6, 1e-2, 2.54e-8};
+  static const double metres[] = {0, 0.0254, 1e-3,    0,    0.3048, 1609.344,
+                                  1, 1e3,    2.54e-5, 1e-6, 1e-2,   2.54e-8};
   return flag > 0 && flag < 12 ? metres[flag] : 0;
 }
 
@@ -136,24 +146,26 @@ std::string name_of(const TDF_Label &label) {
   return TCollection_AsciiString(name->Get()).ToCString();
 }
 
-// What the file calls the entity that a shape comes from; "" where it has no name.
-std::string entity_name(const file &read, const TopoDS_Shape &shape) {
-  if (read.origin.IsNull())
-    return "";
-  Handle(StepRepr_RepresentationItem) item = Handle(StepRepr_RepresentationItem)::DownCast(
-      read.origin->EntityFromShapeResult(shape.Located(TopLoc_Location()), 3));
-  if (item.IsNull() || item->Name().IsNull())
-    return "";
-  std::string name = item->Name()->ToCString();
-  return name == "NONE" ? "" : name;
+// What the file calls faces and solids.
+void find_names(file &read, const Handle(XSControl_WorkSession) & session) {
+  Handle(Transfer_TransientProcess) transfer = session->TransferReader()->TransientProcess();
+  Handle(Interface_InterfaceModel) model = session->Model();
+  for (int i = 1; i <= model->NbEntities(); i++) {
+    Handle(StepRepr_RepresentationItem) item =
+        Handle(StepRepr_RepresentationItem)::DownCast(model->Value(i));
+    if (item.IsNull() || item->Name().IsNull() || item->Name()->IsEmpty())
+      continue;
+    TopoDS_Shape shape = TransferBRep::ShapeResult(transfer, item);
+    std::string name = item->Name()->ToCString();
+    if (!shape.IsNull() && name != "NONE" &&
+        (shape.ShapeType() == TopAbs_FACE || shape.ShapeType() == TopAbs_SOLID))
+      read.name.Bind(shape.Located(TopLoc_Location()), name);
+  }
 }
 
-void name_faces(file &read, const TopoDS_Shape &shape) {
-  for (TopExp_Explorer at(shape, TopAbs_FACE); at.More(); at.Next()) {
-    std::string name = entity_name(read, at.Current());
-    if (!name.empty())
-      read.face_name.Bind(at.Current().Located(TopLoc_Location()), name);
-  }
+std::string own_name(const file &read, const TopoDS_Shape &shape) {
+  TopoDS_Shape key = shape.Located(TopLoc_Location());
+  return read.name.IsBound(key) ? read.name.Find(key) : "";
 }
 
 // The solids and loose faces of a label and of what it is assembled from.
@@ -170,14 +182,13 @@ void walk(file &read, const TDF_Label &label, const TopLoc_Location &place) {
   TopoDS_Shape shape = XCAFDoc_ShapeTool::GetShape(label);
   if (shape.IsNull())
     return;
-  name_faces(read, shape);
   shape.Move(place);
   std::string label_name = name_of(label);
   std::vector<TopoDS_Shape> solids;
   for (TopExp_Explorer at(shape, TopAbs_SOLID); at.More(); at.Next())
     solids.push_back(at.Current());
   for (const TopoDS_Shape &solid : solids) {
-    std::string own = entity_name(read, solid);
+    std::string own = own_name(read, solid);
     read.bodies.push_back({solid, own.empty() || solids.size() == 1 ? label_name : own});
   }
   for (TopExp_Explorer at(shape, TopAbs_FACE, TopAbs_SOLID); at.More(); at.Next()) {
@@ -209,7 +220,7 @@ void read_step(const bwi_occt_request &request, Handle(TDocStd_Document) & docum
     read.metres_per_unit = metres_of(lengths.First());
   if (!reader.Transfer(document))
     throw failure{BW_GEOMETRY, "the STEP file holds no shape"};
-  read.origin = reader.Reader().WS()->TransferReader();
+  find_names(read, reader.Reader().WS());
   walk_document(read, document);
 }
 
@@ -255,10 +266,11 @@ void sew(file &read, double size) {
     sewing.Add(face);
   sewing.Perform();
   for (const TopoDS_Face &face : read.loose) {
-    TopoDS_Shape key = face.Located(TopLoc_Location()), now = sewing.Modified(face);
-    if (read.face_name.IsBound(key) && !now.IsNull())
+    TopoDS_Shape now = sewing.Modified(face);
+    std::string name = own_name(read, face);
+    if (!name.empty() && !now.IsNull())
       for (TopExp_Explorer at(now, TopAbs_FACE); at.More(); at.Next())
-        read.face_name.Bind(at.Current().Located(TopLoc_Location()), std::string(read.face_name.Find(key)));
+        read.name.Bind(at.Current().Located(TopLoc_Location()), name);
   }
   const TopoDS_Shape &sewn = sewing.SewedShape();
   if (sewn.IsNull())
@@ -307,7 +319,8 @@ private:
   std::vector<int> parent;
 };
 
-void join_vertex(joined_nodes &nodes, by_shape<int> &node_of, const TopoDS_Vertex &vertex, int node) {
+void join_vertex(joined_nodes &nodes, by_shape<int> &node_of, const TopoDS_Vertex &vertex,
+                 int node) {
   if (vertex.IsNull())
     return;
   if (node_of.IsBound(vertex))
@@ -370,7 +383,8 @@ bw_cad_kind kind_of(const TopoDS_Face &face, double *radius) {
   }
 }
 
-std::string not_used(std::set<std::string> &used, const std::string &wanted, const std::string &otherwise) {
+std::string not_used(std::set<std::string> &used, const std::string &wanted,
+                     const std::string &otherwise) {
   std::string base = wanted.empty() ? otherwise : wanted, name = base;
   for (int i = 2; !used.insert(name).second; i++)
     name = base + " " + std::to_string(i);
@@ -379,7 +393,8 @@ std::string not_used(std::set<std::string> &used, const std::string &wanted, con
 
 class writer {
 public:
-  writer(const file &source, result &target) : read(source), out(target) {}
+  writer(const file &source, result &target) : read(source), out(target) {
+  }
 
   void add(const body &one) {
     std::vector<part> parts;
@@ -415,7 +430,8 @@ public:
         std::swap(out.triangle[3 * i + 1], out.triangle[3 * i + 2]);
     }
     out.body.push_back(made);
-    out.body_name.push_back(not_used(body_names, one.name, "body " + std::to_string(out.body.size())));
+    out.body_name.push_back(
+        not_used(body_names, one.name, "body " + std::to_string(out.body.size())));
   }
 
 private:
@@ -451,10 +467,9 @@ private:
     made.area = properties.Mass();
     made.kind = kind_of(face, &made.radius);
     made.body = int64_t(out.body.size());
-    TopoDS_Shape key = face.Located(TopLoc_Location());
-    std::string name = read.face_name.IsBound(key) ? read.face_name.Find(key) : "";
     out.face.push_back(made);
-    out.face_name.push_back(not_used(face_names, name, "face " + std::to_string(out.face.size())));
+    out.face_name.push_back(
+        not_used(face_names, own_name(read, face), "face " + std::to_string(out.face.size())));
     return made.area;
   }
 
@@ -465,8 +480,7 @@ private:
 
 // ---- the work --------------------------------------------------------------------------------
 
-template <class item>
-void send(bw_job_stream *out, const std::vector<item> &list) {
+template <class item> void send(bw_job_stream *out, const std::vector<item> &list) {
   if (bw_job_write(out, list.data(), list.size() * sizeof(item)) != BW_OK)
     throw failure{BW_IO, "the starter of the process is gone"};
 }
@@ -532,6 +546,7 @@ bw_status bwi_occt_child(bw_context *context, void *data, bw_job_stream *out) {
     return bw_fail(context, BW_FORMAT, "%s: OpenCASCADE cannot read it (%s)", request->name,
                    what.DynamicType()->Name());
   } catch (const std::exception &what) {
-    return bw_fail(context, BW_FORMAT, "%s: OpenCASCADE cannot read it (%s)", request->name, what.what());
+    return bw_fail(context, BW_FORMAT, "%s: OpenCASCADE cannot read it (%s)", request->name,
+                   what.what());
   }
 }

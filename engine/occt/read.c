@@ -70,7 +70,8 @@ static bw_status decode(bw_context *context, const unsigned char *at, size_t lef
   const unsigned char *points = take(&at, &left, head.points, 3 * sizeof(double));
   const unsigned char *triangles = points ? take(&at, &left, head.triangles, 12) : NULL;
   const unsigned char *groups = triangles ? take(&at, &left, head.triangles, 4) : NULL;
-  const unsigned char *bodies = groups ? take(&at, &left, head.bodies, sizeof(bwi_occt_body)) : NULL;
+  const unsigned char *bodies =
+      groups ? take(&at, &left, head.bodies, sizeof(bwi_occt_body)) : NULL;
   const unsigned char *faces = bodies ? take(&at, &left, head.faces, sizeof(bwi_occt_face)) : NULL;
   const unsigned char *names = faces ? take(&at, &left, head.name_bytes, 1) : NULL;
   if (!names || head.bodies > INT32_MAX || head.faces > INT32_MAX)

@@ -50,11 +50,10 @@ static bool is_cad(const bw_context *context) {
 
 /* surface.read(path, {unit, tolerance, angle}) */
 static int surface_read(lua_State *L) {
-  static const lbw_option options[] = {
-      {"unit", LBW_OTHER, 0},
-      {"tolerance", LBW_REAL, offsetof(bw_cad_options, tolerance)},
-      {"angle", LBW_REAL, offsetof(bw_cad_options, angle)},
-      {NULL, LBW_OTHER, 0}};
+  static const lbw_option options[] = {{"unit", LBW_OTHER, 0},
+                                       {"tolerance", LBW_REAL, offsetof(bw_cad_options, tolerance)},
+                                       {"angle", LBW_REAL, offsetof(bw_cad_options, angle)},
+                                       {NULL, LBW_OTHER, 0}};
   const char *path = lbw_check_text(L, 1, NULL);
   bw_cad_options cad = {0};
   lbw_options(L, 2, "surface.read", options, &cad);

@@ -10,7 +10,7 @@
 ---@class bw.SurfaceModule
 local surface_module = {}
 
----Reads a surface from an STL, OBJ, OFF, PLY, 3MF, MSH or VTU file. The content decides which format it is. A mesh of
+---Reads a surface from an STL, OBJ, OFF, PLY, 3MF, MSH, VTU, STEP or IGES file. The content decides which format it is. A mesh of
 ---tetrahedra gives its boundary.
 ---
 ---Errors: io (the file cannot be read), format (it is none of these, or damaged), geometry (a coordinate is not finite),
@@ -21,7 +21,7 @@ local surface_module = {}
 ---print(surface, info.format)
 ---```
 ---@param path string the file
----@param options? bw.UnitOptions the unit of its coordinates
+---@param options? bw.SurfaceReadOptions the unit of its coordinates, and how triangles follow curved faces
 ---@return bw.Surface? surface with coordinates in m
 ---@return bw.SurfaceReadInfo|string info what was read, or the message
 ---@return bw.Details? details
@@ -31,14 +31,40 @@ function surface_module.read(path, options) end
 ---@class bw.UnitOptions
 ---@field unit? string|number (m, per unit of the file) or one of "um", "mm", "cm", "m", "km", "in", "ft". Default of surfaces: "m" for paths that end in .msh, .vtu, .pvtu, .mesh, .inp, .node or .ele, else "mm"; of meshes: "m"; of skeletons: "mm"
 
+---How a surface is read.
+---@class bw.SurfaceReadOptions
+---@field unit? string|number (m, per unit of the file) as in bw.UnitOptions. Default of STEP and IGES: the unit in the file
+---@field tolerance? number (m) of STEP and IGES: the largest distance of triangles from curved faces. Default: 1/2000 of the diagonal of the box
+---@field angle? number (rad) of STEP and IGES: the largest turn of the normal along a triangle. Default: 0.2
+
+---A body of a STEP or IGES file.
+---@class bw.CadBody
+---@field name string in the file, or "body 1"
+---@field closed boolean whether it has a volume
+---@field volume number? (m3) of the exact shape
+---@field area number (m2) of the exact shape
+---@field surface bw.Surface its triangles alone
+
+---A face of a STEP or IGES file.
+---@class bw.CadFace
+---@field name string in the file, or "face 1"
+---@field kind string "plane", "cylinder", "cone", "sphere", "torus" or "freeform"
+---@field body integer (index from 1) its body
+---@field area number (m2) of the exact face
+---@field radius number? (m) of a cylinder or sphere; the smaller one of a torus
+
 ---What a surface was read from.
 ---@class bw.SurfaceReadInfo
 ---@field format string such as "STL binary"
 ---@field polygons integer (count) facets with more than three corners, which were cut into triangles
 ---@field skipped integer (count) records that were not read: lines, single points, unknown elements
 ---@field groups integer (count) groups of facets: groups, solids or regions of the file
----@field metres_per_unit number (m, per unit of the file) the unit that was applied: as given, else what a 3MF file says, else by the ending
+---@field metres_per_unit number (m, per unit of the file) the unit that was applied: as given, else what the file says, else by the ending
 ---@field group_names? string[] the names of the objects of a 3MF file, by group; empty texts where it gives none
+---@field bodies bw.CadBody[]? of STEP and IGES
+---@field faces bw.CadFace[]? of STEP and IGES; group i is face i
+---@field exact_volume number? (m3) of STEP and IGES: of the exact shape of all bodies
+---@field exact_area number? (m2) of STEP and IGES: likewise
 
 ---A surface from points and triangles.
 ---

@@ -18,7 +18,7 @@
 static inline bw_status parse_surface(const char *name, const unsigned char *bytes, size_t count) {
   bw_context *context = parse_context();
   bw_surface *surface = NULL;
-  bw_read_info info = {{0}};
+  bw_read_info info = {0};
   bw_status status = bw_surface_parse(context, name, bytes, count, &surface, &info);
   parse_require((status == BW_OK) == (surface != NULL));
   parse_require(status == BW_OK || bw_message(context)[0]);

@@ -17,7 +17,7 @@ typedef struct bw_cad_options {
   double tolerance; /* (m) largest distance of a triangle's edge from its surface; 0: 1/2000 of the
                        diagonal of the box */
   double angle;     /* (rad) largest turn of the normal along a triangle; 0: 0.2 */
-  double unit;      /* (m) length of the file's unit, instead of what the file says; 0: as it says */
+  double unit; /* (m) length of the file's unit, instead of what the file says; 0: as it says */
 } bw_cad_options;
 
 /* What carries a face. */

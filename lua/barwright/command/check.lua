@@ -49,6 +49,27 @@ local function report_unit(read, out)
   if sentence then out:say(sentence) end
 end
 
+-- So many bodies of a CAD file are listed.
+local MAX_BODIES = 20
+
+-- What a CAD file says of its bodies: the exact values, not those of the triangles.
+local function report_bodies(read, out)
+  local info = read.info
+  if not info.bodies then return end
+  out:say("The unit of the file: %s; %s with %s.", model.unit_of(read, {unit = read.unit}),
+    model.count(#info.bodies, "body", "bodies"), model.count(#info.faces, "face"))
+  local bodies = bw.json.list {}
+  for i, body in ipairs(info.bodies) do
+    bodies[i] = {name = body.name, closed = body.closed, volume_m3 = body.volume, area_m2 = body.area}
+    if i <= MAX_BODIES then
+      out:say("  %s: %s, surface %s, of the exact shape", body.name,
+        body.closed and core.quantity(body.volume, "m3") or "open", core.quantity(body.area, "m2"))
+    end
+  end
+  if #bodies > MAX_BODIES then out:say("  and %d others.", #bodies - MAX_BODIES) end
+  out:json {bodies = bodies, exact_volume_m3 = info.exact_volume, exact_area_m2 = info.exact_area}
+end
+
 local function report_defects(report, out)
   local counts, first = {}, {}
   for _, defect in ipairs(report.defects) do
@@ -224,6 +245,7 @@ local function check_surface(read, opts, out)
   out:say("%s: %s, %s, %s.", model.name(read.path), read.format,
     model.count(surface.triangle_count, "triangle"), shown.size(size_of(read.box)))
   report_unit(read, out)
+  report_bodies(read, out)
   out:json {triangles = surface.triangle_count, points = surface.point_count, sound = report.sound,
     closed = report.closed, oriented = report.oriented, shells = report.shells, area_m2 = report.area,
     volume_m3 = report.volume}

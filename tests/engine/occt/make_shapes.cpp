@@ -1,11 +1,13 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// Writes STEP and IGES files of shapes by OpenCASCADE, for tests/lua/cad_spec.lua, and prints of each file its
-// name, and volume and area as OpenCASCADE integrates them, in the unit mm.
+// Writes STEP and IGES files of shapes by OpenCASCADE, for tests/lua/cad_spec.lua, and prints of
+// each file its name, and volume and area as OpenCASCADE integrates them, in the unit mm.
 //   make_shapes FOLDER
 #include <cstdio>
 #include <string>
 
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_Transform.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
 #include <BRepGProp.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
@@ -13,8 +15,6 @@
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
-#include <BRepBuilderAPI_MakeEdge.hxx>
-#include <BRepBuilderAPI_Transform.hxx>
 #include <GProp_GProps.hxx>
 #include <IGESControl_Controller.hxx>
 #include <IGESControl_Writer.hxx>
@@ -46,7 +46,8 @@ static void write_step(const std::string &name, const TopoDS_Shape &shape, const
   tell(name, shape);
 }
 
-static void write_iges(const std::string &name, const TopoDS_Shape &shape, const char *unit, int solids) {
+static void write_iges(const std::string &name, const TopoDS_Shape &shape, const char *unit,
+                       int solids) {
   IGESControl_Writer writer(unit, solids);
   writer.AddShape(shape);
   writer.ComputeModel();
@@ -106,12 +107,10 @@ int main(int count, char **argument) {
   const struct {
     const char *name;
     TopoDS_Shape shape;
-  } shapes[] = {{"box", box},     {"cylinder", cylinder},         {"sphere", sphere}, {"torus", torus},
-                {"cone", cone},   {"fillet", fillet.Shape()},     {"plate", plate},   {"hollow", hollow},
-                {"mirrored", mirrored}};
-  const struct {
-    const char *step, *iges;
-  } units[] = {{"MM", "MM"}, {"INCH", "IN"}, {"M", "M"}};
+  } shapes[] = {{"box", box},     {"cylinder", cylinder}, {"sphere", sphere},
+                {"torus", torus}, {"cone", cone},         {"fillet", fillet.Shape()},
+                {"plate", plate}, {"hollow", hollow},     {"mirrored", mirrored}};
+  const struct { const char *step, *iges; } units[] = {{"MM", "MM"}, {"INCH", "IN"}, {"M", "M"}};
   for (const auto &unit : units)
     for (const auto &one : shapes) {
       std::string name = std::string(one.name) + "_" + unit.step;
