@@ -179,7 +179,7 @@ function renderRepair() {
   setText("repair-words", !repair ? "" : repair.sound ? (repair.log?.length ? "" : "The surface is closed and sound.") :
     "The surface has faults. Repair closes gaps and removes what is double.");
   fill(byId("repair"), repair?.log || [], () => (repair?.log || []).map((line) => make("li", { textContent: line })));
-  byId("mend").hidden = !repair || repair.sound;
+  byId("repair-file").hidden = !repair || repair.sound;
 }
 
 function nextStep() {
@@ -246,7 +246,7 @@ function enable() {
   const some = part && chosen.size > 0;
   byId("undo").disabled = !(ready && state.undo);
   byId("redo").disabled = !(ready && state.redo);
-  for (const id of ["save", "export", "advice", "optimise", "material", "mend"]) byId(id).disabled = !part;
+  for (const id of ["save", "export", "advice", "optimise", "material", "repair-file"]) byId(id).disabled = !part;
   for (const id of ["push", "lock", "clear", "grow"]) byId(id).disabled = !some;
   for (const button of document.querySelectorAll("[data-act]")) button.disabled = !(button.dataset.act === "gravity" ? part : some);
   byId("answer").disabled = !(part && state.material);
@@ -341,7 +341,7 @@ click("grow", grow);
 click("undo", () => send("undo"));
 click("redo", () => send("redo"));
 click("save", () => send("save"));
-click("mend", () => send("repair"));
+click("repair-file", () => send("repair"));
 click("advice", () => send("advice"));
 click("cancel", () => send("cancel"));
 click("answer", () => send("answer", { accuracy: byId("accuracy").value }));
@@ -411,7 +411,7 @@ submit("offset-form", () => {
   send("offset", { distance: number("offset") / 1000 });
 });
 submit("optimise-form", () => {
-  if (!(number("target") > 0)) return say("Give the force that the part must bear, in N.", true);
+  if (!(number("target") > 0)) return say("Give the force that the part must carry, in N.", true);
   send("optimise", { force: number("target") });
 });
 

@@ -67,8 +67,8 @@
 #define BARWRIGHT_H
 
 #include "barwright/base.h"
-#include "barwright/confine.h"
 #include "barwright/boolean.h"
+#include "barwright/confine.h"
 #include "barwright/faces.h"
 #include "barwright/job.h"
 #include "barwright/lp.h"

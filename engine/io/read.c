@@ -207,9 +207,9 @@ static bw_status surface_of_mesh(bwi_cursor *cursor, bwi_format kind, bw_surface
   bwi_raw_init(&raw, cursor->context, cursor->name);
   bw_status status = read_raw(cursor, kind, &raw, &format, &known);
   if (!known)
-    status =
-        bwi_fail_unknown(cursor, "STL (text beginning with 'solid', or a binary size of 84 + 50 n "
-                                 "bytes), OBJ, OFF, PLY, 3MF, MSH, VTU, PVTU, MEDIT, INP, STEP, IGES");
+    status = bwi_fail_unknown(cursor,
+                              "STL (text beginning with 'solid', or a binary size of 84 + 50 n "
+                              "bytes), OBJ, OFF, PLY, 3MF, MSH, VTU, PVTU, MEDIT, INP, STEP, IGES");
   if (status == BW_OK)
     status = bwi_raw_surface(&raw, format, surface, info);
   bwi_raw_clear(&raw);

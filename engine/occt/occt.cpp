@@ -21,6 +21,7 @@
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_MakeSolid.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
+#include <BRepClass3d_SolidClassifier.hxx>
 #include <BRepGProp.hxx>
 #include <BRepLib.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
@@ -36,6 +37,7 @@
 #include <NCollection_DataMap.hxx>
 #include <Poly_PolygonOnTriangulation.hxx>
 #include <Poly_Triangulation.hxx>
+#include <Precision.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <Standard_Failure.hxx>
 #include <Standard_Version.hxx>
@@ -49,7 +51,7 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_ShapeMapHasher.hxx>
 #include <TopoDS.hxx>
-#include <TopoDS_Compound.hxx>
+#include <TopoDS_Iterator.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XCAFApp_Application.hxx>
@@ -257,6 +259,50 @@ double diagonal(const file &read) {
   return box.IsVoid() ? 0 : std::sqrt(box.SquareExtent());
 }
 
+bool lies_in(const TopoDS_Solid &inner, const TopoDS_Solid &outer) {
+  TopExp_Explorer vertex(inner, TopAbs_VERTEX);
+  if (!vertex.More())
+    return false;
+  gp_Pnt at = BRep_Tool::Pnt(TopoDS::Vertex(vertex.Current()));
+  Bnd_Box box;
+  BRepBndLib::Add(outer, box, false);
+  return !box.IsOut(at) &&
+         BRepClass3d_SolidClassifier(outer, at, Precision::Confusion()).State() == TopAbs_IN;
+}
+
+// Solids without cavities, of which one in an odd number of others is a cavity of the innermost of
+// these.
+std::vector<TopoDS_Solid> with_cavities(const std::vector<TopoDS_Solid> &solids) {
+  size_t count = solids.size();
+  std::vector<std::vector<size_t>> around(count);
+  for (size_t i = 0; i < count; i++)
+    for (size_t j = 0; j < count; j++)
+      if (i != j && lies_in(solids[i], solids[j]))
+        around[i].push_back(j);
+  std::vector<TopoDS_Solid> whole(solids), out;
+  for (size_t i = 0; i < count; i++) {
+    if (around[i].size() % 2 == 0)
+      continue;
+    size_t owner = around[i][0];
+    for (size_t j : around[i])
+      if (around[j].size() > around[owner].size())
+        owner = j;
+    if (whole[owner].IsSame(solids[owner])) { // the given ones stay as they are
+      TopoDS_Solid copy;
+      BRep_Builder().MakeSolid(copy);
+      for (TopoDS_Iterator at(solids[owner]); at.More(); at.Next())
+        BRep_Builder().Add(copy, at.Value());
+      whole[owner] = copy;
+    }
+    for (TopoDS_Iterator at(solids[i]); at.More(); at.Next())
+      BRep_Builder().Add(whole[owner], at.Value().Reversed());
+  }
+  for (size_t i = 0; i < count; i++)
+    if (around[i].size() % 2 == 0)
+      out.push_back(whole[i]);
+  return out;
+}
+
 // Loose faces that share edges become bodies: solids where they close, otherwise open shells.
 void sew(file &read, double size) {
   if (read.loose.empty())
@@ -275,18 +321,28 @@ void sew(file &read, double size) {
   const TopoDS_Shape &sewn = sewing.SewedShape();
   if (sewn.IsNull())
     throw failure{BW_GEOMETRY, "its faces make no shell"};
-  for (TopExp_Explorer at(sewn, TopAbs_SHELL); at.More(); at.Next()) {
-    TopoDS_Shell shell = TopoDS::Shell(at.Current());
+  std::vector<TopoDS_Shell> shells;
+  for (TopExp_Explorer at(sewn, TopAbs_SHELL); at.More(); at.Next())
+    shells.push_back(TopoDS::Shell(at.Current()));
+  for (TopExp_Explorer at(sewn, TopAbs_FACE, TopAbs_SHELL); at.More(); at.Next()) {
+    TopoDS_Shell shell; // a sphere or torus is one face, which closes by itself
+    BRep_Builder().MakeShell(shell);
+    BRep_Builder().Add(shell, at.Current());
+    shells.push_back(shell);
+  }
+  std::vector<TopoDS_Solid> solids;
+  for (TopoDS_Shell &shell : shells) {
     if (!BRep_Tool::IsClosed(shell)) {
       read.bodies.push_back({shell, read.loose_name});
       continue;
     }
+    shell.Closed(true);
     TopoDS_Solid solid = BRepBuilderAPI_MakeSolid(shell);
     BRepLib::OrientClosedSolid(solid);
-    read.bodies.push_back({solid, read.loose_name});
+    solids.push_back(solid);
   }
-  for (TopExp_Explorer at(sewn, TopAbs_FACE, TopAbs_SHELL); at.More(); at.Next())
-    read.bodies.push_back({at.Current(), read.loose_name});
+  for (const TopoDS_Solid &solid : with_cavities(solids))
+    read.bodies.push_back({solid, read.loose_name});
 }
 
 // ---- triangles -------------------------------------------------------------------------------
