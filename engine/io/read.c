@@ -138,10 +138,10 @@ bw_status bwi_fail_unknown(bwi_cursor *cursor, const char *considered) {
   const char *kind = foreign_kind(cursor);
   cursor->at = cursor->begin;
   if (kind) {
-    bwi_fail_byte(cursor, "this is %s", kind);
+    bw_status status = bwi_fail_byte(cursor, "this is %s", kind);
     if (cad_format(cursor))
       bw_detail_text(cursor->context, "cad", cad_format(cursor));
-    return BW_FORMAT;
+    return status;
   }
   size_t left = bwi_left(cursor);
   return bwi_fail_byte(cursor, "the content, beginning '%s', is of no format that is read here: %s",
