@@ -201,7 +201,8 @@ function recolour() {
 }
 
 function fit() {
-  if (body) stage.aim(body.geometry.boundingBox, [1, -1.4, 0.8]);
+  // Room for what edits make of it.
+  if (body) stage.aim(body.geometry.boundingBox, [1, -1.4, 0.8], 1.5);
 }
 
 function zoom(factor) {

@@ -43,23 +43,25 @@ export function makeStage(view, frame, { onDemand = false } = {}) {
   let fitted = null;
   let last = null; // what was aimed at
 
-  const needed = (sizes, from) => fitDistance(sizes, from.toArray(), camera.up.toArray(), camera.fov, camera.aspect);
+  const needed = (sizes, from, margin) =>
+    fitDistance(sizes, from.toArray(), camera.up.toArray(), camera.fov, camera.aspect, margin);
 
-  // Looks at a box from a direction: all of it is in the picture, whatever its shape and that of the view.
-  function aim(box, from) {
+  // Looks at a box from a direction: all of it is in the picture, whatever its shape and that of the view. `margin`: a
+  // factor of room on each side, where what is shown may grow.
+  function aim(box, from, margin) {
     const centre = box.getCenter(new THREE.Vector3());
     const extent = box.getSize(new THREE.Vector3());
     const size = extent.length() || 1;
     const direction = new THREE.Vector3(...from).normalize();
-    const distance = needed(extent.toArray(), direction) || size;
+    const distance = needed(extent.toArray(), direction, margin) || size;
     camera.near = size * 0.001;
     camera.far = size * 20 + 2 * distance;
     camera.updateProjectionMatrix();
     camera.position.copy(direction.multiplyScalar(distance).add(centre));
     controls.target.copy(centre);
     controls.update();
-    last = [box.clone(), from];
-    fitted = { extent: extent.toArray(), position: camera.position.clone() };
+    last = [box.clone(), from, margin];
+    fitted = { extent: extent.toArray(), margin, position: camera.position.clone() };
     return size;
   }
 
@@ -72,7 +74,7 @@ export function makeStage(view, frame, { onDemand = false } = {}) {
     camera.updateProjectionMatrix();
     if (!fitted || camera.position.distanceTo(fitted.position) > 1e-3 * camera.near) return;
     const from = camera.position.clone().sub(controls.target);
-    camera.position.copy(from.normalize().multiplyScalar(needed(fitted.extent, from)).add(controls.target));
+    camera.position.copy(from.normalize().multiplyScalar(needed(fitted.extent, from, fitted.margin)).add(controls.target));
     controls.update();
     fitted.position.copy(camera.position);
   }
