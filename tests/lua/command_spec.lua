@@ -463,8 +463,8 @@ describe("commands that compute", function()
     assert.truthy(out:find("it breaks", 1, true), out)
     assert.truthy(out:find("r.html", 1, true), out)
     -- The page has the answer of the terminal, and the advised command computes the same part.
-    assert.truthy(check.read(folder .. "r.html"):find(
-      '<p class="headline">Breaks at [%d.]+ N %([%d.]+ to [%d.]+ N%) under the worst load; 2000 kN were asked for%.'))
+    assert.truthy(check.read(folder .. "r.html"):find('<p class="headline">Breaks at [%d.]+ N %([%d.]+ to [%d.]+ N%) '
+      .. "under the worst load; 2000 kN were asked for%."))
     local advised = "--force 2000000N --young 1GPa --strength 10MPa --elements 600 --modes 3 --regions 1 --out"
     assert.truthy(out:find(advised, 1, true), out)
     -- What cannot be written is reported before anything is computed.
@@ -499,7 +499,8 @@ describe("commands that compute", function()
       moved[i] = {r * math.sin(angle), r * math.cos(angle), 0.01 * p[3]}
     end
     assert(assert(grid:moved(moved)):write(ring))
-    local sentence = "Displacements are beyond the range of linear theory: more than a tenth of the part's length ("
+    local sentence = "Displacements are beyond the range of linear theory: more than a tenth of the part's "
+      .. "length ("
     for young, beyond in pairs {["20MPa"] = true, ["2000GPa"] = false} do
       local status, out = check.run(("worst --young %s --modes 3 --regions 1 %s"):format(young, ring))
       assert.equal(1, status) -- it breaks
