@@ -355,8 +355,10 @@ local by_kind = {surface = check_surface, mesh = check_mesh, outline = check_out
 
 return {
   summary = "whether a model is sound, and what is wrong with it",
-  about = "Reads a surface (STL OBJ OFF PLY 3MF STEP IGES), a mesh of tetrahedra (MSH VTU PVTU MEDIT INP TetGen) or "
-    .. "a drawing (SVG DXF) and reports what is in it: size, and whether the unit can be right; whether the surface is "
+  about = "Reads a surface (STL OBJ OFF PLY 3MF STEP IGES), a mesh of tetrahedra "
+    .. "(MSH VTU PVTU MEDIT INP TetGen) or "
+    .. "a drawing (SVG DXF) and reports what is in it: "
+    .. "size, and whether the unit can be right; whether the surface is "
     .. "closed, faces outwards, crosses itself; how thin its walls are; what a repair would do; which bodies of a "
     .. "mesh overlap.\n\n"
     .. output.codes("sound", "it has faults (also where they can be repaired)"),
