@@ -109,7 +109,7 @@ local function under_loads(entry)
   local before, static, more = judge.statics(entry.body, entry.material, entry.conditions, judge.elements.coarse)
   if not before then return nil, static, more end
   if not before.utilisation then
-    return nil, "The strength of the material is not known: give it with the material.", {status = "invalid"}
+    return nil, "The strength of the material is not known: give it with the material.", {status = "unsupported"}
   end
   local list = {}
   for _, place in ipairs(stressed(entry, static)) do
@@ -133,7 +133,7 @@ end
 local function without_loads(entry, opts)
   local found = entry.solved and entry.solved.breaking
   if not found then
-    return nil, "Ask for the answer first: advice is about the place that breaks.", {status = "invalid"}
+    return nil, "Ask for the answer first: advice is about the place that breaks.", {status = "unsupported"}
   end
   local force = opts.force or 1.25 * found.high
   local advice, message, details = model.try(found.advice, found, {force = force, keep = kept(entry)})
@@ -181,7 +181,7 @@ end
 
 local function optimise_worst(entry, opts)
   if not opts.force then
-    return nil, "Give the force that the part must carry, or add loads.", {status = "invalid"}
+    return nil, "Give the force that the part must carry, or add loads.", {status = "unsupported"}
   end
   local found, message, details = model.try(strengthen.run, entry.body.surface, {force = opts.force,
     material = entry.material, elements = judge.elements.default, steps = opts.steps, keep = kept(entry)})

@@ -216,7 +216,7 @@ end
 function body.grown(self, first, angle)
   local labels = self.labels:totable()
   local old = labels[first]
-  if not old then return nil, "there is no such triangle: click on the part", {status = "misuse"} end
+  if not old then core.raise "grow: there is no such triangle" end
   local points, triangles, at_edge = self.surface.points:totable(), self.surface.triangles:totable(), {}
   local function normal(t)
     local p = triangles[t]

@@ -16,6 +16,8 @@ local advise = require "barwright.workbench.advise"
 local state_of = require "barwright.workbench.state"
 local writable = require "barwright.writable"
 
+local raise = core.raise
+
 local workbench = {}
 workbench.__index = workbench
 workbench.__name = "barwright.workbench"
@@ -24,9 +26,9 @@ local function now(self)
   return self.history[self.position]
 end
 
--- Refusals of what cannot be done: nil, a sentence, details.
+-- Refusals of what this part, as it is, does not permit: nil, a sentence, details.
 local function refuse(text, status)
-  return nil, text, {status = status or "invalid"}
+  return nil, text, {status = status or "unsupported"}
 end
 
 -- ---- opening ---------------------------------------------------------------------------------------
@@ -92,13 +94,13 @@ end
 -- Faces that an action names: a list without doubles; or nil and a sentence.
 local function read_faces(self, where, list)
   if type(list) ~= "table" or #list == 0 then
-    return refuse(("%s: choose one face or more"):format(where), "misuse")
+    raise(("%s: choose one face or more"):format(where))
   end
   local seen, out = {}, {}
   for _, face in ipairs(list) do
     if not is_face(self, face) then
-      return refuse(("%s: there is no face %s: the part has faces 1 to %d"):format(where, core.got(face),
-        #now(self).body.faces), "misuse")
+      raise(("%s: there is no face %s: the part has faces 1 to %d"):format(where, core.got(face),
+        #now(self).body.faces))
     end
     if not seen[face] then out[#out + 1] = face end
     seen[face] = true
@@ -117,7 +119,7 @@ end
 
 local function vector(where, name, value)
   if are_numbers(value) then return {value[1] + 0.0, value[2] + 0.0, value[3] + 0.0} end
-  return refuse(("%s: '%s': three numbers expected"):format(where, name), "misuse")
+  raise(("%s: '%s': three numbers expected"):format(where, name))
 end
 
 -- The unit must be confirmed before anything is computed or a length is given.
@@ -211,8 +213,7 @@ end
 local function numbered(self, where, number)
   local list = now(self).conditions
   if math.type(number) == "integer" and list[number] then return list[number] end
-  return refuse(("%s: there is no support or load %s: there are %d"):format(where, core.got(number), #list),
-    "misuse")
+  raise(("%s: there is no support or load %s: there are %d"):format(where, core.got(number), #list))
 end
 
 local change_rules = {condition = {type = "integer", needed = true}, faces = {type = "table"},
@@ -268,14 +269,14 @@ function workbench:material(given)
       poisson = opts.poisson or base and base.poisson, strength = opts.strength or base and base.strength,
       density = opts.density or base and base.density}
     if type(values.young) ~= "number" or type(values.poisson) ~= "number" then
-      return refuse("material: Young's modulus and Poisson's ratio are needed", "misuse")
+      raise("material: Young's modulus and Poisson's ratio are needed")
     end
     if values.strength ~= nil and type(values.strength) ~= "number" then values.strength = nil end
-    made, message, details = model.try(core.material.isotropic, values)
+    made, message, details = core.material.isotropic(values)
   elseif opts.name then
-    made, message, details = model.try(core.material.named, opts.name)
+    made, message, details = core.material.named(opts.name)
   else
-    return refuse("material: a name or values are needed", "misuse")
+    raise("material: a name or values are needed")
   end
   if not made then return nil, message, details end
   return act(self, "material", opts, {material = made, material_options = opts})
@@ -434,7 +435,7 @@ end
 --- Nothing changes. Returns the answer, the solution and the body.
 function workbench:try(given)
   local name = next(given)
-  if not shapes[name] then return refuse("try: push, radius or offset expected", "misuse") end
+  if not shapes[name] then raise("try: push, radius or offset expected") end
   local made, line, details = shapes[name](self, given[name])
   if not made then return nil, line, details end
   local entry = now(self)
@@ -540,7 +541,7 @@ function workbench:apply(given)
   local entry = now(self)
   local place = (entry.advice or {})[opts.advice]
   if not place then
-    return refuse(("apply: there is no advice %d: ask for advice first"):format(opts.advice), "misuse")
+    raise(("apply: there is no advice %d: ask for advice first"):format(opts.advice))
   end
   return self:thicken {at = place.at, radius = place.radius, offset = place.offset}
 end
@@ -582,14 +583,14 @@ end
 
 --- Takes the last action back.
 function workbench:undo()
-  if self.position == 1 then return refuse "There is nothing to undo." end
+  if self.position == 1 then return refuse("There is nothing to undo.", "empty") end
   self.position, self.revision, self.saved = self.position - 1, self.revision + 1, false
   return self
 end
 
 --- Repeats the action that was taken back.
 function workbench:redo()
-  if self.position == #self.history then return refuse "There is nothing to redo." end
+  if self.position == #self.history then return refuse("There is nothing to redo.", "empty") end
   self.position, self.revision, self.saved = self.position + 1, self.revision + 1, false
   return self
 end
@@ -630,7 +631,7 @@ end
 --- Writes the edited surface to a file, by its ending.
 function workbench:export(given)
   local opts = options.read("export", given, {path = {type = "string", needed = true}})
-  local ok, message, details = model.try(now(self).body.surface.write, now(self).body.surface, opts.path)
+  local ok, message, details = now(self).body.surface:write(opts.path)
   if not ok then return nil, message, details end
   return opts.path
 end

@@ -25,7 +25,7 @@ end
 -- ---- the part --------------------------------------------------------------------------------------
 
 local function refuse(text)
-  return nil, text, {status = "invalid"}
+  return nil, text, {status = "unsupported"}
 end
 
 -- Applies a condition to a part; nil and a sentence where it cannot be.
@@ -92,7 +92,7 @@ function judge.part(self, material, conditions, mesh, labels)
     else loads[#loads + 1] = condition end
   end
   local why = fault(part, held, loads)
-  if why then return nil, why, {status = "invalid"} end
+  if why then return nil, why, {status = "unsupported"} end
   return part, held
 end
 
