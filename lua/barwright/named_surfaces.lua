@@ -41,27 +41,47 @@ function surface:named(name)
   return made
 end
 
-for _, method in ipairs {"transform", "translate", "rotate", "scale", "weld"} do
-  local plain = surface[method]
-  surface[method] = function(self, ...)
-    local made, message, details = plain(self, ...)
-    if made then names_of[made] = names_of[self] end
-    return made, message, details
-  end
+-- What the engine does, called by its own name: messages about wrong arguments have it.
+local plain = {}
+for name, method in pairs(surface) do plain[name] = method end
+
+local function keep(self, made, ...)
+  if made then names_of[made] = names_of[self] end
+  return made, ...
 end
 
-for _, method in ipairs {"union", "difference", "intersection"} do
-  local plain = surface[method]
-  surface[method] = function(self, other)
-    if not (core.class_name(other) == "surface" and (names_of[self] or names_of[other])) then
-      return plain(self, other)
-    end
-    local names = {}
-    local function kept(name) return name or "unnamed" end
-    local made, message, details = plain(regrouped(self, names, kept), regrouped(other, names, kept))
-    if made then names_of[made] = names end
-    return made, message, details
-  end
+function surface:transform(...) return keep(self, plain.transform(self, ...)) end
+function surface:translate(...) return keep(self, plain.translate(self, ...)) end
+function surface:rotate(...) return keep(self, plain.rotate(self, ...)) end
+function surface:scale(...) return keep(self, plain.scale(self, ...)) end
+function surface:weld(...) return keep(self, plain.weld(self, ...)) end
+
+-- Both surfaces in groups of one list of names, and the list; as they are where neither has names.
+local function grouped_alike(self, other)
+  if not (core.class_name(other) == "surface" and (names_of[self] or names_of[other])) then return self, other end
+  local names = {}
+  local function kept(name) return name or "unnamed" end
+  return regrouped(self, names, kept), regrouped(other, names, kept), names
+end
+
+local function name_result(names, made, ...)
+  if made then names_of[made] = names end
+  return made, ...
+end
+
+function surface:union(other)
+  local first, second, names = grouped_alike(self, other)
+  return name_result(names, plain.union(first, second))
+end
+
+function surface:difference(other)
+  local first, second, names = grouped_alike(self, other)
+  return name_result(names, plain.difference(first, second))
+end
+
+function surface:intersection(other)
+  local first, second, names = grouped_alike(self, other)
+  return name_result(names, plain.intersection(first, second))
 end
 
 local extrude_rules = {height = {type = "number", above = 0}, curvature = {type = "number", above = 0, max = 90}}
