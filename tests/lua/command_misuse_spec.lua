@@ -141,6 +141,8 @@ local wrong = {
   {"worst part.stl --material", 2, "--material: a value is missing (NAME)"},
   {"worst part.stl --out part.stl", 3, "part.stl: cannot be made as a folder"},
   {"worst plate.svg", 2, "a drawing is flat"},
+  {"convert part.stl ./part.stl --scale 2", 2, "OUT: ./part.stl is IN: give another file"},
+  {"test nofile.lua", 3, "nofile.lua: there is no such file or folder"},
   {"strengthen part.stl --force 5 --out ./part.stl", 2, "--out: ./part.stl is the MODEL: give another file"},
 }
 

@@ -337,7 +337,7 @@ describe("files", function()
       assert.equal(code, (run.again(options)), options)
     end
     local status, _, err = check.run "test /no/where"
-    assert.equal(2, status)
+    assert.equal(3, status)
     has(err, "/no/where: there is no such file or folder")
     status, _, err = check.run("test " .. check.folder())
     assert.equal(2, status)

@@ -88,6 +88,9 @@ local function fields_of(read)
 end
 
 local function run(opts, out)
+  if model.same_path(opts["in"], opts.out) then
+    return out:misuse(("OUT: %s is IN: give another file"):format(opts.out))
+  end
   local read, message, details = model.open(opts["in"], opts.unit, out)
   if not read then return out:fail(message, details) end
   local made

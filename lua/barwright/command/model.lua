@@ -408,6 +408,11 @@ local function plain_path(path)
   return (path:gsub("/+", "/"):gsub("/%./", "/"):gsub("^%./", ""))
 end
 
+--- Whether two paths are written alike but for what does not change them.
+function model.same_path(a, b)
+  return plain_path(a) == plain_path(b)
+end
+
 -- What the command is to write: a fault before the work and not after it. No file is written over one that is read
 -- or over another that is written.
 local function check_outputs(opts)

@@ -178,8 +178,8 @@ end
 
 -- The scenarios that are asked for, what their files state, and where results go; or nil and the exit code.
 local function prepared(opts, out, scratch)
-  local paths, message = files.find(opts.scenarios)
-  if not paths then return nil, out:misuse(message) end
+  local paths, message, details = files.find(opts.scenarios)
+  if not paths then return nil, details and out:fail(message, details) or out:misuse(message) end
   local opened
   opened, message = open(opts, paths)
   if message then return nil, out:misuse(message) end

@@ -65,7 +65,7 @@ function files.find(paths)
   end
   for _, path in ipairs(paths) do
     local kind = files.kind(path)
-    if not kind then return nil, path .. ": there is no such file or folder" end
+    if not kind then return nil, path .. ": there is no such file or folder", {status = "io"} end
     if kind == "file" then
       local refusal = script_file.refusal(path)
       if refusal then return nil, refusal end

@@ -292,10 +292,12 @@ static void mechanism(void **state) {
     const bw_statics_options options = {.solver = solver};
     bool iterates =
         rows[k].preconditioner.precision == 32 || rows[k].preconditioner.kind == BW_SOLVER_AMG;
-    if (strcmp(rows[k].inner, "jacobi") != 0) /* which has no factor to see it by */
-      check_fails(context, iterates ? BW_CONVERGENCE : BW_SINGULAR,
-                  iterates ? "reached" : "singular",
-                  bw_statics(context, model, NULL, &options, &result));
+    if (strcmp(rows[k].inner, "jacobi") != 0) { /* which has no factor to see it by */
+      bw_status status = bw_statics(context, model, NULL, &options, &result);
+      /* Rounding decides whether a factor in single precision, or of a coarse level, sees it. */
+      assert_true(status == BW_SINGULAR || (iterates && status == BW_CONVERGENCE));
+      assert_non_null(strstr(bw_message(context), status == BW_SINGULAR ? "singular" : "reached"));
+    }
     bw_release(solver);
   }
   bw_release(fixed);
