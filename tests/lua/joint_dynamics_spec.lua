@@ -96,7 +96,8 @@ describe("dynamics of joined models", function()
     local mass, inertia = 20, {0.3, 0.5, 0.7}
     for _, kind in ipairs {"rigid", "distributed"} do
       local function point(load, moment, loaded)
-        local part, tip = rod(1e-3, {6, 1, 1})
+        -- lighter, and rounding moves the point more than the mass of the rod does
+        local part, tip = rod(3e-3, {6, 1, 1})
         part:couple {on = tip, kind = kind, at = {1.2, 0.05, 0.2}, force = load, moment = moment,
           spring = {0, 3e5, 0}, rotational_spring = {2e4, 0, 0},
           mass = loaded and mass or 0, inertia = loaded and inertia or nil}
@@ -154,7 +155,7 @@ describe("dynamics of joined models", function()
   it("shake a mass on a light rod as Miles and a spectrum have it", function()
     local mass, ratio = 100, 0.05
     for _, kind in ipairs {"rigid", "distributed"} do
-      local part, tip = rod(1e-3, {4, 1, 1})
+      local part, tip = rod(3e-3, {4, 1, 1})
       part:couple {on = tip, kind = kind, mass = mass}
       local w = math.sqrt(2e11 * 0.01 / mass)
       local f, last = w / (2 * PI), 40 * w / (2 * PI)
@@ -173,12 +174,12 @@ describe("dynamics of joined models", function()
   end)
 
   it("lose energy in regions and none in springs", function()
-    local bar = rod(1e-3, {6, 1, 1}).mesh
+    local bar = rod(3e-3, {6, 1, 1}).mesh
     local mesh = assert(bar:split({min = {-1, -1, -1}, max = {0.5, 1, 1}}, "root"))
     local k, s, m, loss = 2e9, 1e9, 50, 0.2
     for _, kind in ipairs {"rigid", "distributed"} do
       local part = bw.model {mesh = mesh,
-        material = bw.material.isotropic {young = 2e11, poisson = 0, density = 1e-3}}
+        material = bw.material.isotropic {young = 2e11, poisson = 0, density = 3e-3}}
       part:fix(mesh.boundary:below("x", 0)):couple {on = mesh.boundary:above("x", 1), kind = kind,
         force = {1000, 0, 0}, mass = m, spring = {s, 0, 0}}
       local list = {0, 500, 1200, 1240, 2000}
