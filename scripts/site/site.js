@@ -44,6 +44,8 @@ function show() {
 }
 
 input.addEventListener("input", show);
+// Words may be typed before this script runs.
+if (input.value) show();
 input.addEventListener("keydown", (event) => {
   if (event.key === "Escape") { input.value = ""; show(); }
   if (event.key === "Enter") found.querySelector("a")?.click();

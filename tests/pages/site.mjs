@@ -51,5 +51,15 @@ export async function site({ browser, root, folder, test, assert, pictures }) {
     await page.fill("#search", "xyzzy");
     await page.locator("#found", { hasText: "No section" }).waitFor();
   });
+
+  await test("the search of the site answers words that were typed before its script ran", async () => {
+    await page.route("**/site.js", async (route) => {
+      await page.fill("#search", "xyzzy");
+      await route.continue();
+    });
+    await page.goto(`file://${out}/index.html`);
+    await page.locator("#found", { hasText: "No section" }).waitFor();
+    await page.unroute("**/site.js");
+  });
   await page.close();
 }
