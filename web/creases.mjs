@@ -4,31 +4,41 @@ import * as THREE from "three";
 
 const SHARP = Math.cos(Math.PI / 6);
 
-function normal(points, a, b, c) {
-  const [ux, uy, uz] = [0, 1, 2].map((k) => points[3 * b + k] - points[3 * a + k]);
-  const [vx, vy, vz] = [0, 1, 2].map((k) => points[3 * c + k] - points[3 * a + k]);
-  const n = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
-  const length = Math.hypot(...n) || 1;
-  return n.map((x) => x / length);
+// The unit normals of triangles, one after another.
+function normalsOf(points, triangles) {
+  const out = new Float32Array(triangles.length);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const [a, b, c] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
+    const [ux, uy, uz] = [points[b] - points[a], points[b + 1] - points[a + 1], points[b + 2] - points[a + 2]];
+    const [vx, vy, vz] = [points[c] - points[a], points[c + 1] - points[a + 1], points[c + 2] - points[a + 2]];
+    const [x, y, z] = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
+    const length = Math.hypot(x, y, z) || 1;
+    out[t] = x / length;
+    out[t + 1] = y / length;
+    out[t + 2] = z / length;
+  }
+  return out;
 }
 
 // The ends of the creases, two points each.
 export function creasesOf(points, triangles) {
-  const first = new Map();
+  const normals = normalsOf(points, triangles);
+  const first = new Map(); // of each edge: where the normal of the first triangle lies that has it
   const ends = [];
   const count = points.length / 3;
-  for (let t = 0; t < triangles.length; t += 3) {
-    const corner = triangles.subarray(t, t + 3);
-    const n = normal(points, ...corner);
+  for (let t = 0; t < triangles.length; t += 3)
     for (let i = 0; i < 3; i++) {
-      const p = Math.min(corner[i], corner[(i + 1) % 3]);
-      const q = Math.max(corner[i], corner[(i + 1) % 3]);
+      const [from, to] = [triangles[t + i], triangles[t + ((i + 1) % 3)]];
+      const [p, q] = [Math.min(from, to), Math.max(from, to)];
       const key = p * count + q;
       const other = first.get(key);
-      if (!other) first.set(key, n);
-      else if (n[0] * other[0] + n[1] * other[1] + n[2] * other[2] < SHARP) ends.push(p, q);
+      if (other === undefined) first.set(key, t);
+      else {
+        first.delete(key);
+        const cosine = normals[t] * normals[other] + normals[t + 1] * normals[other + 1] + normals[t + 2] * normals[other + 2];
+        if (cosine < SHARP) ends.push(p, q);
+      }
     }
-  }
   return ends;
 }
 

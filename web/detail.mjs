@@ -15,28 +15,22 @@ export class Detail {
     this.coarse = coarse === this.whole.array ? null : new THREE.BufferAttribute(coarse, 1);
     this.full = body.material;
     this.plain = new THREE.MeshLambertMaterial({ vertexColors: true, flatShading: true, side: THREE.DoubleSide });
-    this.held = false;
-    this.turning = false;
+    this.reasons = new Set(); // to draw it coarse
     if (!this.coarse) return;
-    this.pressed = false;
-    const pressed = (on) => () => {
-      this.pressed = on;
-      this.moved();
-    };
-    stage.controls.addEventListener("start", pressed(true));
-    stage.controls.addEventListener("change", () => this.moved());
-    stage.controls.addEventListener("end", pressed(false));
-    this.moved();
+    stage.onTurning((on) => this.set("turning", on));
+    this.set("first", true);
+    setTimeout(() => this.set("first", false), 300);
   }
 
   get triangles() {
     return this.body.geometry.index.count / 3;
   }
 
-  set(what, on) {
+  set(reason, on) {
     if (!this.coarse) return;
-    this[what] = on;
-    const index = this.turning || this.held ? this.coarse : this.whole;
+    if (on) this.reasons.add(reason);
+    else this.reasons.delete(reason);
+    const index = this.reasons.size ? this.coarse : this.whole;
     if (index === this.body.geometry.index) return;
     this.draw(index);
     this.stage.touch();
@@ -50,12 +44,6 @@ export class Detail {
 
   hold(on) {
     this.set("held", on);
-  }
-
-  moved() {
-    this.set("turning", true);
-    clearTimeout(this.rest);
-    if (!this.pressed) this.rest = setTimeout(() => this.set("turning", false), 300);
   }
 
   // Milliseconds of a picture, the mean of some, with all triangles or with the coarse ones.

@@ -4,6 +4,7 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { fitDistance } from "./fit.mjs";
+import { Pace } from "./pace.mjs";
 import { stageKeys } from "./stage_keys.mjs";
 import { themed } from "./theme.mjs";
 
@@ -11,7 +12,7 @@ export const number = (x) =>
   Math.abs(x) >= 1e4 || (x !== 0 && Math.abs(x) < 1e-2) ? x.toExponential(2) : x.toPrecision(4);
 
 // The scene fills `view`; `frame(now)` is called before each picture. With `onDemand` a picture is drawn where the camera
-// moved or `touch` was called, else always.
+// moved or `touch` was called, else always. While the camera moves, slow pictures have fewer pixels.
 export function makeStage(view, frame, { onDemand = false } = {}) {
   let renderer;
   try {
@@ -20,7 +21,8 @@ export function makeStage(view, frame, { onDemand = false } = {}) {
     view.textContent = "The 3D view needs WebGL, which this browser does not offer.";
     throw error;
   }
-  renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+  const sharpest = Math.min(window.devicePixelRatio, 2);
+  renderer.setPixelRatio(sharpest);
   view.appendChild(renderer.domElement);
   const scene = new THREE.Scene();
   scene.add(new THREE.HemisphereLight(0xffffff, 0xb0b4bc, 1.6));
@@ -34,6 +36,30 @@ export function makeStage(view, frame, { onDemand = false } = {}) {
   let touched = true;
   const touch = () => (touched = true);
   controls.addEventListener("change", touch);
+
+  // The camera turns while it is dragged and until it has rested for a moment.
+  const pace = new Pace();
+  const turned = [];
+  let [turning, pressed, rests] = [false, false, 0];
+  function setTurning(on) {
+    if (on === turning) return;
+    turning = on;
+    for (const call of turned) call(on);
+    touch();
+  }
+  function moved() {
+    setTurning(true);
+    clearTimeout(rests);
+    if (!pressed) rests = setTimeout(() => setTurning(false), 300);
+  }
+  const press = (on) => () => {
+    pressed = on;
+    moved();
+  };
+  controls.addEventListener("start", press(true));
+  controls.addEventListener("change", moved);
+  controls.addEventListener("end", press(false));
+  const sharpen = (ratio) => ratio === renderer.getPixelRatio() || renderer.setPixelRatio(ratio);
   themed((background) => {
     scene.background = new THREE.Color(background);
     touch();
@@ -84,12 +110,23 @@ export function makeStage(view, frame, { onDemand = false } = {}) {
   function draw(now) {
     frame(now);
     controls.update();
-    if (touched || !onDemand) renderer.render(scene, camera);
+    if (touched || !onDemand) {
+      sharpen(turning ? sharpest * pace.picture(now) : sharpest);
+      renderer.render(scene, camera);
+    }
     touched = false;
     requestAnimationFrame(draw);
   }
   const start = () => requestAnimationFrame(draw);
-  const stage = { renderer, scene, camera, controls, aim, start, touch, again: () => last && aim(...last) };
+  const stage = {
+    renderer, scene, camera, controls, aim, start, touch,
+    again: () => last && aim(...last),
+    // `call(on)` when the camera begins to turn, and when it rests.
+    onTurning: (call) => turned.push(call),
+    get sharpness() {
+      return renderer.getPixelRatio() / sharpest;
+    },
+  };
   stageKeys(stage);
   return stage;
 }

@@ -318,6 +318,7 @@ window.barwright = {
     largest: motions[state.motion]?.largest || 0,
     triangles: triangles.length / 3,
     drawn: detail.triangles,
+    sharpness: stage.sharpness,
   }),
   // Milliseconds of one picture, the mean of some while the camera turns: drawn whole, or coarse as it is then.
   cost: (whole, pictures = 5) => detail.cost(whole, pictures),

@@ -41,6 +41,34 @@ function volume(p, triangles) {
 
 export async function detail({ browser, root, folder, test, assert, pictures }) {
   const { coarsen, MOST } = await import(path.join(root, "web/coarsen.mjs"));
+  const { Pace } = await import(path.join(root, "web/pace.mjs"));
+
+  await test("pictures of a moving view lose pixels until 30 come a second, and no more, and get them back", () => {
+    const pace = new Pace();
+    let now = 0;
+    // The interval of a display with 60 pictures a second, where a picture with all pixels takes a time.
+    const turn = (whole, pictures) => {
+      const seen = [];
+      for (let i = 0; i < pictures; i++) {
+        const share = pace.share;
+        now += Math.max(1, Math.ceil((whole * share * share) / 16.7)) * 16.7;
+        pace.picture(now);
+        seen.push(share);
+      }
+      return seen.slice(-16);
+    };
+    for (const whole of [5, 300, 30, 70, 150, 5]) {
+      const shares = turn(whole, 80);
+      const fewest = Math.min(...shares);
+      const interval = Math.max(16.7, whole * fewest * fewest);
+      assert(shares.every((share) => share === fewest), `${whole} ms: the sharpness changes on and on, ${shares}`);
+      assert(interval <= 34 || fewest === 0.4, `${whole} ms: ${interval} ms between pictures`);
+      assert(fewest === 1 || (whole * fewest * fewest) / 0.64 > 16.7, `${whole} ms: ${fewest} is less than needed`);
+    }
+    assert(pace.share === 1, "all pixels are back");
+    now += 5000;
+    assert(pace.picture(now) === 1, "a pause is no slow picture");
+  });
 
   await test("a coarse surface keeps corners, volume and both sides of a thin plate, with few triangles", () => {
     for (const sizes of [[1, 1, 1], [1, 1, 0.002], [1, 0.1, 0.02]]) {
@@ -75,6 +103,7 @@ export async function detail({ browser, root, folder, test, assert, pictures }) 
     await page.goto(`file://${folder}/large.html`);
     await page.waitForFunction(() => window.barwright);
     const { triangles } = await page.evaluate(() => window.barwright.state());
+    await until(async () => (await page.evaluate(() => window.barwright.state().sharpness)) === 1);
     assert(triangles > 70000, `${triangles} triangles`);
     await until(async () => (await drawn()) === triangles);
     const box = await page.locator("#view canvas").boundingBox();
@@ -85,6 +114,8 @@ export async function detail({ browser, root, folder, test, assert, pictures }) 
     if (pictures) await page.screenshot({ path: path.join(pictures, "detail_turning.png") });
     await page.mouse.up();
     await until(async () => (await drawn()) === triangles);
+    const sharpness = await page.evaluate(() => window.barwright.state().sharpness);
+    assert(sharpness === 1, `a picture at rest has ${sharpness} of its pixels along a side`);
     if (pictures) await page.screenshot({ path: path.join(pictures, "detail_resting.png") });
     const costs = await page.evaluate(() => [0, 1, 2].map(() =>
       [window.barwright.cost(true, 3), window.barwright.cost(false, 3)]));
