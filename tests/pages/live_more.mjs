@@ -96,9 +96,16 @@ export async function liveMore({ browser, root, folder, test, assert, pictures }
 
   await test("the worst load is found, shown, and marked as that of an earlier shape after an edit", async () => {
     const own = await state(page);
+    await page.evaluate(() => {
+      window.heard = []; // what is said, and whose stresses are shown then
+      new MutationObserver(() => window.heard.push([window.barwright.state().said, window.barwright.state().loads.kind]))
+        .observe(document.getElementById("said"), { childList: true, characterData: true, subtree: true });
+    });
     await page.selectOption("#loads", "worst");
     await until(page, () => window.barwright.state().loads.kind === "worst" && !window.barwright.state().busy);
     const worst = await state(page);
+    const outcome = (await page.evaluate(() => window.heard)).filter(([said]) => said.startsWith("the worst load of"));
+    assert(outcome.length > 0 && outcome.every(([, kind]) => kind === "worst"), JSON.stringify(outcome));
     assert(worst.arrows >= 2, `${worst.arrows} arrows: a balanced load needs two or more`);
     assert(Math.abs(worst.maximum / own.maximum - 1) > 0.1, `${own.maximum} Pa, then ${worst.maximum}`);
     assert(!worst.loads.outdated && (await page.isHidden("#again")), "it is new");
