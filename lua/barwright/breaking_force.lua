@@ -31,6 +31,7 @@ local rules = breaking_loads.rules {
   force = {type = "number", default = 20, above = 0},
   contact = {type = "number", default = 1e-4, above = 0},
   error = {type = "number", default = 0.05, above = 0, max = 1},
+  decide = {type = "boolean", default = false},
   elements = {type = "integer", default = ELEMENTS, min = 1, max = 10000000},
   max_elements = {type = "integer", min = 1, max = 10000000},
   length = {type = "any"},
@@ -53,6 +54,8 @@ local FRACTIONS = {0.6, 1}
 -- From there on, while the error is too large, the number of elements grows by this factor, by default to MORE
 -- times the number asked for, but not beyond the default of that number.
 local GROWTH, MORE = 2, 4
+-- A force is clearly decided where it lies outside the interval by this factor.
+local DECIDED = 1.5
 -- Meshes whose weakest place was not refined are followed by one where it is: so many meshes in all.
 local MAX_MESHES = 8
 -- Places that are refined at once. Those that were refined before may be the weakest if their mean stress is so
@@ -321,6 +324,13 @@ local function summarise(self)
   self.ties = ties(self, last.places)
 end
 
+-- Whether the verdict about the force is asked for alone, and further meshes would not change it.
+local function is_decided(self)
+  if not self.options.decide or #self.history <= #FRACTIONS then return false end
+  summarise(self)
+  return self.options.force * DECIDED < self.low or self.options.force > DECIDED * self.high
+end
+
 -- How many elements the next mesh has, or nil. Beyond the number asked for while the error is too large and there
 -- is room; the same again where the weakest place is a new one.
 local function next_count(self)
@@ -328,6 +338,7 @@ local function next_count(self)
   if self.given_mesh or levels >= MAX_MESHES then return nil end
   if levels == 0 then return math.min(opts.elements, math.max(FEWEST, math.ceil(FIRST * opts.elements))) end
   if FRACTIONS[levels] then return FRACTIONS[levels] * opts.elements end
+  if is_decided(self) then return nil end
   local last = self.history[levels]
   local open = weak_places.unsettled(self.history, self.length)
   if #open > 0 and levels < #FRACTIONS + 3 then return last.asked end

@@ -45,6 +45,7 @@ function bw.breaking_force(body, options) end
 ---@field hands? integer (count) places that are pressed at once. Range: 1 to 16, 2 to 16 without `fix`. Default: anywhere
 ---@field lp? bw.LpSolver|"auto" what solves the linear programs. Default: "auto", by counted cost
 ---@field error? number (-) relative error at which refinement ends. Range: above 0 to 1. Default: 0.05
+---@field decide? boolean whether refinement also ends after three meshes where `force` lies outside the interval by a factor of 1.5: the verdict is certain, and the interval may be wider. Default: false
 ---@field elements? integer (count) of the third mesh. Range: 1 to 10000000. Default: 20000
 ---@field max_elements? integer (count) of the finest mesh. Range: 1 to 10000000. Default: four times `elements`, but not more than 20000 unless `elements` is larger
 ---@field length? number|"critical" (m) radius of the patch over which the stress is averaged; "critical" is half the critical distance of the material. Default: 2 % of the diagonal of the box

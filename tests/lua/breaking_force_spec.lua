@@ -36,6 +36,21 @@ describe("the breaking force", function()
     found:close()
   end)
 
+  it("ends once the verdict is certain, with an interval that contains what further meshes find", function()
+    local all = assert(breaking(bar, {elements = 600}))
+    assert.is_true(#all.history > 3)
+    for _, factor in ipairs {0.02, 50} do
+      local force = factor * all.force
+      local found = assert(breaking(bar, {elements = 600, decide = true, force = force}))
+      assert.equal(3, #found.history)
+      assert.equal(all:verdict(force), found:verdict(force))
+      assert.is_true(found.low < all.force and all.force < found.high, tostring(found))
+    end
+    -- Three meshes do not decide about a force within the interval.
+    local near = assert(breaking(bar, {elements = 600, decide = true, force = all.force}))
+    assert.equal(#all.history, #near.history)
+  end)
+
   it("does not depend on the reference force, and grows with strength and scale", function()
     local mesh = assert(bw.mesh.fill(bar, {elements = 600, order = 2}))
     local one = assert(breaking(mesh))

@@ -277,7 +277,7 @@ local function analyse(opts, out)
   local breaking
   breaking, message, details = model.try(bw.breaking_force, read.surface or read.mesh, {
     material = read.made.default, force = opts.force, contact = opts.contact,
-    error = opts.error, elements = opts.elements,
+    error = opts.error, decide = not opts.error, elements = opts.elements,
     max_elements = opts.error and math.max(MAX_ELEMENTS, opts.elements) or nil, modes = opts.modes,
     regions = opts.regions, fix = limits.fix, forbidden = limits.forbidden, friction = limits.friction,
     hands = limits.hands, length = opts.length, solver = model.solver(opts)})
@@ -319,7 +319,8 @@ local options = {
   {name = "hands", value = "K", type = "integer", min = 1, max = 16,
     what = "loads act within so many places at once, each as large as two contacts; without it, anywhere"},
   {name = "error", value = "FRACTION", type = "number", above = 0, max = 1,
-    what = "refine until the estimated error is this fraction, 0.05 for instance, or the mesh becomes too large"},
+    what = "refine until the estimated error is this fraction, 0.05 for instance, or the mesh becomes too large; "
+      .. "without it, no further than the verdict needs"},
   model.length_option,
   model.unit_option,
   model.elements_option,

@@ -206,7 +206,7 @@ function judge.worst(self, material, conditions, elements, force)
     return list
   end or nil
   local found, message, details = model.try(breaking_force, self.surface, {material = material, force = force,
-    elements = elements, fix = fix})
+    decide = force ~= nil, elements = elements, fix = fix})
   if not found then return nil, message, details end
   local verdict = force and found:verdict(force) or nil
   local notes = {}
