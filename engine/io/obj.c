@@ -1,9 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Wavefront OBJ: vertices "v x y z [w] [colour]", facets "f" of corners v, v/vt, v//vn or v/vt/vn,
  * numbered from 1, or from -1 backwards from the last vertex before the facet. Two passes, so that
- * facets may stand before their vertices. "g" and "o" begin a group; texture, normals, materials,
- * smoothing are ignored; lines, points and free-form elements are counted as skipped. */
+ * facets may stand before their vertices. "g" and "o" begin a group, whose name is the rest
+ * of the line; groups of one name are one. Texture, normals, materials, smoothing are ignored;
+ * lines, points and free-form elements are counted as skipped. */
 #include "io/internal.h"
+#include "outline/internal.h"
 
 #include <string.h>
 
@@ -90,7 +92,95 @@ static bw_status read_corner(const bwi_cursor *line, bwi_word word, int64_t befo
   return BW_OK;
 }
 
-static bw_status read_facets(bwi_cursor *cursor, bwi_soup *soup, obj_line *scratch) {
+/* Groups of facets, each of which began at a "g" or "o", and those of one name as one. */
+typedef struct obj_names {
+  int32_t *number; /* (begun) of the group of that name */
+  size_t begun, number_capacity;
+  bw_name *name; /* (count) different ones, but for empty ones */
+  size_t count, capacity;
+  int32_t *slot; /* (slots) hash table: 1 + the index of a name, or 0 */
+  size_t slots;
+  bw_name now; /* of facets that follow */
+} obj_names;
+
+/* The rest of a line "g name" or "o name". */
+static void read_name(bwi_cursor line, bw_name *name) {
+  const unsigned char *end = line.end;
+  while (line.at < end && (*line.at == ' ' || *line.at == '\t'))
+    line.at++;
+  while (end > line.at && (end[-1] == ' ' || end[-1] == '\t' || end[-1] == '\r'))
+    end--;
+  *name = bwi_name((const char *)line.at, (size_t)(end - line.at));
+}
+
+/* The slot of a name in the hash table (FNV-1a, linear probing): its own or a free one. */
+static int32_t *find_slot(const obj_names *names, const bw_name *name) {
+  uint64_t hash = 14695981039346656037u;
+  for (const char *c = name->text; *c; c++)
+    hash = (hash ^ (unsigned char)*c) * 1099511628211u;
+  size_t at = (size_t)(hash % names->slots);
+  while (names->slot[at] && strcmp(names->name[names->slot[at] - 1].text, name->text) != 0)
+    at = at + 1 < names->slots ? at + 1 : 0;
+  return &names->slot[at];
+}
+
+/* At most half of the slots are in use. */
+static bw_status grow_slots(bw_context *context, obj_names *names) {
+  if (2 * (names->count + 1) <= names->slots)
+    return BW_OK;
+  const size_t slots = 4 * names->count + 64;
+  int32_t *slot = BW_NEW0(context, int32_t, slots);
+  if (!slot)
+    return BW_MEMORY;
+  bw_free(names->slot);
+  names->slot = slot;
+  names->slots = slots;
+  for (size_t i = 0; i < names->count; i++)
+    if (names->name[i].text[0])
+      *find_slot(names, &names->name[i]) = (int32_t)i + 1;
+  return BW_OK;
+}
+
+/* The group of the facet that was read last. */
+static bw_status keep_name(bw_context *context, const bwi_soup *soup, obj_names *names) {
+  bw_status status = BW_OK;
+  if (names->begun > (size_t)soup->current_group)
+    return BW_OK;
+  BW_TRY_MEMORY(bw_grow(context, (void **)&names->number, &names->number_capacity, names->begun, 1,
+                        sizeof *names->number));
+  BW_TRY(grow_slots(context, names));
+  int32_t *slot = names->now.text[0] ? find_slot(names, &names->now) : NULL;
+  if (!slot || !*slot) {
+    BW_TRY_MEMORY(bw_grow(context, (void **)&names->name, &names->capacity, names->count, 1,
+                          sizeof *names->name));
+    names->name[names->count++] = names->now;
+    if (slot)
+      *slot = (int32_t)names->count;
+  }
+  names->number[names->begun++] = slot ? *slot - 1 : (int32_t)names->count - 1;
+done:
+  return status;
+}
+
+/* Groups of one name become one, and the surface, which was just made, gets the names. */
+static bw_status name_groups(bw_context *context, const obj_names *names, bw_surface *surface,
+                             bw_read_info *info) {
+  if (!surface->group)
+    return BW_OK;
+  if (info)
+    info->group_count = (int32_t)names->count;
+  if (names->count < 2) {
+    bw_free(surface->group);
+    surface->group = NULL;
+    return BW_OK;
+  }
+  for (int32_t t = 0; t < surface->triangle_count; t++)
+    surface->group[t] = names->number[surface->group[t]];
+  return bw_face_names_create(context, (int32_t)names->count, names->name, &surface->names);
+}
+
+static bw_status read_facets(bwi_cursor *cursor, bwi_soup *soup, obj_line *scratch,
+                             obj_names *names) {
   bw_status status = BW_OK;
   bwi_cursor line;
   bwi_word word;
@@ -120,8 +210,10 @@ static bw_status read_facets(bwi_cursor *cursor, bwi_soup *soup, obj_line *scrat
       if (count < 3)
         BW_TRY(bwi_fail_line(&line, "a facet of %zu corners: at least three were expected", count));
       BW_TRY(bwi_soup_polygon(soup, corner, count));
+      BW_TRY(keep_name(cursor->context, soup, names));
     } else if (bwi_word_is(word, "g") || bwi_word_is(word, "o")) {
       bwi_soup_next_group(soup);
+      read_name(line, &names->now);
     } else if (bwi_word_is(word, "l") || bwi_word_is(word, "p") || bwi_word_is(word, "curv") ||
                bwi_word_is(word, "curv2") || bwi_word_is(word, "surf")) {
       soup->skipped++;
@@ -138,12 +230,19 @@ bw_status bwi_obj_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *
   bw_status status = BW_OK;
   bwi_cursor again = *cursor;
   obj_line scratch = {NULL, 0};
+  obj_names names = {.number = NULL};
   bwi_soup soup;
   bwi_soup_init(&soup, cursor->context, cursor->name);
   BW_TRY(read_vertices(cursor, &soup, &scratch));
-  BW_TRY(read_facets(&again, &soup, &scratch));
+  BW_TRY(read_facets(&again, &soup, &scratch, &names));
   BW_TRY(bwi_soup_finish(&soup, "OBJ", false, surface, info));
+  status = name_groups(cursor->context, &names, *surface, info);
+  if (status != BW_OK)
+    bw_release(*surface);
 done:
+  bw_free(names.number);
+  bw_free(names.slot);
+  bw_free(names.name);
   bwi_soup_clear(&soup);
   bw_free(scratch.joined);
   return status;
@@ -160,9 +259,15 @@ bw_status bwi_obj_write(bw_writer *writer, const bw_surface *surface) {
     }
     bw_writer_bytes(writer, "\n", 1);
   }
+  const bw_face_names *names = surface->names;
   for (int32_t i = 0; i < surface->triangle_count; i++) {
-    if (surface->group && (i == 0 || surface->group[i] != surface->group[i - 1]))
-      bw_writer_print(writer, "g group_%d\n", (int)surface->group[i]);
+    if (surface->group && (i == 0 || surface->group[i] != surface->group[i - 1])) {
+      int32_t g = surface->group[i];
+      if (names && g >= 0 && g < names->count && names->name[g].text[0])
+        bw_writer_print(writer, "g %s\n", names->name[g].text);
+      else
+        bw_writer_print(writer, "g group_%d\n", (int)g);
+    }
     bw_writer_bytes(writer, "f", 1);
     for (size_t k = 0; k < 3; k++) {
       bw_writer_bytes(writer, " ", 1);

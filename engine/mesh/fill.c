@@ -229,6 +229,7 @@ bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
   BW_TRY(bw_mesh_renumbered(context, made, NULL, NULL, &other));
   bw_release(made);
   made = other;
+  BW_TRY(bwi_mesh_take_names(context, f.base, made));
   BW_TRY(report(&f, made, log));
   bw_progress(context, "filling", 1);
   *mesh = made;

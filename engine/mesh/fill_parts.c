@@ -10,6 +10,7 @@
 #include "mesh/mesh_internal.h"
 #include "mesh/surface_cgal.h"
 #include "mesh/surface_contains.h"
+#include "mesh/surface_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -59,14 +60,20 @@ done:
 static bw_status join(filling *f, double tolerance) {
   bw_status status = BW_OK;
   bw_surface *all = NULL, *welded = NULL;
+  bw_face_names *names = NULL;
+  double *point = NULL;
+  int32_t *triangle = NULL, *group = NULL;
   int64_t points = 0, facets = 0;
+  BW_TRY(bwi_name_alike(f->context, f->count, f->surface, &names));
   for (int32_t p = 0; p < f->count; p++) {
     points += f->surface[p]->point_count;
     facets += f->surface[p]->triangle_count;
   }
-  double *point = BW_NEW(f->context, double, 3 * points);
-  int32_t *triangle = BW_NEW(f->context, int32_t, 3 * facets);
-  BW_TRY_MEMORY(point && triangle);
+  point = BW_NEW(f->context, double, 3 * points);
+  triangle = BW_NEW(f->context, int32_t, 3 * facets);
+  if (names)
+    group = BW_NEW(f->context, int32_t, facets);
+  BW_TRY_MEMORY(point && triangle && (group || !names));
   if (points > INT32_MAX || facets > INT32_MAX / 3)
     BW_TRY(bw_fail(f->context, BW_LIMIT, "the parts have %lld facets together: at most %d",
                    (long long)facets, INT32_MAX / 3));
@@ -77,19 +84,24 @@ static bw_status join(filling *f, double tolerance) {
     memcpy(point + 3 * points, s->point, 24 * (size_t)s->point_count);
     for (int64_t i = 0; i < 3 * (int64_t)s->triangle_count; i++)
       triangle[3 * facets + i] = (int32_t)points + s->triangle[i];
+    if (group)
+      memcpy(group + facets, s->group, (size_t)s->triangle_count * sizeof *group);
     points += s->point_count;
     facets += s->triangle_count;
   }
   f->start[f->count] = (int32_t)facets;
-  BW_TRY(bw_surface_adopt(f->context, points, point, facets, triangle, NULL, &all));
+  BW_TRY(bw_surface_adopt(f->context, points, point, facets, triangle, group, &all));
+  all->names = bw_retain(names);
   point = NULL;
-  triangle = NULL;
+  triangle = group = NULL;
   BW_TRY(bw_surface_weld(f->context, all, tolerance, &welded));
   bw_release(f->whole);
   f->whole = welded;
 done:
   bw_free(point);
   bw_free(triangle);
+  bw_free(group);
+  bw_release(names);
   bw_release(all);
   return status;
 }
@@ -98,11 +110,14 @@ done:
 static bw_status take_apart(filling *f) {
   for (int32_t p = 0; p < f->count; p++) {
     bw_surface *own = NULL, *welded = NULL;
-    bw_status status = bw_surface_copy(f->context, f->whole->point_count, f->whole->point,
-                                       f->start[p + 1] - f->start[p],
-                                       f->whole->triangle + 3 * (int64_t)f->start[p], NULL, &own);
-    if (status == BW_OK)
+    bw_status status = bw_surface_copy(
+        f->context, f->whole->point_count, f->whole->point, f->start[p + 1] - f->start[p],
+        f->whole->triangle + 3 * (int64_t)f->start[p],
+        f->whole->group ? f->whole->group + f->start[p] : NULL, &own);
+    if (status == BW_OK) {
+      bwi_keep_names(f->whole, own);
       status = bw_surface_weld(f->context, own, 0, &welded); /* drops what others use */
+    }
     bw_release(own);
     if (status != BW_OK)
       return status;
@@ -393,6 +408,7 @@ static bw_status make_mesh(filling *f, bwi_tetgen_result *r, bw_mesh **mesh) {
       bw_mesh_adopt(f->context, 1, r->node_count, r->node, kept, r->element, &regions, &straight));
   r->node = NULL;
   r->element = NULL;
+  BW_TRY(bwi_mesh_take_names(f->context, f->whole, straight));
   BW_TRY(bw_mesh_with_order(f->context, straight, f->options->order, &ordered));
   status = bw_mesh_renumbered(f->context, ordered, NULL, NULL, mesh);
 done:

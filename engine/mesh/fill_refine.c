@@ -10,6 +10,7 @@
 #include "base/limit.h"
 #include "mesh/fill_internal.h"
 #include "mesh/mesh_internal.h"
+#include "mesh/surface_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -192,6 +193,7 @@ static bw_status cut(bw_context *context, pass *p, int32_t cuts, bw_surface **ou
       group[i] = s->group[t];
   }
   BW_TRY(bw_surface_adopt(context, (int64_t)points, point, (int64_t)at, triangle, group, out));
+  bwi_keep_names(s, *out);
 done:
   if (status != BW_OK) {
     bw_free(point);

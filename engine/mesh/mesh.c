@@ -27,6 +27,7 @@ static void mesh_destroy(void *object) {
   bw_mesh *mesh = &body->mesh;
   bw_free(mesh->regions);
   bw_free(mesh->region);
+  bw_release(mesh->names);
   if (body->places) {
     bw_release(body->places);
   } else {
@@ -39,6 +40,7 @@ static void mesh_destroy(void *object) {
     bw_free(mesh->element);
     bw_free(mesh->facet);
     bw_free(mesh->facet_element);
+    bw_free(mesh->facet_group);
     bw_free(mesh->boundary_node);
     bw_free(mesh->neighbour);
     bw_free(mesh->component);
@@ -57,6 +59,7 @@ static size_t mesh_bytes(const void *object) {
   if (!body->topology)
     bytes += sizeof(int32_t) * (elements * ((size_t)mesh->nodes_per_element + 4) +
                                 (size_t)mesh->facet_count * ((size_t)mesh->nodes_per_facet + 1) +
+                                (mesh->facet_group ? (size_t)mesh->facet_count : 0) +
                                 (size_t)mesh->boundary_node_count + nodes);
   return bytes;
 }

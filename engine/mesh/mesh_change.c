@@ -28,6 +28,7 @@ bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *
   made->object = header;
   /* Topology belongs to the mesh that was built first, however long the chain of moves. */
   ((bwi_mesh *)made)->topology = bw_retain(source->topology ? source->topology : mesh);
+  made->names = mesh->names ? bw_retain(mesh->names) : NULL;
   bw_mesh_regions regions = bw_mesh_regions_of(mesh);
   made->node = made->volume = NULL;
   made->region_count = 0;
@@ -93,6 +94,7 @@ bw_status bw_mesh_with_regions(bw_context *context, const bw_mesh *mesh,
   /* Arrays belong to the mesh that was built first, however long the chain. */
   ((bwi_mesh *)made)->topology = bw_retain(source->topology ? source->topology : mesh);
   ((bwi_mesh *)made)->places = bw_retain(source->places ? source->places : mesh);
+  made->names = mesh->names ? bw_retain(mesh->names) : NULL;
   bw_status status = bwi_mesh_set_regions(context, made, regions);
   if (status == BW_OK)
     *out = made;
@@ -192,6 +194,11 @@ bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order
   }
   BW_TRY(bw_mesh_adopt(context, order, nodes, node, mesh->element_count, element, &regions, out));
   (*out)->surface_moved = mesh->surface_moved;
+  element = NULL;
+  node = NULL;
+  status = bwi_mesh_keep_names(context, mesh, NULL, *out);
+  if (status != BW_OK)
+    bw_release(*out);
 done:
   if (status != BW_OK) {
     bw_free(element);
@@ -206,6 +213,7 @@ bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t
                          bw_mesh **subset) {
   bw_status status = BW_OK;
   size_t width = (size_t)mesh->nodes_per_element, kept = 0;
+  int32_t *from = NULL;
   for (int32_t i = 0; i < mesh->element_count; i++)
     kept += keep[i] != 0;
   if (kept == 0)
@@ -216,21 +224,29 @@ bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t
   int32_t *element = BW_NEW(context, int32_t, width * kept);
   int32_t *region = mesh->region ? BW_NEW(context, int32_t, kept) : NULL;
   double *node = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
-  BW_TRY_MEMORY(element && node && (!mesh->region || region));
+  from = BW_NEW(context, int32_t, kept);
+  BW_TRY_MEMORY(element && node && from && (!mesh->region || region));
   size_t at = 0;
   for (size_t i = 0; i < (size_t)mesh->element_count; i++)
     if (keep[i]) {
       memcpy(element + width * at, mesh->element + width * i, width * sizeof *element);
       if (region)
         region[at] = mesh->region[i];
+      from[at] = (int32_t)i;
       at++;
     }
   memcpy(node, mesh->node, 3 * (size_t)mesh->node_count * sizeof *node);
   regions.of_element = region;
   BW_TRY(bw_mesh_adopt(context, mesh->order, mesh->node_count, node, (int64_t)kept, element,
                        &regions, subset));
+  element = NULL;
+  node = NULL;
+  status = bwi_mesh_keep_names(context, mesh, from, *subset);
+  if (status != BW_OK)
+    bw_release(*subset);
 done:
   bw_free(region);
+  bw_free(from);
   if (status != BW_OK) {
     bw_free(element);
     bw_free(node);
@@ -245,8 +261,11 @@ bw_status bw_mesh_boundary(bw_context *context, const bw_mesh *mesh, bw_surface 
   int32_t *number = BW_NEW0(context, int32_t, mesh->node_count);
   int32_t *triangle = BW_NEW(context, int32_t, 3 * facets);
   int32_t *node = BW_NEW(context, int32_t, mesh->boundary_node_count);
+  int32_t *group = mesh->names ? BW_NEW(context, int32_t, facets) : NULL;
   double *point = BW_NEW(context, double, 3 * (size_t)mesh->boundary_node_count);
-  BW_TRY_MEMORY(number && triangle && node && point);
+  BW_TRY_MEMORY(number && triangle && node && point && (group || !mesh->names));
+  for (size_t i = 0; i < facets && group; i++) /* behind the names: facets without one */
+    group[i] = mesh->facet_group[i] < 0 ? mesh->names->count : mesh->facet_group[i];
   for (size_t i = 0; i < facets; i++)
     for (size_t k = 0; k < 3; k++)
       number[mesh->facet[width * i + k]] = 1;
@@ -262,9 +281,10 @@ bw_status bw_mesh_boundary(bw_context *context, const bw_mesh *mesh, bw_surface 
   for (size_t i = 0; i < facets; i++)
     for (size_t k = 0; k < 3; k++)
       triangle[3 * i + k] = number[mesh->facet[width * i + k]];
-  BW_TRY(bw_surface_adopt(context, points, point, mesh->facet_count, triangle, NULL, surface));
+  BW_TRY(bw_surface_adopt(context, points, point, mesh->facet_count, triangle, group, surface));
+  (*surface)->names = bw_retain(mesh->names);
   point = NULL;
-  triangle = NULL;
+  triangle = group = NULL;
   if (node_of_point) {
     *node_of_point = node;
     node = NULL;
@@ -272,6 +292,7 @@ bw_status bw_mesh_boundary(bw_context *context, const bw_mesh *mesh, bw_surface 
 done:
   bw_free(number);
   bw_free(triangle);
+  bw_free(group);
   bw_free(node);
   bw_free(point);
   return status;

@@ -25,6 +25,14 @@ bw_status bwi_mesh_adopt(bw_context *context, int order, int64_t nodes, double *
 /* Gives a mesh that has elements and no regions its regions, which may be NULL. */
 bw_status bwi_mesh_set_regions(bw_context *context, bw_mesh *mesh, const bw_mesh_regions *regions);
 
+/* A mesh just made gets the groups and names of the facets of a surface that it was filled from,
+ * where that has names. */
+bw_status bwi_mesh_take_names(bw_context *context, const bw_surface *surface, bw_mesh *mesh);
+/* ... or those of another mesh: element_from (index, element_count of the mesh just made) are the
+ * elements there, -1 for none; NULL: its own numbers. Corners of an element have the same order. */
+bw_status bwi_mesh_keep_names(bw_context *context, const bw_mesh *from, const int32_t *element_from,
+                              bw_mesh *mesh);
+
 /* Six times the signed volume of the tetrahedron, and a bound on the rounding error in it that
  * covers the rounding of the coordinates themselves. */
 double bwi_tet_determinant(const double *x0, const double *x1, const double *x2, const double *x3,

@@ -369,12 +369,20 @@ bw_status bw_mesh_refine(bw_context *context, const bw_mesh *mesh, const uint8_t
   BW_TRY_MEMORY(f.element_parent && f.facet_parent && f.node_parent && f.node_weight);
   BW_TRY(place_nodes(&r, &f, cell_of, &made));
   f.mesh = made;
-  made = NULL;
   BW_TRY(find_facets(&r, &f, cell_of));
+  if (mesh->names) {
+    made->facet_group = BW_NEW(context, int32_t, made->facet_count);
+    BW_TRY_MEMORY(made->facet_group);
+    for (int32_t t = 0; t < made->facet_count; t++)
+      made->facet_group[t] = mesh->facet_group[f.facet_parent[t]];
+    made->names = bw_retain(mesh->names);
+  }
   *refinement = f;
   f = (bw_refinement){.mesh = NULL};
+  made = NULL;
 done:
-  bw_release(made);
+  if (!f.mesh)
+    bw_release(made);
   bw_refinement_clear(&f);
   bw_free(cell_of);
   bw_free(r.cells);

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Regions cut off by a surface, and the facets between regions. */
-#include "barwright/mesh.h"
+#include "mesh/mesh_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -221,6 +221,9 @@ bw_status bw_mesh_separate(bw_context *context, const bw_mesh *mesh, int32_t reg
   node = NULL;
   element = NULL;
   (*separated)->surface_moved = mesh->surface_moved;
+  status = bwi_mesh_keep_names(context, mesh, NULL, *separated);
+  if (status != BW_OK)
+    bw_release(*separated);
 done:
   bw_free(node);
   bw_free(element);

@@ -15,6 +15,7 @@ static void surface_destroy(void *object) {
   bw_free(surface->point);
   bw_free(surface->triangle);
   bw_free(surface->group);
+  bw_release(surface->names);
   bw_free(surface);
 }
 
@@ -180,6 +181,7 @@ bw_status bw_surface_transform(bw_context *context, const bw_surface *surface,
     }
   BW_TRY(bw_surface_copy(context, surface->point_count, point, surface->triangle_count,
                          surface->triangle, surface->group, &made));
+  bwi_keep_names(surface, made);
   /* A mirror turns every facet inside out: turn them back. */
   double linear[9] = {matrix[0], matrix[1], matrix[2], matrix[4], matrix[5],
                       matrix[6], matrix[8], matrix[9], matrix[10]};

@@ -67,6 +67,7 @@ bw_status bwi_take_groups(bw_context *context, const bw_surface *from, bw_surfac
     group[t] = from->group[nearest];
   }
   to->group = group;
+  bwi_keep_names(from, to);
 done:
   bwi_tree_destroy(tree);
   return status;

@@ -35,6 +35,7 @@ bw_status bwi_surface_select(bw_context *context, const bw_surface *surface, con
   }
   BW_TRY(bw_surface_copy(context, surface->point_count, surface->point, count, triangle, group,
                          &loose));
+  bwi_keep_names(surface, loose);
   BW_TRY(bw_surface_weld(context, loose, 0, out));
 done:
   bw_release(loose);

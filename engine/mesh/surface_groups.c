@@ -13,6 +13,8 @@ bw_status bw_groups_on_mesh(bw_context *context, const bw_surface *surface, cons
   if (!surface->group || surface->triangle_count == 0)
     return bw_fail(context, BW_INVALID, "the surface has no groups");
   BW_TRY(bw_mesh_boundary(context, mesh, &boundary, NULL));
+  bw_free(boundary->group); /* of the surface that the mesh was filled from */
+  boundary->group = NULL;
   BW_TRY(bwi_take_groups(context, surface, boundary));
   if (mesh->facet_count)
     memcpy(group, boundary->group, (size_t)mesh->facet_count * sizeof *group);

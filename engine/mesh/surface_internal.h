@@ -32,7 +32,14 @@ bw_status bwi_one_sided_distance(bw_context *context, const bw_surface *from, co
  * `before` that do not lie inside `after`. Inner walls that went do not count. */
 bw_status bwi_moved_outside(bw_context *context, const bw_surface *before, const bw_surface *after,
                             double *moved);
-/* Give the facets of a surface just made, which has no groups, the groups of the nearest facets. */
+/* A surface just made, whose groups are those of another one, gets its names. */
+void bwi_keep_names(const bw_surface *from, bw_surface *to);
+/* Where one of `count` surfaces has names: all get groups of one list of names, *names, for the
+ * caller to release; a facet without a name gets the group of an empty one. Else *names is NULL. */
+bw_status bwi_name_alike(bw_context *context, int32_t count, bw_surface **surface,
+                         bw_face_names **names);
+/* Give the facets of a surface just made, which has no groups, the groups of the nearest facets, and
+ * their names. */
 bw_status bwi_take_groups(bw_context *context, const bw_surface *from, bw_surface *to);
 
 #ifdef __cplusplus

@@ -139,6 +139,7 @@ bw_status bw_surface_orient(bw_context *context, const bw_surface *surface, bw_s
 
   BW_TRY(bw_surface_copy(context, surface->point_count, surface->point, surface->triangle_count,
                          surface->triangle, surface->group, &made));
+  bwi_keep_names(surface, made);
   for (int64_t t = 0; t < topology->facets; t++) {
     int32_t p = patch.of[t];
     if (p < 0)

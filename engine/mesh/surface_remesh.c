@@ -82,6 +82,8 @@ static bw_status run(bwi_remesher *r, const bw_remesh_options *options, bw_surfa
     BW_TRY(bwi_remesh_flip_edges(r, 2));
   }
   BW_TRY(bwi_changing_surface(r->mesh, r->faces || r->original->group, made));
+  if (!r->faces) /* else the groups are faces */
+    bwi_keep_names(r->original, *made);
 done:
   return status;
 }

@@ -6,11 +6,22 @@
 
 #include "barwright/mesh.h"
 
+/* Gives a surface just made, which has groups 0 to count - 1, names for them. */
+static bw_status name_faces(bw_context *context, bw_surface *surface, int32_t count,
+                            const bw_name *name) {
+  bw_status status = bw_face_names_create(context, count, name, &surface->names);
+  if (status != BW_OK)
+    bw_release(surface);
+  return status;
+}
+
 bw_status bw_surface_box_shape(bw_context *context, const double min[3], const double max[3],
                                bw_surface **surface) {
   /* Corner i has bit k of i set where it is max along axis k. */
   static const int32_t triangle[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+  static const int32_t group[12] = {0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5};
+  static const bw_name name[6] = {{"bottom"}, {"top"}, {"front"}, {"back"}, {"left"}, {"right"}};
   double point[24];
   for (int k = 0; k < 3; k++)
     if (!(min[k] < max[k]))
@@ -19,7 +30,8 @@ bw_status bw_surface_box_shape(bw_context *context, const double min[3], const d
   for (int i = 0; i < 8; i++)
     for (int k = 0; k < 3; k++)
       point[3 * i + k] = i >> k & 1 ? max[k] : min[k];
-  return bw_surface_copy(context, 8, point, 12, triangle, NULL, surface);
+  bw_status status = bw_surface_copy(context, 8, point, 12, triangle, group, surface);
+  return status == BW_OK ? name_faces(context, *surface, 6, name) : status;
 }
 
 /* An icosahedron, each facet cut in four `subdivisions` times, points on the sphere. */
@@ -39,7 +51,8 @@ bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], d
   size_t count = 20, all = (size_t)20 << (2 * subdivisions);
   double *corner = BW_NEW(context, double, 9 * all), *next = BW_NEW(context, double, 9 * all);
   int32_t *triangle = BW_NEW(context, int32_t, 3 * all);
-  BW_TRY_MEMORY(corner && next && triangle);
+  int32_t *group = BW_NEW0(context, int32_t, all);
+  BW_TRY_MEMORY(corner && next && triangle && group);
   double g = 0.5 * (1 + sqrt(5.0)), s = 1 / sqrt(1 + g * g), l = g * s;
   const double vertex[12][3] = {{-s, l, 0}, {s, l, 0}, {-s, -l, 0}, {s, -l, 0},
                                 {0, -s, l}, {0, s, l}, {0, -s, -l}, {0, s, -l},
@@ -76,13 +89,15 @@ bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], d
       corner[3 * i + k] = centre[k] + radius * corner[3 * i + k];
   }
   BW_TRY(
-      bw_surface_copy(context, (int64_t)(3 * all), corner, (int64_t)all, triangle, NULL, &loose));
+      bw_surface_copy(context, (int64_t)(3 * all), corner, (int64_t)all, triangle, group, &loose));
   BW_TRY(bw_surface_weld(context, loose, 0, surface));
+  status = name_faces(context, *surface, 1, &(bw_name){"sphere"});
 done:
   bw_release(loose);
   bw_free(corner);
   bw_free(next);
   bw_free(triangle);
+  bw_free(group);
   return status;
 }
 
@@ -94,10 +109,12 @@ bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3], c
                    "a cylinder of radius %g m, height %g m and %d segments: positive lengths and 3 "
                    "to 1000000 segments are needed",
                    radius, height, segments);
+  static const bw_name name[3] = {{"bottom"}, {"top"}, {"side"}};
   bw_status status = BW_OK;
   double *point = BW_NEW(context, double, 6 * (size_t)segments + 6);
   int32_t *triangle = BW_NEW(context, int32_t, 12 * (size_t)segments);
-  BW_TRY_MEMORY(point && triangle);
+  int32_t *group = BW_NEW(context, int32_t, 4 * (size_t)segments);
+  BW_TRY_MEMORY(point && triangle && group);
   /* u, v: across the axis, u x v along it */
   double along[3], u[3], v[3];
   for (int k = 0; k < 3; k++)
@@ -113,16 +130,20 @@ bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3], c
     }
     int32_t a = i, b = (i + 1) % segments, c = a + segments, d = b + segments;
     const int32_t facet[12] = {a, b, d, a, d, c, b, a, min, c, d, max};
+    static const int32_t own[4] = {2, 2, 0, 1};
     memcpy(triangle + 12 * (int64_t)i, facet, sizeof facet);
+    memcpy(group + 4 * (int64_t)i, own, sizeof own);
   }
   for (int k = 0; k < 3; k++) {
     point[3 * (int64_t)min + k] = base[k];
     point[3 * (int64_t)max + k] = base[k] + axis[k];
   }
   BW_TRY(bw_surface_copy(context, 2 * (int64_t)segments + 2, point, 4 * (int64_t)segments, triangle,
-                         NULL, surface));
+                         group, surface));
+  status = name_faces(context, *surface, 3, name);
 done:
   bw_free(point);
   bw_free(triangle);
+  bw_free(group);
   return status;
 }

@@ -43,6 +43,7 @@ static bw_status merge_open(bw_context *context, const bw_surface *surface, doub
     }
   BW_TRY(bw_surface_copy(context, surface->point_count, surface->point, surface->triangle_count,
                          surface->triangle, surface->group, &loose));
+  bwi_keep_names(surface, loose);
   for (int64_t i = 0; i < 3 * (int64_t)loose->triangle_count; i++)
     if (to[loose->triangle[i]] >= 0)
       loose->triangle[i] = stands_for[to[loose->triangle[i]]];
@@ -271,6 +272,7 @@ bw_status bwi_separate(bw_context *context, const bw_surface *surface, double ga
     *changed += apart[i];
   BW_TRY(bw_surface_copy(context, points, point, welded->triangle_count, triangle, welded->group,
                          out));
+  bwi_keep_names(welded, *out);
 done:
   bw_release(welded);
   bwi_topology_destroy(topology);

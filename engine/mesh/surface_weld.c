@@ -131,6 +131,7 @@ bw_status bw_surface_weld(bw_context *context, const bw_surface *surface, double
   if (group && corners)
     memcpy(group, surface->group, (size_t)surface->triangle_count * sizeof *group);
   BW_TRY(bw_surface_adopt(context, count, point, surface->triangle_count, triangle, group, welded));
+  bwi_keep_names(surface, *welded);
   point = NULL;
   triangle = group = NULL;
 done:

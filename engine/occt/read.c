@@ -53,8 +53,26 @@ static bw_status body_surface(bw_context *context, const bw_surface *all, const 
   BW_TRY(bw_surface_copy(context, count > 0 ? (int64_t)high - low + 1 : 0,
                          all->point + (count > 0 ? 3 * (size_t)low : 0), count, triangle,
                          all->group + first, surface));
+  (*surface)->names = bw_retain(all->names);
 done:
   bw_free(triangle);
+  return status;
+}
+
+/* The surface of the file gets the names of its faces, which are its groups. */
+static bw_status name_faces(bw_context *context, bw_cad_file *file) {
+  bw_status status = BW_OK;
+  bw_name *name = BW_NEW0(context, bw_name, file->face_count);
+  BW_TRY_MEMORY(name);
+  for (int32_t i = 0; i < file->face_count; i++) {
+    size_t length = strnlen(file->face[i].name, BW_NAME);
+    for (; length == BW_NAME || ((unsigned char)file->face[i].name[length] & 0xC0) == 0x80;)
+      length--; /* cut before a whole character */
+    memcpy(name[i].text, file->face[i].name, length);
+  }
+  BW_TRY(bw_face_names_create(context, file->face_count, name, &file->surface->names));
+done:
+  bw_free(name);
   return status;
 }
 
@@ -110,6 +128,7 @@ static bw_status decode(bw_context *context, const unsigned char *at, size_t lef
   /* Blocks of the stream begin at multiples of 4 bytes. */
   BW_TRY(bw_surface_copy(context, head.points, point, head.triangles, (const void *)triangles,
                          (const void *)groups, &file->surface));
+  BW_TRY(name_faces(context, file));
   for (int32_t i = 0; i < file->body_count; i++) {
     bwi_occt_body from;
     memcpy(&from, bodies + (size_t)i * sizeof from, sizeof from);

@@ -8,6 +8,7 @@
  * bit. */
 #include "barwright/shape.h"
 #include "mesh/locator.h"
+#include "mesh/surface_internal.h"
 #include "mesh/surface_tree.h"
 
 #include <math.h>
@@ -431,6 +432,7 @@ bw_status bw_pose_surface(bw_context *context, const bw_subdomains *subdomains, 
   if (moved)
     *moved = farthest;
   BW_TRY(bw_surface_adopt(context, r.points, r.moved, r.triangles, r.triangle, r.group, posed));
+  bwi_keep_names(surface, *posed);
   r.moved = NULL;
   r.triangle = r.group = NULL;
 done:

@@ -73,7 +73,8 @@ local bw = {
   von_mises_slopes = core.von_mises_slopes,
   quadratic_program = core.quadratic_program,
 }
-require "barwright.named_surfaces"
+require "barwright.modeller"
+require "barwright.outline_fillet"
 require "barwright.fields"
 require "barwright.adaptive"
 require "barwright.buckling"

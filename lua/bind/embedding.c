@@ -92,6 +92,8 @@ static int embedding_moved(lua_State *L) {
       point[i] += surface->point[i];
     status = bw_surface_copy(context, it->point_count, point, surface->triangle_count,
                              surface->triangle, surface->group, &out);
+    if (status == BW_OK && out->group)
+      out->names = bw_retain(surface->names);
   }
   bw_free(point);
   return lbw_leave_object(L, box, out, status);

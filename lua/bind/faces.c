@@ -93,7 +93,7 @@ int lbw_surface_faces(lua_State *L) {
 /* Which face: by number, by name, or the nearest to a point. */
 typedef struct opts {
   lua_Integer number;
-  char name[40];
+  char name[BW_NAME];
   bool near;
   double point[3];
 } opts;
@@ -132,24 +132,45 @@ static int32_t find_face(const bw_faces *faces, const bw_surface *surface, const
   return -1;
 }
 
+/* Marks the facets of a face that has this name since its surface was made. */
+static bool mark_named(const bw_mesh *mesh, const char *name, uint8_t *mask) {
+  bool some = false;
+  for (int32_t t = 0; t < mesh->facet_count; t++) {
+    mask[t] = mesh->names && bw_face_names_is(mesh->names, mesh->facet_group[t], name);
+    some = some || mask[t];
+  }
+  return some;
+}
+
+/* "'top', 'bolt hole', " */
+static void list_names(const bw_face_names *names, char *text, size_t size) {
+  size_t used = 0;
+  for (int32_t i = 0; names && i < names->count && used + BW_NAME + 5 < size; i++)
+    if (names->name[i].text[0])
+      used += (size_t)snprintf(text + used, size - used, "'%s', ", names->name[i].text);
+}
+
 static bw_status select_face(bw_context *context, const bw_mesh *mesh, const opts *w, uint8_t *mask,
                              bw_selection **chosen) {
   bw_surface *surface = NULL;
   bw_faces *faces = NULL;
   bw_status status;
+  if (w->name[0] && mark_named(mesh, w->name, mask))
+    return bw_select_mask(context, mesh, mask, NULL, chosen);
   BW_TRY(bw_mesh_boundary(context, mesh, &surface, NULL));
   BW_TRY(bw_faces_find(context, surface, 0, &faces));
   int32_t face = find_face(faces, surface, w);
   if (face < 0) {
-    char asked[40];
+    char asked[BW_NAME + 2], known[400] = "";
     if (w->name[0])
-      snprintf(asked, sizeof asked, "'%.37s'", w->name);
+      snprintf(asked, sizeof asked, "'%s'", w->name);
     else
       snprintf(asked, sizeof asked, "%lld", (long long)w->number);
+    list_names(mesh->names, known, sizeof known);
     status = bw_fail(context, BW_EMPTY,
-                     "the boundary has no face %s: the name of one of its %d faces, or a number "
+                     "the boundary has no face %s: %sthe name of one of its %d faces, or a number "
                      "from 1 to %d, expected; print(mesh:surface()) lists them",
-                     asked, faces->count, faces->count);
+                     asked, known, faces->count, faces->count);
     goto done;
   }
   for (int32_t t = 0; t < mesh->facet_count; t++)

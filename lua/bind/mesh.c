@@ -624,6 +624,7 @@ static const luaL_Reg methods[] = {{"write", mesh_write},
                                    {"surface", mesh_surface},
                                    {"curved", lbw_mesh_curved},
                                    {"faces", lbw_mesh_faces},
+                                   {"face_names", lbw_mesh_face_names},
                                    {"region", lbw_mesh_region},
                                    {"with_regions", lbw_mesh_with_regions},
                                    {"split", lbw_mesh_split},
@@ -670,6 +671,8 @@ void lbw_open_mesh(lua_State *L) {
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);
   lua_setfield(L, -2, "mesh");
+  lua_pushcfunction(L, lbw_polygon_triangles);
+  lua_setfield(L, -2, "polygon_triangles");
   lua_pushcfunction(L, lbw_face_labels);
   lua_setfield(L, -2, "face_labels");
 }

@@ -117,11 +117,12 @@ done:
 
 /* ---- making ---------------------------------------------------------------------------------- */
 
-/* surface.new{points, triangles, groups}: metres, numbers from 1 */
+/* surface.new{points, triangles, groups, face_names}: metres, numbers from 1 */
 static int surface_new(lua_State *L) {
   static const lbw_option options[] = {{"points", LBW_OTHER, 0},
                                        {"triangles", LBW_OTHER, 0},
                                        {"groups", LBW_OTHER, 0},
+                                       {"face_names", LBW_OTHER, 0},
                                        {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
@@ -136,9 +137,23 @@ static int surface_new(lua_State *L) {
     group = lbw_to_indices(L, -1, "surface.new: groups", 1, &groups);
     lbw_require_rows(L, "surface.new: groups", groups, triangles, "triangle");
   }
+  bw_name *name = NULL;
+  int32_t names = 0;
+  if (lbw_option_get(L, 1, "face_names") != LUA_TNIL) {
+    if (!group)
+      lbw_error(L, "surface.new: option 'face_names': only with 'groups', which they are names of");
+    name = lbw_to_names(L, -1, "surface.new: face_names", &names);
+  }
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
-  bw_status status = bw_surface_copy(lbw_enter(L), points, point, triangles, triangle, group, &out);
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_surface_copy(context, points, point, triangles, triangle, group, &out);
+  if (status == BW_OK && name)
+    status = bw_face_names_create(context, names, name, &out->names);
+  if (status != BW_OK) {
+    bw_release(out);
+    out = NULL;
+  }
   return lbw_leave_object(L, box, out, status);
 }
 
@@ -580,6 +595,8 @@ static const luaL_Reg methods[] = {{"write", surface_write},
                                    {"difference", surface_difference},
                                    {"intersection", surface_intersection},
                                    {"groups_on", surface_groups_on},
+                                   {"named", lbw_surface_named},
+                                   {"face_names", lbw_surface_face_names},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {{"points", surface_points},
                                       {"triangles", surface_triangles},

@@ -407,6 +407,15 @@ function Mesh:curved(surface) end
 ---@return bw.Array nodes (index from 1, point_count × 1, per point) the node of the mesh
 function Mesh:surface() end
 
+---The names of faces that the mesh got from its surface, such as those of `surface:named` or of a STEP file.
+---`boundary:face(name)` selects one.
+---```lua
+---local mesh = assert(bw.mesh.fill(bw.surface.box {max = {0.03, 0.02, 0.01}}))
+---print(mesh:face_names()[1], mesh.boundary:face("top").area)
+---```
+---@return string[] names empty where none has a name
+function Mesh:face_names() end
+
 ---The faces of the surface that the mesh was filled from, as `surface:faces()` lists them, with the area and the number of
 ---facets that each has on the mesh's boundary. A face that the mesh lost has area 0.
 ---

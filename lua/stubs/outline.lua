@@ -469,6 +469,27 @@ function Outline:rotated(degrees, about) end
 ---@return bw.Details? details
 function Outline:scaled(factor, about) end
 
+---Replaces corners between two lines by arcs. An arc has an edge for every 45 degrees that have begun. Arcs that do not
+---fit into their edges raise, and so does a vertex at the end of a curve.
+---
+---Errors: geometry (arcs would cross another loop).
+---```lua
+---local corner = {{0, 0}, {0.1, 0}, {0.1, 0.01}, {0.01, 0.01}, {0.01, 0.08}, {0, 0.08}}
+---local profile = assert(bw.outline(corner):fillet(0.005, {vertices = 4}))
+---print(profile.area) -- near 0.0017 + 0.005^2 (1 - pi / 4)
+---```
+---@param radius number (m) of the arcs, above 0
+---@param options? bw.FilletOptions which corners
+---@return bw.Outline? outline with arcs
+---@return string? message
+---@return bw.Details? details
+function Outline:fillet(radius, options) end
+
+---Which corners become arcs.
+---@class bw.FilletOptions
+---@field vertices? integer|integer[] (index from 1, n) numbers of vertices. Default: all corners between two lines
+---@field tag? string the tag of the arcs. Default: "fillet"
+
 ---Area, perimeter, centroid, second moments and box. The perimeter of a region counts its boundaries with others.
 ---@param region? integer (index from 1) the region. Default: all the material
 ---@return bw.OutlineMeasures measures exact for lines and cubic curves, by Green's theorem

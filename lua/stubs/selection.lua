@@ -101,8 +101,9 @@ function Selection:where(predicate) end
 ---@return bw.Selection selection the part
 function Selection:region(name) end
 
----A face of the mesh's boundary, as `mesh:surface():faces()` finds them. A face that is not there raises.
----@param which integer|string|bw.FaceNear (index from 1) its number by descending area, its name such as "plane 2", or a point that it is nearest to
+---A face of the mesh's boundary: one that its surface named (`mesh:face_names()`), or as `mesh:surface():faces()` finds
+---them. A face that is not there raises.
+---@param which integer|string|bw.FaceNear (index from 1) its number by descending area, its name such as "bolt hole" or "plane 2", or a point that it is nearest to
 ---@return bw.Selection selection the part
 function Selection:face(which) end
 

@@ -85,8 +85,10 @@ function surface_module.new(options) end
 ---@field points number[][]|bw.Array (m, n × 3, per point) coordinates
 ---@field triangles integer[][]|bw.Array (index from 1, t × 3, per triangle) numbers of points, counter-clockwise seen from outside
 ---@field groups? integer[]|bw.Array (index from 1, t × 1, per triangle) the group of each triangle. Default: none
+---@field face_names? string[] names of the groups, by number; empty texts for those without one. Default: none
 
----A box along the axes, of 12 triangles.
+---A box along the axes, of 12 triangles. Its faces are "left" and "right" (along x), "front" and "back" (along y),
+---"bottom" and "top" (along z).
 ---```lua
 ---local box = bw.surface.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}}
 ---print(box.volume) -- 2e-05
@@ -100,7 +102,8 @@ function surface_module.box(options) end
 ---@field min? bw.Vector (m) the smallest coordinates. Default: {0, 0, 0}
 ---@field max bw.Vector (m) the largest coordinates
 
----A sphere of triangles: an icosahedron whose triangles are cut into four `subdivisions` times.
+---A sphere of triangles: an icosahedron whose triangles are cut into four `subdivisions` times. It is one face,
+---"sphere".
 ---```lua
 ---local ball = bw.surface.sphere {radius = 0.01, subdivisions = 4}
 ---print(ball.triangle_count) -- 5120
@@ -114,8 +117,9 @@ function surface_module.sphere(options) end
 ---@field centre? bw.Vector (m) the centre. Default: {0, 0, 0}
 ---@field radius number (m) the radius, above 0
 ---@field subdivisions? integer (count) how often triangles are cut into four. Range: 0 to 9. Default: 3
+---@field tolerance? number (m) instead: the largest distance of triangles from the sphere, above 0
 
----A closed cylinder.
+---A closed cylinder with the faces "bottom", "top" and "side".
 ---```lua
 ---local rod = bw.surface.cylinder {axis = {0, 0, 0.1}, radius = 0.005, segments = 96}
 ---print(rod)
@@ -130,10 +134,64 @@ function surface_module.cylinder(options) end
 ---@field axis bw.Vector (m) from the base's centre to that of the top; its length is the height
 ---@field radius number (m) the radius, above 0
 ---@field segments? integer (count) sides of the polygon that stands for the circle. Range: 3 to 1000000. Default: 48
+---@field tolerance? number (m) instead: the largest distance of triangles from the cylinder, above 0
+
+---A closed cone or frustum of a cone with the faces "bottom", "top" and "side".
+---```lua
+---local nozzle = bw.surface.cone {axis = {0, 0, 0.02}, radius = 0.01, top_radius = 0.004}
+---print(nozzle.volume) -- near pi 0.02 (0.01^2 + 0.01 0.004 + 0.004^2) / 3
+---```
+---@param options bw.SurfaceConeOptions its size
+---@return bw.Surface surface a closed surface, whose points lie on the cone
+function surface_module.cone(options) end
+
+---A cone.
+---@class bw.SurfaceConeOptions
+---@field base? bw.Vector (m) the centre of the base. Default: {0, 0, 0}
+---@field axis bw.Vector (m) from the base's centre to that of the top; its length is the height
+---@field radius number (m) the radius of the base. Range: 0 and more
+---@field top_radius? number (m) the radius of the top; 0 of a cone with an apex. Range: 0 and more. Default: 0
+---@field segments? integer (count) sides of the polygon that stands for the circle. Range: 3 to 1000000. Default: 48
+---@field tolerance? number (m) instead: the largest distance of triangles from the cone, above 0
+
+---A right prism over a regular polygon with the faces "bottom", "top", "side 1", "side 2" and so on. A prism over any
+---other polygon is an extruded outline.
+---```lua
+---local nut = bw.surface.prism {axis = {0, 0, 0.005}, radius = 0.006, sides = 6}
+---print(nut.volume) -- 1.5 sqrt(3) 0.006^2 0.005
+---```
+---@param options bw.SurfacePrismOptions its size
+---@return bw.Surface surface a closed surface
+function surface_module.prism(options) end
+
+---A prism.
+---@class bw.SurfacePrismOptions
+---@field base? bw.Vector (m) the centre of the base. Default: {0, 0, 0}
+---@field axis bw.Vector (m) from the base's centre to that of the top; its length is the height
+---@field radius number (m) from the axis to the corners, above 0
+---@field sides integer (count) of the polygon. Range: 3 to 1000000
+
+---A torus, which is one face, "torus".
+---```lua
+---local ring = bw.surface.torus {radius = 0.02, tube = 0.005}
+---print(ring.volume) -- near 2 pi^2 0.02 0.005^2
+---```
+---@param options bw.SurfaceTorusOptions its size
+---@return bw.Surface surface a closed surface, whose points lie on the torus
+function surface_module.torus(options) end
+
+---A torus.
+---@class bw.SurfaceTorusOptions
+---@field centre? bw.Vector (m) the centre. Default: {0, 0, 0}
+---@field axis? bw.Vector (-) the axis, of any length but 0. Default: {0, 0, 1}
+---@field radius number (m) of the circle in the middle of the tube, above 0
+---@field tube number (m) the radius of the tube, above 0 and below `radius`
+---@field segments? integer (count) sides of the polygons that stand for either circle. Range: 3 to 1000000. Default: 48
+---@field tolerance? number (m) instead: the largest distance of the polygons from their circles, above 0
 
 ---An outline extruded along z from 0. The faces have the names "start" (at 0) and "end" and the tags of the outline.
 ---
----Errors: geometry (the outline cannot be filled), limit (too many elements).
+---Errors: geometry (loops of the outline touch).
 ---```lua
 ---local plate = assert(bw.surface.extrude(bw.outline.rectangle {width = 0.04, height = 0.02}, {height = 0.01}))
 ---print(plate.volume) -- near 8e-06
@@ -149,6 +207,85 @@ function surface_module.extrude(outline, options) end
 ---@class bw.SurfaceExtrudeOptions
 ---@field height number (m) the length along z, above 0
 ---@field curvature? number (degrees) the largest turn between sides along curves. Range: above 0, to 90. Default: 20
+---@field tolerance? number (m) the largest distance of sides from curves, above 0. Default: none
+
+---An outline revolved about its y axis, which becomes the z axis: a place x, y goes round at the radius x and the height
+---y. The outline lies at x of 0 or more. The faces have the tags of the outline; a part of a turn also has "start"
+---(in the plane x, z) and "end". An outline that reaches to the left of the axis raises.
+---
+---Errors: geometry (loops of the outline touch).
+---```lua
+---local rim = assert(bw.outline.rectangle {min = {0.03, 0}, max = {0.04, 0.01}, tag = "rim"})
+---local wheel = assert(bw.surface.revolve(rim, {segments = 96}))
+---print(wheel.volume) -- near 2 pi 0.035 0.0001
+---```
+---@param outline bw.Outline what is revolved, with its holes
+---@param options? bw.SurfaceRevolveOptions how far, and how finely
+---@return bw.Surface? surface closed, with named faces
+---@return string? message
+---@return bw.Details? details
+function surface_module.revolve(outline, options) end
+
+---How an outline is revolved.
+---@class bw.SurfaceRevolveOptions
+---@field angle? number (rad) from the plane x, z on. Range: above 0, to 2 pi. Default: 2 pi
+---@field segments? integer (count) sides of a full turn. Range: 3 to 1000000. Default: 48, or by `tolerance`
+---@field curvature? number (degrees) the largest turn between sides along curves of the outline. Range: above 0, to 90. Default: 20
+---@field tolerance? number (m) the largest distance of sides from curves of the outline and from circles, above 0. Default: none
+
+---An outline swept along a path: its origin follows the path, and its plane stays across it. Sections turn about the
+---path as little as they can (a rotation-minimising frame). At a corner of the path the pieces meet in a mitre joint, so
+---that the outline is the same all along them. An outline whose centroid is its origin gives area times length. The
+---faces have the names "start" and "end" and the tags of the outline. A path that turns back by more than 170 degrees raises.
+---
+---Errors: geometry (loops of the outline touch). Where the path bends more sharply than the outline is wide, the surface
+---crosses itself: `check` says so.
+---```lua
+---local wire = assert(bw.outline.circle {radius = 0.001})
+---local path = {{0, 0, 0}, {0, 0, 0.02}, {0.02, 0, 0.02}}
+---local hook = assert(bw.surface.sweep(wire, {path = path}))
+---print(hook.volume) -- near pi 0.001^2 0.04
+---```
+---@param outline bw.Outline what is swept, with its holes
+---@param options bw.SurfaceSweepOptions along what
+---@return bw.Surface? surface closed, with named faces
+---@return string? message
+---@return bw.Details? details
+function surface_module.sweep(outline, options) end
+
+---How an outline is swept.
+---@class bw.SurfaceSweepOptions
+---@field path bw.Vector[]|fun(t: number): bw.Vector (m) places that straight pieces join, or a curve for t from 0 to 1
+---@field closed? boolean the path leads from its last place to its first. A curve's t = 1 is then its t = 0. Default: false
+---@field up? bw.Vector (-) where the outline's y axis points at the first place, as nearly as it can. Default: {0, 0, 1}, or {0, 1, 0} where the path begins along z
+---@field segments? integer (count) pieces that a curve is cut into. Range: 3 to 1000000. Default: 64
+---@field curvature? number (degrees) the largest turn between sides along curves of the outline. Range: above 0, to 90. Default: 20
+---@field tolerance? number (m) the largest distance of sides from curves of the outline, above 0. Default: none
+
+---A solid between outlines at several heights, which straight lines join. Loops belong together in their order, and
+---edges one by one where they are as many. Otherwise places of the same fraction of the length belong together, from where
+---the solid twists least. The faces have the names "start" and "end" and the tags of the lower outline of each part. Outlines
+---of different numbers of loops raise.
+---
+---Errors: geometry (loops of an outline touch).
+---```lua
+---local wide = assert(bw.outline.rectangle {width = 0.04, height = 0.04, centre = {0, 0}})
+---local slim = assert(bw.outline.rectangle {width = 0.02, height = 0.02, centre = {0, 0}})
+---local foot = assert(bw.surface.loft({wide, slim}, {heights = {0, 0.03}}))
+---print(foot.volume) -- 0.03 (0.0016 + 0.0004 + 0.0008) / 3
+---```
+---@param outlines bw.Outline[] two or more
+---@param options bw.SurfaceLoftOptions where they lie
+---@return bw.Surface? surface closed, with named faces
+---@return string? message
+---@return bw.Details? details
+function surface_module.loft(outlines, options) end
+
+---Where outlines of a loft lie.
+---@class bw.SurfaceLoftOptions
+---@field heights number[] (m, n, per outline) ascending
+---@field curvature? number (degrees) the largest turn between sides along curves. Range: above 0, to 90. Default: 20
+---@field tolerance? number (m) the largest distance of sides from curves, above 0. Default: none
 
 ---The zero set of a function of x, y and z that is negative inside, by marching tetrahedra. The function must be
 ---positive on the box's surface. One that is nowhere negative on the grid raises.
@@ -396,14 +533,74 @@ function Surface:difference(other) end
 ---@return bw.Details? details
 function Surface:intersection(other) end
 
----The same surface with one name for all its triangles.
----@param name string the name, such as "bolt hole"
----@return bw.Surface surface with one group, of that name
-function Surface:named(name) end
+---The same surface with a name for all its triangles, or another name for one of its faces. A face that is not there
+---raises. Names follow the faces through moves, booleans, repair, remeshing and filling: `mesh.boundary:face(name)`.
+---```lua
+---local drill = bw.surface.cylinder {base = {0.02, 0.02, -0.01}, axis = {0, 0, 0.03}, radius = 0.006}
+---local plate = bw.surface.box {max = {0.04, 0.04, 0.01}}
+---local part = assert(plate:difference(drill:named "bolt hole"))
+---local mesh = assert(bw.mesh.fill(part, {edge_length = 0.005}))
+---print(mesh.boundary:face("bolt hole").area)
+---```
+---@param name string the name, such as "bolt hole", of at most 47 bytes
+---@param face? string the face that gets it. Default: all triangles become one face
+---@return bw.Surface surface with the name
+function Surface:named(name, face) end
 
----The names of the groups of triangles. Moves and booleans keep them.
----@return string[] names by number of the group; empty where they have none
+---The names of the groups of triangles.
+---@return string[] names by number of the group, empty texts for those without one; an empty list where none has a name
 function Surface:face_names() end
+
+---The mirror image at a plane.
+---```lua
+---local left = bw.surface.box {max = {0.02, 0.01, 0.01}}
+---print(left:mirror({1, 0, 0}).box.min[1]) -- -0.02
+---```
+---@param normal bw.Vector (-) of the plane, of any length but 0
+---@param point? bw.Vector (m) a point of the plane. Default: {0, 0, 0}
+---@return bw.Surface? surface mirrored, with the same names
+---@return string? message
+---@return bw.Details? details
+function Surface:mirror(normal, point) end
+
+---Copies in a row, as one surface: their union where they meet.
+---
+---Errors: as of `union`, where copies meet.
+---```lua
+---local rib = bw.surface.box {max = {0.002, 0.02, 0.01}}
+---print(rib:linear_array({count = 5, step = {0.006, 0, 0}}).volume) -- 2e-06
+---```
+---@param options bw.LinearArrayOptions how many, and how far apart
+---@return bw.Surface? surface with the same names
+---@return string? message
+---@return bw.Details? details
+function Surface:linear_array(options) end
+
+---Copies in a row.
+---@class bw.LinearArrayOptions
+---@field count integer (count) of copies, with the first one. Range: 1 to 100000
+---@field step bw.Vector (m) from each copy to the next
+
+---Copies in a ring, as one surface: their union where they meet.
+---
+---Errors: as of `union`, where copies meet.
+---```lua
+---local drill = bw.surface.cylinder {base = {0.03, 0, 0}, axis = {0, 0, 0.01}, radius = 0.003}
+---local drills = assert(drill:polar_array {count = 6})
+---print(drills.volume / drill.volume) -- 6.0
+---```
+---@param options bw.PolarArrayOptions how many, and about which axis
+---@return bw.Surface? surface with the same names
+---@return string? message
+---@return bw.Details? details
+function Surface:polar_array(options) end
+
+---Copies in a ring.
+---@class bw.PolarArrayOptions
+---@field count integer (count) of copies, with the first one. Range: 1 to 100000
+---@field axis? bw.Vector (-) of the ring, of any length but 0. Default: {0, 0, 1}
+---@field centre? bw.Vector (m) a point of the axis. Default: {0, 0, 0}
+---@field angle? number (rad) from each copy to the next. Default: 2 pi / count
 
 ---The part of a mesh's boundary that lies on the triangles of a name. A name that is not there raises.
 ---@param mesh bw.Mesh a mesh that was filled from the surface

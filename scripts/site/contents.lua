@@ -3,7 +3,8 @@
 -- entry: run.lua refuses to leave one out.
 return {
   {title = "Tutorials", pages = {
-    {"docs/tutorial.md", "From an STL file to an answer"}, {"docs/tutorial_edit.md", "Edit sessions"},
+    {"docs/tutorial.md", "From an STL file to an answer"}, {"docs/tutorial_geometry.md", "A part from numbers"},
+    {"docs/tutorial_edit.md", "Edit sessions"},
     {"docs/tutorial_responsive.md", "From a drawing to a tuned bar"}, {"docs/tutorial_solids.md", "Soft bodies"},
     {"lessons", "Lessons"},
   }},

@@ -11,13 +11,27 @@ extern "C" {
 
 /* ---- surfaces ------------------------------------------------------------------------- */
 
-/* A triangle surface, as read or as made: it may be open, unwelded, wrongly oriented. */
+/* Names of groups of facets: an object that surfaces and meshes share. */
+typedef struct bw_face_names {
+  bw_object object;
+  int32_t count;
+  bw_name *name; /* (count) of groups 0 to count - 1; empty where a group has none */
+} bw_face_names;
+/* Names from a list, name (count), which may repeat a name. */
+BW_API bw_status bw_face_names_create(bw_context *context, int32_t count, const bw_name *name,
+                                      bw_face_names **names);
+/* Whether a group has this name, which is not empty. */
+BW_API bool bw_face_names_is(const bw_face_names *names, int32_t group, const char *name);
+
+/* A triangle surface, as read or as made: it may be open, unwelded, wrongly oriented. Its faces
+ * keep their names through moves, repair, remeshing and booleans. */
 typedef struct bw_surface {
   bw_object object;
   int32_t point_count, triangle_count;
-  double *point;     /* (m, point_count x 3) */
-  int32_t *triangle; /* (index, triangle_count x 3) counter-clockwise seen from outside */
-  int32_t *group;    /* (triangle_count) or NULL: the group, solid or region a facet came from */
+  double *point;        /* (m, point_count x 3) */
+  int32_t *triangle;    /* (index, triangle_count x 3) counter-clockwise seen from outside */
+  int32_t *group;       /* (triangle_count) or NULL: the group, solid or region a facet came from */
+  bw_face_names *names; /* of its groups, or NULL; only with `group` */
 } bw_surface;
 
 /* A surface of `points` points, point (m, points x 3), and `triangles` facets, triangle (index,
@@ -32,6 +46,12 @@ BW_API bw_status bw_surface_copy(bw_context *context, int64_t points, const doub
 BW_API bw_status bw_surface_adopt(bw_context *context, int64_t points, double *point,
                                   int64_t triangles, int32_t *triangle, int32_t *group,
                                   bw_surface **surface);
+
+/* The same facets with other groups, group (triangle_count; NULL: those that it has), and names for
+ * them; NULL: none. BW_INVALID for names without groups. */
+BW_API bw_status bw_surface_with_names(bw_context *context, const bw_surface *surface,
+                                       const int32_t *group, const bw_face_names *names,
+                                       bw_surface **named);
 
 /* The smallest and the largest coordinates; all zero for an empty surface. */
 BW_API void bw_surface_box(const bw_surface *surface, double min[3], double max[3]);
@@ -253,6 +273,9 @@ typedef struct bw_mesh {
   int32_t facet_count;
   int32_t *facet;         /* (index, facet_count x nodes_per_facet) */
   int32_t *facet_element; /* (index, facet_count) the element it bounds */
+  int32_t *facet_group;   /* (facet_count) the group of its surface that a facet lies on, -1 for
+                             none; NULL where no face has a name */
+  bw_face_names *names;   /* of these groups, or NULL; only with `facet_group` */
   int32_t boundary_node_count;
   int32_t *boundary_node; /* (index, boundary_node_count) ascending; corners and mid-edge nodes */
 
@@ -319,8 +342,8 @@ BW_API bw_status bw_mesh_curve_order(bw_context *context, const bw_mesh *mesh,
 /* The elements with keep (element_count) not 0 only, unused nodes dropped. BW_EMPTY without any. */
 BW_API bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t *keep,
                                 bw_mesh **subset);
-/* The boundary as a surface (corners only). node_of_point (index, point_count), which may be NULL,
- * is a block of mesh nodes for the caller to bw_free. */
+/* The boundary as a surface (corners only), with the names of its faces. node_of_point (index,
+ * point_count), which may be NULL, is a block of mesh nodes for the caller to bw_free. */
 BW_API bw_status bw_mesh_boundary(bw_context *context, const bw_mesh *mesh, bw_surface **surface,
                                   int32_t **node_of_point);
 /* The smallest and the largest coordinates of the nodes. */
@@ -469,8 +492,9 @@ typedef struct bw_fill_log {
   double seconds_repair, seconds_remesh, seconds_fill; /* (s) of the parts */
 } bw_fill_log;
 /* Fill a surface with tetrahedra by TetGen, in a child process with limits on time and memory.
- * Where TetGen refuses, repair, remesh or wrap and try again; warnings and log say so. `log` may be
- * NULL. BW_GEOMETRY where none of this helps, BW_LIMIT where time or memory run out. */
+ * Facets of the boundary get the names of the surface's faces. Where TetGen refuses, repair, remesh
+ * or wrap and try again; warnings and log say so. `log` may be NULL. BW_GEOMETRY where none of this
+ * helps, BW_LIMIT where time or memory run out. */
 BW_API bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
                               const bw_fill_options *options, bw_mesh **mesh, bw_fill_log *log);
 
@@ -502,14 +526,22 @@ BW_API bw_status bw_mesh_box_grid(bw_context *context, const double min[3], cons
 BW_API bw_status bw_mesh_mapped_box(bw_context *context, const int cells[3], int order,
                                     void (*map)(void *data, const double unit[3], double out[3]),
                                     void *data, bw_mesh **mesh);
-/* A box of twelve facets between two corners. */
+/* The region of the plane that lies inside an odd number of closed polygons, cut into triangles
+ * between their corners only. Polygon i has the points start[i] to start[i + 1] - 1 of point (m, x
+ * 2). *triangle (index, *count x 3), counter-clockwise, is a block for the caller to bw_free.
+ * BW_GEOMETRY where polygons cross or touch each other or themselves, or have no area. */
+BW_API bw_status bw_polygons_triangles(bw_context *context, int32_t polygons, const int32_t *start,
+                                       const double *point, int32_t **triangle, int64_t *count);
+/* A box of twelve facets between two corners: "left" and "right" along x, "front" and "back" along
+ * y, "bottom" and "top" along z. */
 BW_API bw_status bw_surface_box_shape(bw_context *context, const double min[3], const double max[3],
                                       bw_surface **surface);
-/* An icosahedron with edges halved 0 to 9 times (`subdivisions`), points on the sphere. */
+/* An icosahedron with edges halved 0 to 9 times (`subdivisions`), points on the sphere, which is
+ * one face "sphere". */
 BW_API bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], double radius,
                                          int subdivisions, bw_surface **surface);
 /* A closed cylinder from the middle of its base (m) along axis (m), which has the length of its
- * height, of 3 to 1000000 `segments` around. */
+ * height, of 3 to 1000000 `segments` around: "bottom", "top" and "side". */
 BW_API bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3],
                                            const double axis[3], double radius, int segments,
                                            bw_surface **surface);

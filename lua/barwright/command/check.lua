@@ -204,6 +204,30 @@ local function face_labels(surface, picture)
   return labels
 end
 
+-- The faces that the file names, the largest first: {name =, area =}.
+local function named_faces(surface)
+  local names, area, list = surface:face_names(), {}, {}
+  if #names == 0 then return list end
+  local points, groups = surface.points:totable(), surface.groups:totable()
+  for t, corners in ipairs(surface.triangles:totable()) do
+    local name, u, v = names[groups[t]], {}, {}
+    if name and name ~= "" then
+      for k = 1, 3 do
+        local from = points[corners[1]][k]
+        u[k], v[k] = points[corners[2]][k] - from, points[corners[3]][k] - from
+      end
+      area[name] = (area[name] or 0) + math.sqrt((u[2] * v[3] - u[3] * v[2]) ^ 2
+        + (u[3] * v[1] - u[1] * v[3]) ^ 2 + (u[1] * v[2] - u[2] * v[1]) ^ 2) / 2
+    end
+  end
+  for name, size in pairs(area) do list[#list + 1] = {name = name, area = size} end
+  table.sort(list, function(a, b)
+    if a.area ~= b.area then return a.area > b.area end
+    return a.name < b.name
+  end)
+  return list
+end
+
 -- With --faces: the faces, the largest first.
 local function report_faces(surface, opts, out)
   if not opts.faces then return true end
@@ -220,7 +244,15 @@ local function report_faces(surface, opts, out)
     end
   end
   if #faces > MAX_FACES then out:say("  and %d smaller ones.", #faces - MAX_FACES) end
-  out:json {faces = list}
+  local named = named_faces(surface)
+  local entries = bw.json.list {}
+  if #named > 0 then out:say("%s with names of the file:", model.count(#named, "face")) end
+  for i, face in ipairs(named) do
+    entries[i] = {name = face.name, area_m2 = face.area}
+    if i <= MAX_FACES then out:say("  %-12s %s", face.name, core.quantity(face.area, "m2")) end
+  end
+  if #named > MAX_FACES then out:say("  and %d smaller ones.", #named - MAX_FACES) end
+  out:json {faces = list, named_faces = #named > 0 and entries or nil}
   return true
 end
 

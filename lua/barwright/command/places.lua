@@ -10,8 +10,9 @@ local places = {}
 
 --- For the help of commands that take places.
 places.help = "A PLACE on the surface is min:AXIS or max:AXIS (the lowest or highest fiftieth of the part "
-  .. "along x, y or z), below:AXIS:COORDINATE, above:AXIS:COORDINATE, near:X,Y,Z:RADIUS, or all. Coordinates and "
-  .. "radii have a unit; behind a point, one stands for all three: near:0,0,30mm:5mm."
+  .. "along x, y or z), below:AXIS:COORDINATE, above:AXIS:COORDINATE, near:X,Y,Z:RADIUS, face:NAME (a face that "
+  .. "the file names, or one of those that `barwright check --faces yes` lists), or all. Coordinates and radii "
+  .. "have a unit; behind a point, one stands for all three: near:0,0,30mm:5mm."
 
 -- ---- numbers ---------------------------------------------------------------------------------------
 
@@ -81,8 +82,13 @@ local function max_end(box, axis)
   return box.max[axis] - FRACTION * (box.max[axis] - box.min[axis])
 end
 
--- Of each kind: how it is written, how its parts are read, what it selects of a boundary, and whether a point lies
--- in it.
+local function face_of(text)
+  if text == "" then return nil, "the name of a face expected, got nothing" end
+  return math.tointeger(tonumber(text)) or text
+end
+
+-- Of each kind: how it is written, how its parts are read (with `whole` one part is all the text), what it selects
+-- of a boundary, and whether a point lies in it (nil: only the mesh knows).
 local kinds = {
   all = {form = "all", parts = {},
     select = function(boundary) return boundary end,
@@ -104,6 +110,8 @@ local kinds = {
     test = function(p, _, point, radius)
       return (p[1] - point[1]) ^ 2 + (p[2] - point[2]) ^ 2 + (p[3] - point[3]) ^ 2 <= radius ^ 2
     end},
+  face = {form = "face:NAME", parts = {face_of}, whole = true,
+    select = function(boundary, _, name) return boundary:face(name) end},
 }
 
 -- The kind of a place and its values, or nil and a sentence.
@@ -111,11 +119,13 @@ local function read(text)
   local name, rest = text:match "^(%l+):?(.*)$"
   local kind = kinds[name]
   if not kind then
-    return nil, ("'%s' is no place: all, min:z, max:z, below:z:1mm, above:z:20mm or near:0,0,30mm:5mm "
+    return nil, ("'%s' is no place: all, min:z, max:z, below:z:1mm, above:z:20mm, near:0,0,30mm:5mm or face:NAME "
       .. "expected"):format(text)
   end
   local words, values = {}, {}
-  if rest ~= "" then
+  if kind.whole then
+    words[1] = rest
+  elseif rest ~= "" then
     for word in (rest .. ":"):gmatch "([^:]*):" do words[#words + 1] = word end
   end
   if #words ~= #kind.parts then
@@ -131,10 +141,14 @@ end
 
 -- ---- what commands ask -----------------------------------------------------------------------------
 
---- Checks the text of a place without a mesh: nil and a sentence where it is none.
-function places.check(text)
+--- Checks the text of a place without a mesh: nil and a sentence where it is none, or with `by_point` one that
+--- `places.test` cannot take.
+function places.check(text, by_point)
   local kind, message = read(text)
   if not kind then return nil, message end
+  if by_point and not kind.test then
+    return nil, ("'%s': a place by coordinates expected, such as min:z or near:0,0,30mm:5mm"):format(text)
+  end
   return true
 end
 
@@ -154,6 +168,7 @@ function places.test(texts, box)
   for i, text in ipairs(texts) do
     local kind, values = read(text)
     if not kind then return nil, values end
+    if not kind.test then return places.check(text, true) end
     list[i] = function(p) return kind.test(p, box, values[1], values[2]) end
   end
   return function(x, y, z)
@@ -196,6 +211,7 @@ end
 --- and which share of their area does; nil where there is none.
 function places.wider(mesh, text, selection)
   local kind, values = read(text)
+  if not kind.test then return nil end
   local mask, box = {}, mesh.box
   local nodes, facets = mesh.nodes:totable(), mesh.facets:totable()
   for i = 1, #facets do mask[i] = 0 end

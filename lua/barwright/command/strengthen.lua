@@ -79,7 +79,7 @@ local function strengthen(opts, out)
   local ok, message, details = writable(opts.out)
   if not ok then return nil, message, details end
   for _, place in ipairs(opts.keep) do
-    ok, message = places.check(place)
+    ok, message = places.check(place, true)
     if not ok then return nil, "option --keep: " .. message, {status = "misuse"} end
   end
   local read

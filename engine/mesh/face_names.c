@@ -1,0 +1,200 @@
+/* Names of faces: groups of facets, on surfaces and on the boundaries of meshes.
+ *
+ * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+ *
+ * A surface has a group for each facet, and names for groups. What is made from it by parts of its
+ * facets has the same groups and shares the names. On a mesh each boundary facet has the group of
+ * the facet that it lies on. */
+#include <string.h>
+
+#include "mesh/mesh_internal.h"
+#include "mesh/surface_internal.h"
+#include "mesh/surface_tree.h"
+
+static void names_destroy(void *object) {
+  bw_face_names *names = object;
+  bw_free(names->name);
+  bw_free(names);
+}
+
+static size_t names_bytes(const void *object) {
+  const bw_face_names *names = object;
+  return sizeof *names + (size_t)names->count * sizeof *names->name;
+}
+
+static const bw_kind names_kind = {"face names", names_destroy, names_bytes};
+
+bw_status bw_face_names_create(bw_context *context, int32_t count, const bw_name *name,
+                               bw_face_names **names) {
+  if (count < 0)
+    return bw_fail(context, BW_INVALID, "%d names of faces: 0 or more expected", count);
+  bw_face_names *made = BW_NEW0(context, bw_face_names, 1);
+  if (!made)
+    return BW_MEMORY;
+  bw_object_init(made, &names_kind);
+  made->name = BW_NEW0(context, bw_name, count);
+  if (!made->name) {
+    bw_release(made);
+    return BW_MEMORY;
+  }
+  made->count = count;
+  if (count > 0)
+    memcpy(made->name, name, (size_t)count * sizeof *name);
+  *names = made;
+  return BW_OK;
+}
+
+bool bw_face_names_is(const bw_face_names *names, int32_t group, const char *name) {
+  return names && group >= 0 && group < names->count && name[0] &&
+         strcmp(names->name[group].text, name) == 0;
+}
+
+/* ---- surfaces ------------------------------------------------------------------------------ */
+
+void bwi_keep_names(const bw_surface *from, bw_surface *to) {
+  if (to->group && from->names && !to->names)
+    to->names = bw_retain(from->names);
+}
+
+bw_status bw_surface_with_names(bw_context *context, const bw_surface *surface,
+                                const int32_t *group, const bw_face_names *names,
+                                bw_surface **named) {
+  if (!group)
+    group = surface->group;
+  if (names && !group)
+    return bw_fail(context, BW_INVALID,
+                   "names of faces need a group for each facet, and the surface has none");
+  bw_surface *made;
+  bw_status status = bw_surface_copy(context, surface->point_count, surface->point,
+                                     surface->triangle_count, surface->triangle, group, &made);
+  if (status != BW_OK)
+    return status;
+  made->names = bw_retain(names);
+  *named = made;
+  return BW_OK;
+}
+
+/* The number of a name in a list of `count`, behind which it is put where it is not there. */
+static int32_t number_of(bw_name *list, int32_t *count, const bw_name *name) {
+  int32_t i = 0;
+  while (i < *count && strcmp(list[i].text, name->text) != 0)
+    i++;
+  if (i == *count)
+    list[(*count)++] = *name;
+  return i;
+}
+
+/* A surface whose groups are numbers in the list of names. */
+static bw_status in_list(bw_context *context, bw_surface **surface, bw_name *list, int32_t *count) {
+  static const bw_name empty = {""};
+  bw_surface *old = *surface, *made;
+  const int32_t known = old->names ? old->names->count : 0;
+  int32_t none = -1;
+  bw_status status = BW_OK;
+  int32_t *number = BW_NEW(context, int32_t, known);
+  int32_t *group = BW_NEW(context, int32_t, old->triangle_count);
+  BW_TRY_MEMORY(number && group);
+  for (int32_t i = 0; i < known; i++)
+    number[i] = number_of(list, count, &old->names->name[i]);
+  for (int32_t t = 0; t < old->triangle_count; t++) {
+    const int32_t own = known ? old->group[t] : -1;
+    const bool has = own >= 0 && own < known;
+    if (!has && none < 0)
+      none = number_of(list, count, &empty);
+    group[t] = has ? number[own] : none;
+  }
+  BW_TRY(bw_surface_with_names(context, old, group, NULL, &made));
+  bw_release(old);
+  *surface = made;
+done:
+  bw_free(number);
+  bw_free(group);
+  return status;
+}
+
+bw_status bwi_name_alike(bw_context *context, int32_t count, bw_surface **surface,
+                         bw_face_names **names) {
+  bw_status status = BW_OK;
+  size_t most = 1;
+  int32_t used = 0;
+  bool some = false;
+  *names = NULL;
+  for (int32_t i = 0; i < count; i++)
+    if (surface[i]->names) {
+      some = true;
+      most += (size_t)surface[i]->names->count;
+    }
+  if (!some)
+    return BW_OK;
+  bw_name *list = BW_NEW0(context, bw_name, most);
+  if (!list)
+    return BW_MEMORY;
+  for (int32_t i = 0; i < count; i++)
+    BW_TRY(in_list(context, &surface[i], list, &used));
+  BW_TRY(bw_face_names_create(context, used, list, names));
+  for (int32_t i = 0; i < count; i++)
+    surface[i]->names = bw_retain(*names);
+done:
+  bw_free(list);
+  return status;
+}
+
+/* ---- meshes -------------------------------------------------------------------------------- */
+
+bw_status bwi_mesh_take_names(bw_context *context, const bw_surface *surface, bw_mesh *mesh) {
+  bw_status status = BW_OK;
+  bwi_tree *tree = NULL;
+  int32_t *group = NULL, nearest = -1;
+  if (!surface->names || surface->triangle_count == 0)
+    return BW_OK;
+  BW_TRY(bwi_tree_create(context, surface->point, surface->triangle_count, surface->triangle, NULL,
+                         &tree));
+  group = BW_NEW(context, int32_t, mesh->facet_count);
+  BW_TRY_MEMORY(group);
+  for (int32_t t = 0; t < mesh->facet_count; t++) {
+    const int32_t *corner = mesh->facet + (size_t)t * (size_t)mesh->nodes_per_facet;
+    double middle[3] = {0}, place[3];
+    if (t % 4096 == 0)
+      BW_TRY(bw_check_cancel(context));
+    for (int k = 0; k < 9; k++)
+      middle[k % 3] += mesh->node[3 * (size_t)corner[k / 3] + (size_t)(k % 3)] / 3;
+    bwi_tree_nearest(tree, middle, nearest, 0, place, &nearest);
+    group[t] = nearest < 0 ? -1 : surface->group[nearest];
+  }
+  bw_free(mesh->facet_group);
+  bw_release(mesh->names);
+  mesh->facet_group = group;
+  group = NULL;
+  mesh->names = bw_retain(surface->names);
+done:
+  bw_free(group);
+  bwi_tree_destroy(tree);
+  return status;
+}
+
+bw_status bwi_mesh_keep_names(bw_context *context, const bw_mesh *from, const int32_t *element_from,
+                              bw_mesh *mesh) {
+  bw_status status = BW_OK;
+  int32_t *side = NULL, *group = NULL, facet = 0; /* of each side of an element there; -1 inside */
+  if (!from->names || mesh->names)
+    return BW_OK;
+  side = BW_NEW(context, int32_t, 4 * (size_t)from->element_count);
+  group = BW_NEW(context, int32_t, mesh->facet_count);
+  BW_TRY_MEMORY(side && group);
+  /* Facets come in the order of their elements and sides. */
+  for (size_t i = 0; i < 4 * (size_t)from->element_count; i++)
+    side[i] = from->neighbour[i] < 0 ? from->facet_group[facet++] : -1;
+  facet = 0;
+  for (size_t i = 0; i < 4 * (size_t)mesh->element_count; i++)
+    if (mesh->neighbour[i] < 0) {
+      int64_t e = element_from ? element_from[i / 4] : (int64_t)(i / 4);
+      group[facet++] = e < 0 || e >= from->element_count ? -1 : side[4 * (size_t)e + i % 4];
+    }
+  mesh->facet_group = group;
+  group = NULL;
+  mesh->names = bw_retain(from->names);
+done:
+  bw_free(side);
+  bw_free(group);
+  return status;
+}
