@@ -12,6 +12,7 @@ typedef enum bwi_format {
   BWI_OFF,
   BWI_PLY,
   BWI_3MF,
+  BWI_GLTF,
   BWI_MSH,
   BWI_VTU,
   BWI_MEDIT,

@@ -127,12 +127,9 @@ bool bwi_stl_is_binary(const unsigned char *bytes, size_t count); /* by size con
 bw_status bwi_stl_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *info);
 bw_status bwi_stl_write(bw_writer *writer, const bw_surface *surface, bool ascii);
 bw_status bwi_obj_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *info);
-bw_status bwi_obj_write(bw_writer *writer, const bw_surface *surface);
-
 bw_status bwi_off_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *info);
 bw_status bwi_off_write(bw_writer *writer, const bw_surface *surface);
 bw_status bwi_ply_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *info);
-bw_status bwi_ply_write(bw_writer *writer, const bw_surface *surface, bool ascii);
 bw_status bwi_3mf_parse(bwi_cursor *archive, bw_surface **surface, bw_read_info *info);
 bw_status bwi_medit_write(bw_writer *writer, const bw_mesh *mesh);
 bw_status bwi_inp_write_mesh(bw_writer *writer, const bw_mesh *mesh);

@@ -4,7 +4,7 @@
  * facets may stand before their vertices. "g" and "o" begin a group, whose name is the rest
  * of the line; groups of one name are one. Texture, normals, materials, smoothing are ignored;
  * lines, points and free-form elements are counted as skipped. */
-#include "io/internal.h"
+#include "io/surface_write.h"
 #include "outline/internal.h"
 
 #include <string.h>
@@ -248,7 +248,8 @@ done:
   return status;
 }
 
-bw_status bwi_obj_write(bw_writer *writer, const bw_surface *surface) {
+bw_status bwi_obj_write(bw_writer *writer, const bw_surface *surface,
+                        const bw_surface_write_options *options) {
   bw_writer_print(writer, "# barwright: %d vertices, %d facets\n", (int)surface->point_count,
                   (int)surface->triangle_count);
   for (int32_t i = 0; i < surface->point_count; i++) {
@@ -257,6 +258,8 @@ bw_status bwi_obj_write(bw_writer *writer, const bw_surface *surface) {
       bw_writer_bytes(writer, " ", 1);
       bw_writer_number(writer, surface->point[3 * (size_t)i + k]);
     }
+    for (size_t k = 0; options->colour && k < 3; k++)
+      bw_writer_print(writer, " %.4g", options->colour[3 * (size_t)i + k] / 255.0);
     bw_writer_bytes(writer, "\n", 1);
   }
   const bw_face_names *names = surface->names;

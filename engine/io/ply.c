@@ -3,7 +3,7 @@
  * binary of either byte order. Used are x y z of "vertex", the list "vertex_indices" (or
  * "vertex_index") of "face", the rows of "tristrips", and, when it is an integer, the scalar
  * "group" of "face", which is what barwright writes; everything else is passed over. */
-#include "io/internal.h"
+#include "io/surface_write.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -411,33 +411,94 @@ static void put_f64(bw_writer *writer, double value) {
   put_u32(writer, (uint32_t)(bits >> 32));
 }
 
-bw_status bwi_ply_write(bw_writer *writer, const bw_surface *surface, bool ascii) {
+/* A field as a scalar property; its name is one word. */
+static void put_property(bw_writer *writer, const bw_field *field) {
+  char name[64];
+  size_t length = 0;
+  for (const char *c = field->name; *c && length + 1 < sizeof name; c++)
+    name[length++] = *c > ' ' && *c < 127 ? *c : '_';
+  name[length] = 0;
+  bw_writer_print(writer, "property double %s\n", name);
+}
+
+static void put_header(bw_writer *writer, const bw_surface *surface,
+                       const bw_surface_write_options *options) {
+  static const char colours[] = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const bool coloured = options->colour != NULL;
   bw_writer_print(writer,
                   "ply\nformat %s 1.0\ncomment barwright\nelement vertex %d\nproperty double x\n"
-                  "property double y\nproperty double z\nelement face %d\n%s"
-                  "property list uchar int vertex_indices\nend_header\n",
-                  ascii ? "ascii" : "binary_little_endian", (int)surface->point_count,
-                  (int)surface->triangle_count, surface->group ? "property int group\n" : "");
-  for (int32_t i = 0; i < surface->point_count; i++)
+                  "property double y\nproperty double z\n%s",
+                  options->ascii ? "ascii" : "binary_little_endian", (int)surface->point_count,
+                  coloured && !options->colour_on_facets ? colours : "");
+  for (int k = 0; k < options->field_count; k++)
+    if (options->fields[k].place == BW_ON_NODES)
+      put_property(writer, &options->fields[k]);
+  bw_writer_print(writer, "element face %d\n%s%s", (int)surface->triangle_count,
+                  surface->group ? "property int group\n" : "",
+                  coloured && options->colour_on_facets ? colours : "");
+  for (int k = 0; k < options->field_count; k++)
+    if (options->fields[k].place == BW_ON_ELEMENTS)
+      put_property(writer, &options->fields[k]);
+  bw_writer_print(writer, "property list uchar int vertex_indices\nend_header\n");
+}
+
+/* A number of text, and the white space before it unless the line begins with it. */
+static void put_text(bw_writer *writer, double value, bool *begun) {
+  bw_writer_bytes(writer, " ", *begun);
+  bw_writer_number(writer, value);
+  *begun = true;
+}
+
+/* Colour and fields of a point or facet. *begun: the line has something. */
+static void put_values(bw_writer *writer, const bw_surface_write_options *options,
+                       bw_field_place place, int32_t i, bool *begun) {
+  const unsigned char *colour = options->colour;
+  if (colour && options->colour_on_facets == (place == BW_ON_ELEMENTS)) {
+    colour += 3 * (size_t)i;
+    for (int k = 0; options->ascii && k < 3; k++)
+      put_text(writer, colour[k], begun);
+    bw_writer_bytes(writer, colour, options->ascii ? 0 : 3);
+  }
+  for (int k = 0; k < options->field_count; k++) {
+    if (options->fields[k].place != place)
+      continue;
+    double value = bw_array_get(options->fields[k].array, i, 0);
+    if (options->ascii)
+      put_text(writer, value, begun);
+    else
+      put_f64(writer, value);
+  }
+}
+
+/* Scalars stand before the list of corners: some readers know no other order. */
+bw_status bwi_ply_write(bw_writer *writer, const bw_surface *surface,
+                        const bw_surface_write_options *options) {
+  const bool ascii = options->ascii;
+  put_header(writer, surface, options);
+  for (int32_t i = 0; i < surface->point_count; i++) {
+    bool begun = false;
     for (size_t k = 0; k < 3; k++) {
       double value = surface->point[3 * (size_t)i + k];
-      if (ascii) {
-        bw_writer_number(writer, value);
-        bw_writer_bytes(writer, k == 2 ? "\n" : " ", 1);
-      } else {
+      if (ascii)
+        put_text(writer, value, &begun);
+      else
         put_f64(writer, value);
-      }
     }
+    put_values(writer, options, BW_ON_NODES, i, &begun);
+    bw_writer_bytes(writer, "\n", ascii);
+  }
   for (int32_t i = 0; i < surface->triangle_count; i++) {
     const int32_t *t = surface->triangle + 3 * (size_t)i;
+    bool begun = false;
+    if (surface->group && ascii)
+      put_text(writer, surface->group[i], &begun);
+    else if (surface->group)
+      put_u32(writer, (uint32_t)surface->group[i]);
+    put_values(writer, options, BW_ON_ELEMENTS, i, &begun);
     if (ascii) {
-      if (surface->group)
-        bw_writer_print(writer, "%d ", (int)surface->group[i]);
-      bw_writer_print(writer, "3 %d %d %d\n", (int)t[0], (int)t[1], (int)t[2]);
+      bw_writer_print(writer, "%s3 %d %d %d\n", begun ? " " : "", (int)t[0], (int)t[1], (int)t[2]);
       continue;
     }
-    if (surface->group)
-      put_u32(writer, (uint32_t)surface->group[i]);
     bw_writer_bytes(writer, "\3", 1);
     for (int k = 0; k < 3; k++)
       put_u32(writer, (uint32_t)t[k]);

@@ -1,12 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Which format a file has, by content first and by the ending of its name second; and the public
- * functions that read and write surfaces in any of them. */
+ * functions that read surfaces and read and write meshes in any of them. */
 #include "io/internal.h"
 
 #include <string.h>
 
 #include "barwright/cad.h"
 #include "io/formats.h"
+#include "io/gltf.h"
 #include "io/raw.h"
 #include "io/vtu.h"
 #include "io/zip.h"
@@ -41,7 +42,6 @@ static const char *foreign_kind(const bwi_cursor *cursor) {
       {"\xFE\xFF", "text in UTF-16: save it as plain text (UTF-8)"},
       {"\x1F\x8B", "compressed by gzip: unpack it first"},
       {"PK\x03\x04", "a ZIP archive: unpack it, or read it as a surface where it is 3MF"},
-      {"glTF", "a glTF file: export STL, OBJ or PLY"},
       {"# vtk DataFile", "a legacy VTK file: save it as VTU (.vtu)"},
       {"$NOD", "a Gmsh file of version 1: save it as 4.1 or 2.2"},
       {"#VRML", "a VRML file: export STL, OBJ or PLY"},
@@ -113,6 +113,8 @@ static bwi_format detect(bwi_cursor *cursor) {
     return BWI_MEDIT;
   if (bwi_is_zip(cursor))
     return BWI_3MF;
+  if (bwi_is_gltf(cursor))
+    return BWI_GLTF;
   if (foreign_kind(cursor))
     return BWI_UNKNOWN;
   if (word.length >= 5 && bwi_word_is_nocase((bwi_word){word.at, 5}, "solid"))
@@ -209,7 +211,8 @@ static bw_status surface_of_mesh(bwi_cursor *cursor, bwi_format kind, bw_surface
   if (!known)
     status = bwi_fail_unknown(cursor,
                               "STL (text beginning with 'solid', or a binary size of 84 + 50 n "
-                              "bytes), OBJ, OFF, PLY, 3MF, MSH, VTU, PVTU, MEDIT, INP, STEP, IGES");
+                              "bytes), OBJ, OFF, PLY, 3MF, glTF, MSH, VTU, PVTU, MEDIT, INP, STEP, "
+                              "IGES");
   if (status == BW_OK)
     status = bwi_raw_surface(&raw, format, surface, info);
   bwi_raw_clear(&raw);
@@ -234,6 +237,8 @@ bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned
     return bwi_ply_parse(&cursor, surface, info);
   case BWI_3MF:
     return bwi_3mf_parse(&cursor, surface, info);
+  case BWI_GLTF:
+    return bwi_gltf_parse(&cursor, surface, info);
   default:
     return surface_of_mesh(&cursor, kind, surface, info);
   }
@@ -250,7 +255,8 @@ bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned ch
   bwi_raw_init(&raw, context, name);
   bwi_format kind = count ? detect(&cursor) : BWI_UNKNOWN;
   bw_status status = read_raw(&cursor, kind, &raw, &format, &known);
-  if (kind == BWI_STL || kind == BWI_OBJ || kind == BWI_OFF || kind == BWI_PLY || kind == BWI_3MF)
+  if (kind == BWI_STL || kind == BWI_OBJ || kind == BWI_OFF || kind == BWI_PLY || kind == BWI_3MF ||
+      kind == BWI_GLTF)
     status = bwi_fail_byte(&cursor,
                            "this is a surface (%s), not a mesh of tetrahedra: read it as "
                            "a surface and fill it",
@@ -258,7 +264,8 @@ bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned ch
                            : kind == BWI_OBJ ? "OBJ"
                            : kind == BWI_OFF ? "OFF"
                            : kind == BWI_PLY ? "PLY"
-                                             : "3MF");
+                           : kind == BWI_3MF ? "3MF"
+                                             : "glTF");
   else if (!known)
     status = bwi_fail_unknown(&cursor, "VTU, MSH 2.2 and 4.1, MEDIT, TetGen, INP");
   if (status == BW_OK)
@@ -334,34 +341,5 @@ bw_status bw_surface_read(bw_context *context, const char *path, bw_surface **su
   } else
     status = bw_surface_parse(context, path, bytes, count, surface, info);
   bw_free(bytes);
-  return status;
-}
-
-bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const char *path,
-                           bool ascii) {
-  bw_writer *writer = NULL;
-  bool stl = bwi_has_ending(path, "stl"), obj = bwi_has_ending(path, "obj");
-  bool off = bwi_has_ending(path, "off"), ply = bwi_has_ending(path, "ply");
-  if (bwi_has_ending(path, "vtu"))
-    return bw_surface_write_vtu(context, surface, path, 0, NULL);
-  if (bwi_has_ending(path, "msh"))
-    return bwi_msh_write_surface(context, surface, path, ascii);
-  if (bwi_has_ending(path, "3mf"))
-    return bw_surface_write_3mf(context, surface, path, 1);
-  if (!stl && !obj && !off && !ply)
-    return bw_fail(context, BW_INVALID,
-                   "%s: the ending '%s' names no format that surfaces are written in: use .stl "
-                   ".obj .ply .off .3mf .vtu or .msh",
-                   path, bwi_ending(path));
-  bw_status status = bw_writer_open(context, path, &writer);
-  if (status != BW_OK)
-    return status;
-  status = stl   ? bwi_stl_write(writer, surface, ascii)
-           : obj ? bwi_obj_write(writer, surface)
-           : off ? bwi_off_write(writer, surface)
-                 : bwi_ply_write(writer, surface, ascii);
-  if (status == BW_OK)
-    return bw_writer_commit(writer);
-  bw_writer_discard(writer);
   return status;
 }

@@ -13,6 +13,7 @@
 
 #include "barwright/job.h"
 #include "io/growing.h"
+#include "io/surface_write.h"
 #include "io/vtu.h"
 #include "io/zip.h"
 
@@ -295,56 +296,86 @@ static const char *unit_name(double metres) {
                             : NULL;
 }
 
-/* For each group in the order of first facets its number, and how many there are; one where
- * groups share a point. */
-static bw_status find_objects(bw_context *context, const bw_surface *surface, int32_t *object_of,
-                              int32_t *count) {
+/* The colours of the materials extension, once each, and which of them a point or facet has. */
+typedef struct palette {
+  uint32_t *entry; /* 0xRRGGBB */
+  int32_t *of;     /* (point_count or triangle_count) NULL: no colours */
+  size_t count, capacity;
+} palette;
+
+enum { PALETTE = 1 }; /* the number of its resource, before those of objects */
+
+static uint32_t colour_at(const unsigned char *colour, int64_t i) {
+  return (uint32_t)colour[3 * i] << 16 | (uint32_t)colour[3 * i + 1] << 8 | colour[3 * i + 2];
+}
+
+/* In the order of their first use. */
+static bw_status find_palette(bw_context *context, const unsigned char *colour, int64_t count,
+                              palette *p) {
   bw_status status = BW_OK;
-  *count = 1;
-  memset(object_of, 0, (size_t)surface->point_count * sizeof *object_of);
-  if (!surface->group)
-    return BW_OK;
-  int32_t least = surface->group[0], most = least;
-  for (int32_t i = 0; i < surface->triangle_count; i++) {
-    least = surface->group[i] < least ? surface->group[i] : least;
-    most = surface->group[i] > most ? surface->group[i] : most;
-  }
-  if ((int64_t)most - least >= surface->triangle_count)
-    return BW_OK;
-  int32_t *number = BW_NEW0(context, int32_t, most - least + 1);
-  BW_TRY_MEMORY(number);
-  for (int32_t i = 0; i < surface->point_count; i++)
-    object_of[i] = -1;
-  *count = 0;
-  for (int32_t i = 0; i < surface->triangle_count; i++) {
-    int32_t *own = &number[surface->group[i] - least];
-    if (*own == 0)
-      *own = ++*count;
-    for (int k = 0; k < 3; k++) {
-      int32_t *of = &object_of[surface->triangle[3 * (size_t)i + (size_t)k]];
-      if (*of >= 0 && *of != *own - 1) {
-        memset(object_of, 0, (size_t)surface->point_count * sizeof *object_of);
-        *count = 1;
-        goto done;
-      }
-      *of = *own - 1;
+  enum { COLOURS = 1 << 24 };
+  int32_t *number = BW_NEW0(context, int32_t, COLOURS);
+  p->of = BW_NEW(context, int32_t, count + 1);
+  BW_TRY_MEMORY(number && p->of);
+  for (int64_t i = 0; i < count; i++) {
+    uint32_t value = colour_at(colour, i);
+    if (number[value] == 0) {
+      BW_TRY_MEMORY(
+          bw_grow(context, (void **)&p->entry, &p->capacity, p->count, 1, sizeof *p->entry));
+      p->entry[p->count++] = value;
+      number[value] = (int32_t)p->count;
     }
+    p->of[i] = number[value] - 1;
   }
 done:
   bw_free(number);
   return status;
 }
 
-static void print_object(bwi_growing *text, const bw_surface *surface, int32_t object,
-                         const int32_t *object_of, int32_t *local) {
+static void print_palette(bwi_growing *text, const palette *p) {
+  bwi_growing_print(text, "<m:colorgroup id=\"%d\">\n", PALETTE);
+  for (size_t i = 0; i < p->count; i++)
+    bwi_growing_print(text, "<m:color color=\"#%06X\"/>\n", (unsigned)p->entry[i]);
+  bwi_growing_print(text, "</m:colorgroup>\n");
+}
+
+typedef struct writing {
+  const bw_surface *surface;
+  palette colours;
+  bool on_facets;
+  int32_t *object_of, *local; /* of points: object, number in it */
+  int32_t count;              /* of objects */
+} writing;
+
+static int resource_of(const writing *w, int32_t object) {
+  return (int)object + (w->colours.of ? PALETTE + 1 : 1);
+}
+
+static void print_facet(bwi_growing *text, const writing *w, int32_t i) {
+  const int32_t *v = w->surface->triangle + 3 * (size_t)i, *of = w->colours.of;
+  bwi_growing_print(text, "<triangle v1=\"%d\" v2=\"%d\" v3=\"%d\"", (int)w->local[v[0]],
+                    (int)w->local[v[1]], (int)w->local[v[2]]);
+  if (of && w->on_facets)
+    bwi_growing_print(text, " pid=\"%d\" p1=\"%d\"", PALETTE, (int)of[i]);
+  else if (of)
+    bwi_growing_print(text, " pid=\"%d\" p1=\"%d\" p2=\"%d\" p3=\"%d\"", PALETTE, (int)of[v[0]],
+                      (int)of[v[1]], (int)of[v[2]]);
+  bwi_growing_print(text, "/>\n");
+}
+
+static void print_object(bwi_growing *text, const writing *w, int32_t object) {
+  const bw_surface *surface = w->surface;
   int32_t count = 0;
-  bwi_growing_print(text, "<object id=\"%d\" type=\"model\" name=\"group %d\"><mesh><vertices>\n",
-                    (int)object + 1, (int)object + 1);
+  bwi_growing_print(text, "<object id=\"%d\" type=\"model\" name=\"group %d\"",
+                    resource_of(w, object), (int)object + 1);
+  if (w->colours.of)
+    bwi_growing_print(text, " pid=\"%d\" pindex=\"0\"", PALETTE);
+  bwi_growing_print(text, "><mesh><vertices>\n");
   for (int32_t i = 0; i < surface->point_count; i++) {
-    if (object_of[i] != object)
+    if (w->object_of[i] != object)
       continue;
     const double *x = surface->point + 3 * (size_t)i;
-    local[i] = count++;
+    w->local[i] = count++;
     for (int k = 0; k < 3; k++) {
       bwi_growing_print(text, "%s%c=\"", k ? " " : "<vertex ", "xyz"[k]);
       bwi_growing_number(text, x[k]);
@@ -353,17 +384,14 @@ static void print_object(bwi_growing *text, const bw_surface *surface, int32_t o
     bwi_growing_print(text, "/>\n");
   }
   bwi_growing_print(text, "</vertices><triangles>\n");
-  for (int32_t i = 0; i < surface->triangle_count; i++) {
-    const int32_t *v = surface->triangle + 3 * (size_t)i;
-    if (object_of[v[0]] == object)
-      bwi_growing_print(text, "<triangle v1=\"%d\" v2=\"%d\" v3=\"%d\"/>\n", (int)local[v[0]],
-                        (int)local[v[1]], (int)local[v[2]]);
-  }
+  for (int32_t i = 0; i < surface->triangle_count; i++)
+    if (w->object_of[surface->triangle[3 * (size_t)i]] == object)
+      print_facet(text, w, i);
   bwi_growing_print(text, "</triangles></mesh></object>\n");
 }
 
-bw_status bw_surface_write_3mf(bw_context *context, const bw_surface *surface, const char *path,
-                               double unit) {
+bw_status bwi_3mf_write(bw_context *context, const bw_surface *surface, const char *path,
+                        const bw_surface_write_options *options) {
   static const char types[] =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<Types xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\">"
@@ -379,27 +407,35 @@ bw_status bw_surface_write_3mf(bw_context *context, const bw_surface *surface, c
   bw_status status = BW_OK;
   bw_writer *writer = NULL;
   bwi_growing text = {.context = context};
-  int32_t *object_of = NULL, *local = NULL, count = 1;
+  const double unit = options->unit > 0 ? options->unit : 1;
+  writing w = {.surface = surface, .on_facets = options->colour_on_facets, .count = 1};
   if (!unit_name(unit))
     return bw_fail(context, BW_INVALID,
                    "%s: a unit of %g m is none of 3MF's: micron, millimeter, centimeter, inch, "
                    "foot or meter",
                    path, unit);
-  object_of = BW_NEW(context, int32_t, surface->point_count + 1);
-  local = BW_NEW(context, int32_t, surface->point_count + 1);
-  BW_TRY_MEMORY(object_of && local);
-  BW_TRY(find_objects(context, surface, object_of, &count));
+  w.object_of = BW_NEW(context, int32_t, surface->point_count + 1);
+  w.local = BW_NEW(context, int32_t, surface->point_count + 1);
+  BW_TRY_MEMORY(w.object_of && w.local);
+  BW_TRY(bwi_surface_objects(context, surface, w.object_of, &w.count));
+  if (options->colour)
+    BW_TRY(find_palette(context, options->colour,
+                        w.on_facets ? surface->triangle_count : surface->point_count, &w.colours));
   bwi_growing_print(
       &text,
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"%s\" xml:lang=\"en\" "
-      "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n"
+      "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"%s>\n"
       "<metadata name=\"Application\">barwright</metadata>\n<resources>\n",
-      unit_name(unit));
-  for (int32_t k = 0; k < count; k++)
-    print_object(&text, surface, k, object_of, local);
+      unit_name(unit),
+      w.colours.of ? " xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\""
+                   : "");
+  if (w.colours.of)
+    print_palette(&text, &w.colours);
+  for (int32_t k = 0; k < w.count; k++)
+    print_object(&text, &w, k);
   bwi_growing_print(&text, "</resources>\n<build>\n");
-  for (int32_t k = 0; k < count; k++)
-    bwi_growing_print(&text, "<item objectid=\"%d\"/>\n", (int)k + 1);
+  for (int32_t k = 0; k < w.count; k++)
+    bwi_growing_print(&text, "<item objectid=\"%d\"/>\n", resource_of(&w, k));
   bwi_growing_print(&text, "</build>\n</model>\n");
   BW_TRY(text.status);
   bwi_zip_part part[] = {
@@ -413,7 +449,14 @@ bw_status bw_surface_write_3mf(bw_context *context, const bw_surface *surface, c
 done:
   bw_writer_discard(writer);
   bw_free(text.at);
-  bw_free(object_of);
-  bw_free(local);
+  bw_free(w.object_of);
+  bw_free(w.local);
+  bw_free(w.colours.entry);
+  bw_free(w.colours.of);
   return status;
+}
+
+bw_status bw_surface_write_3mf(bw_context *context, const bw_surface *surface, const char *path,
+                               double unit) {
+  return bwi_3mf_write(context, surface, path, &(bw_surface_write_options){.unit = unit});
 }

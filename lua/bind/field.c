@@ -118,7 +118,7 @@ double lbw_unit_option(lua_State *L, int options, const char *function, double o
 
 double lbw_unit_of_path(const char *path) {
   static const char *const mesh_endings[] = {".msh", ".vtu",  ".pvtu", ".mesh",
-                                             ".inp", ".node", ".ele"};
+                                             ".inp", ".node", ".ele",  ".glb"};
   size_t length = strlen(path);
   for (size_t i = 0; i < sizeof mesh_endings / sizeof *mesh_endings; i++) {
     size_t ending = strlen(mesh_endings[i]);

@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "barwright/boolean.h"
+#include "barwright/surface_file.h"
 
 static const bw_surface *self(lua_State *L) {
   return (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
@@ -79,36 +80,70 @@ done:
   return lbw_leave(L, status, 2);
 }
 
-/* surface:write(path, {unit, ascii, fields}) */
+/* Whether a path ends so, in any case of letters. */
+static bool has_ending(const char *path, const char *ending) {
+  size_t length = strlen(path), own = strlen(ending);
+  return length > own && strcasecmp(path + length - own, ending) == 0;
+}
+
+typedef struct written {
+  bool ascii;
+  double min, max; /* of the colours */
+} written;
+
+/* The colours of option 'values', on the stack, as pictures have them; NULL: none. */
+static unsigned char *read_colours(lua_State *L, const bw_surface *surface, const written *w,
+                                   bool *on_facets) {
+  int64_t rows;
+  if (lbw_option_get(L, 3, "values") == LUA_TNIL)
+    return NULL;
+  const double *value = lbw_to_doubles(L, -1, "write: values", 1, &rows);
+  *on_facets = rows == surface->triangle_count && rows != surface->point_count;
+  if (!*on_facets && rows != surface->point_count)
+    lbw_error(L, "write: values: a row for each of %d points or %d facets expected, got %I rows",
+              (int)surface->point_count, (int)surface->triangle_count, (LUAI_UACINT)rows);
+  double min = w->min, max = w->max;
+  bool given = min != 0 || max != 0, any = false;
+  for (int64_t i = 0; !given && i < rows; i++)
+    if (isfinite(value[i])) {
+      min = !any || value[i] < min ? value[i] : min;
+      max = !any || value[i] > max ? value[i] : max;
+      any = true;
+    }
+  unsigned char *colour = (unsigned char *)lua_newuserdatauv(L, 3 * (size_t)rows + 1, 0);
+  for (int64_t i = 0; i < rows; i++)
+    bw_colour(isfinite(value[i]) ? (max > min ? (value[i] - min) / (max - min) : 0) : (double)NAN,
+              colour + 3 * i);
+  return colour;
+}
+
+/* surface:write(path, {unit, ascii, fields, values, min, max}) */
 static int surface_write(lua_State *L) {
   static const lbw_option list[] = {{"unit", LBW_OTHER, 0},
                                     {"fields", LBW_OTHER, 0},
-                                    {"ascii", LBW_BOOLEAN, 0},
+                                    {"values", LBW_OTHER, 0},
+                                    {"ascii", LBW_BOOLEAN, offsetof(written, ascii)},
+                                    {"min", LBW_REAL, offsetof(written, min)},
+                                    {"max", LBW_REAL, offsetof(written, max)},
                                     {NULL, LBW_OTHER, 0}};
   const bw_surface *surface = self(L);
   const char *path = lbw_check_text(L, 2, NULL);
-  bool ascii = false;
+  written w = {0};
   lua_settop(L, 3);
-  lbw_options(L, 3, "write", list, &ascii);
+  lbw_options(L, 3, "write", list, &w);
   double unit = lbw_unit_option(L, 3, "write", lbw_unit_of_path(path));
+  if (has_ending(path, ".glb") && unit != 1)
+    return lbw_error(L, "write: option 'unit': glTF files are in metres: leave it out");
+  bw_surface_write_options options = {.ascii = w.ascii, .unit = unit};
+  options.colour = read_colours(L, surface, &w, &options.colour_on_facets);
   lbw_option_get(L, 3, "fields");
-  int count;
-  bw_field *field =
-      lbw_fields(L, -1, "write", surface->point_count, surface->triangle_count, &count);
-  size_t length = strlen(path);
-  bool vtu = length > 4 && strcmp(path + length - 4, ".vtu") == 0;
-  if (count > 0 && !vtu)
-    return lbw_error(L, "write: option 'fields': fields are written to .vtu only, got '%s'", path);
+  options.fields = lbw_fields(L, -1, "write", surface->point_count, surface->triangle_count,
+                              &options.field_count);
   bw_surface *scaled = NULL;
   bw_status status;
   bw_context *context = lbw_enter(L);
   BW_TRY(bw_surface_scale(context, surface, 1 / unit, &scaled));
-  if (vtu)
-    status = bw_surface_write_vtu(context, scaled, path, count, field);
-  else if (length > 4 && strcasecmp(path + length - 4, ".3mf") == 0)
-    status = bw_surface_write_3mf(context, scaled, path, unit);
-  else
-    status = bw_surface_write(context, scaled, path, ascii);
+  status = bw_surface_write_with(context, scaled, path, &options);
 done:
   bw_release(scaled);
   lua_pushboolean(L, 1);

@@ -10,7 +10,7 @@
 ---@class bw.SurfaceModule
 local surface_module = {}
 
----Reads a surface from an STL, OBJ, OFF, PLY, 3MF, MSH, VTU, STEP or IGES file. The content decides which format it is. A mesh of
+---Reads a surface from an STL, OBJ, OFF, PLY, 3MF, glTF, MSH, VTU, STEP or IGES file. The content decides which format it is. A mesh of
 ---tetrahedra gives its boundary.
 ---
 ---Errors: io (the file cannot be read), format (it is none of these, or damaged), geometry (a coordinate is not finite),
@@ -60,7 +60,7 @@ function surface_module.read(path, options) end
 ---@field skipped integer (count) records that were not read: lines, single points, unknown elements
 ---@field groups integer (count) groups of facets: groups, solids or regions of the file
 ---@field metres_per_unit number (m, per unit of the file) the unit that was applied: as given, else what the file says, else by the ending
----@field group_names? string[] the names of the objects of a 3MF file, by group; empty texts where it gives none
+---@field group_names? string[] the names of the objects of a 3MF or glTF file, by group; empty texts where it gives none
 ---@field bodies bw.CadBody[]? of STEP and IGES
 ---@field faces bw.CadFace[]? of STEP and IGES; group i is face i
 ---@field exact_volume number? (m3) of STEP and IGES: of the exact shape of all bodies
@@ -326,11 +326,17 @@ function surface_module.implicit(value, options) end
 ---@field box bw.Box the smallest box that holds it
 local Surface = {}
 
----Writes the surface to a file, whose ending decides the format: .stl (binary), .obj, .ply, .off, .3mf, .vtu or .msh.
+---Writes the surface to a file, whose ending decides the format: .stl (binary), .obj, .ply, .off, .3mf, .glb (glTF 2.0), .usda (USD),
+---.vtu or .msh. With `values`, .glb, .usda, .ply, .obj and .3mf have the colours of a picture, as vertex colours or colours of
+---triangles. A format that cannot hold the colours or fields raises.
 ---
----Errors: io (the file cannot be written).
+---Errors: io (the file cannot be written), limit (more than 4 GB as .glb or .3mf).
+---```lua
+---local ball = bw.surface.sphere {radius = 0.01}
+---assert(ball:write("ball.glb", {values = ball.points:column(3)}))
+---```
 ---@param path string the file
----@param options? bw.SurfaceWriteOptions unit, form and fields
+---@param options? bw.SurfaceWriteOptions unit, form, colours and fields
 ---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
@@ -338,9 +344,12 @@ function Surface:write(path, options) end
 
 ---How a surface is written.
 ---@class bw.SurfaceWriteOptions
----@field unit? string|number (m, per unit of the file) or a name, as in `bw.UnitOptions`. Default: "m" for .vtu and .msh, else "mm"
+---@field unit? string|number (m, per unit of the file) or a name, as in `bw.UnitOptions`. Default: "m" for .vtu, .msh and .glb, which has no other, else "mm"
 ---@field ascii? boolean text instead of binary, where the format has both. Default: false
----@field fields? table<string, bw.Array> only .vtu: arrays with a row for every point or every triangle, by name
+---@field values? bw.Array (any, n × 1, per point or per triangle) what the colours show; grey where not finite. Of .obj per point. Default: none
+---@field min? number (any) lower end of the colours. Default: the smallest value
+---@field max? number (any) upper end of the colours. Default: the largest value
+---@field fields? table<string, bw.Array> arrays with a row for every point or every triangle, by name; for .vtu, and of one column for .ply and .usda
 
 ---What is wrong with the surface. `print` shows it in a few lines.
 ---

@@ -180,7 +180,7 @@ static inline void parse_bytes(const char *format, const unsigned char *bytes, s
     parse_surface(name, copy, count);
     bool surface_only = strcmp(format, "stl") == 0 || strcmp(format, "obj") == 0 ||
                         strcmp(format, "off") == 0 || strcmp(format, "ply") == 0 ||
-                        strcmp(format, "3mf") == 0;
+                        strcmp(format, "3mf") == 0 || strcmp(format, "gltf") == 0;
     if (!surface_only)
       parse_mesh(name, copy, count);
   }

@@ -1,10 +1,12 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright convert IN OUT: from one format into another, repaired or filled on the way.
+local bw = require "barwright"
 local lengths = require "barwright.command.lengths"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 
-local surface_endings = {stl = true, obj = true, ply = true, off = true, ["3mf"] = true}
+local surface_endings = {stl = true, obj = true, ply = true, off = true, ["3mf"] = true, glb = true, usda = true}
+local coloured_endings = {obj = true, ply = true, ["3mf"] = true, glb = true, usda = true}
 local mesh_endings = {msh = true, pvtu = true, mesh = true, inp = true, node = true, ele = true}
 local drawing_endings = {svg = true, dxf = true}
 
@@ -87,6 +89,43 @@ local function fields_of(read)
   return fields and next(fields) and fields or nil
 end
 
+-- A field of the mesh on its boundary: a row for each point or each triangle of the surface, or nil, message, details.
+-- Vectors become their length.
+local function boundary_values(read, name, nodes)
+  local fields, names = fields_of(read) or {}, {}
+  for key in pairs(fields) do names[#names + 1] = key end
+  table.sort(names)
+  local field = fields[name]
+  if not field then
+    return nil, ("--colours %s: %s has %s"):format(name, model.name(read.path),
+      #names > 0 and "the fields " .. table.concat(names, ", ") or "no fields"), {status = "misuse"}
+  end
+  if field.column_count == 3 then
+    field = bw.array.map("norm(a)", {a = field})
+  elseif field.column_count ~= 1 then
+    return nil, ("--colours %s: the field has %d components, and 1 or 3 become colours"):format(name,
+      field.column_count), {status = "misuse"}
+  end
+  return field:gather(field.row_count == read.mesh.node_count and nodes or read.mesh.facet_elements)
+end
+
+-- The boundary of the mesh and the options to write it in colours.
+local function coloured(read, opts, options)
+  if read.kind ~= "mesh" then
+    return nil, "--colours: only fields of meshes (VTU MSH) become colours", {status = "misuse"}
+  end
+  if not coloured_endings[model.ending(opts.out)] then
+    return nil, ("--colours: colours are written to %s, not to %s"):format(list {coloured_endings},
+      model.name(opts.out)), {status = "misuse"}
+  end
+  local surface, nodes = read.mesh:surface()
+  local values, message, details = boundary_values(read, opts.colours, nodes)
+  if not values then return nil, message, details end
+  if opts.scale then surface = surface:scale(opts.scale) end
+  options.values = values
+  return surface
+end
+
 local function run(opts, out)
   if model.same_path(opts["in"], opts.out) then
     return out:misuse(("OUT: %s is IN: give another file"):format(opts.out))
@@ -102,6 +141,16 @@ local function run(opts, out)
     if made == read.mesh and (model.ending(opts.out) == "vtu" or model.ending(opts.out) == "msh") then
       options.fields = fields_of(read)
     end
+    if model.ending(opts.out) == "glb" then
+      if opts.out_unit and opts.out_unit ~= "m" then
+        return out:misuse("--out-unit: glTF files are in metres: leave it out")
+      end
+      options.unit = nil
+    end
+    if opts.colours then
+      made, message, details = coloured(read, opts, options)
+      if not made then return out:fail(message, details) end
+    end
     if opts.ascii and model.ending(opts.out):match "^[sp][tl][ly]$" then options.ascii = true end
   end
   local ok
@@ -114,8 +163,8 @@ end
 
 return {
   summary = "from one file format into another, repaired or filled on the way",
-  about = "The ending of OUT says the format: surfaces STL OBJ PLY OFF 3MF VTU MSH, meshes of tetrahedra MSH VTU "
-    .. "MESH INP NODE, drawings SVG DXF. A mesh that is written as STL, OBJ, PLY, OFF or 3MF gives its boundary; "
+  about = "The ending of OUT says the format: surfaces STL OBJ PLY OFF 3MF GLB USDA VTU MSH, meshes of tetrahedra MSH VTU "
+    .. "MESH INP NODE, drawings SVG DXF. A mesh that is written in a format of surfaces gives its boundary; "
     .. "a surface that is written as MESH, INP or NODE, or with --elements, is filled with tetrahedra. Surfaces "
     .. "are written in millimetres and meshes in metres unless --out-unit says otherwise.\n\n"
     .. output.codes "it was written",
@@ -132,10 +181,13 @@ return {
     {name = "elements", value = "N", type = "integer", min = 1, max = 10000000,
       what = "fill a surface with about so many tetrahedra"},
     {name = "order", value = "1|2", type = "integer", one_of = {1, 2}, what = "linear or quadratic tetrahedra"},
+    {name = "colours", value = "FIELD", type = "string",
+      what = "a field of a mesh as the colours of its boundary, for GLB USDA PLY OBJ 3MF"},
     {name = "ascii", type = "flag", what = "write STL and PLY as text"},
   },
   examples = {{"barwright convert scan.stl part.obj --repair", "a sound surface"},
     {"barwright convert hook.stl hook.vtu --elements 50000 --order 2", "a mesh for another solver"},
+    {"barwright convert hook.vtu hook.glb --colours von_mises", "a result for a 3D viewer"},
     "barwright convert plate.dxf plate.svg"},
   run = run,
 }

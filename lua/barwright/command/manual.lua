@@ -67,7 +67,7 @@ end
 
 local about = [[
 barwright computes where a part breaks, its natural frequencies, and what changes with its shape. Its commands
-take files: surfaces (STL OBJ OFF PLY 3MF STEP IGES), meshes of tetrahedra (MSH VTU PVTU MEDIT INP TetGen),
+take files: surfaces (STL OBJ OFF PLY 3MF glTF STEP IGES), meshes of tetrahedra (MSH VTU PVTU MEDIT INP TetGen),
 drawings (SVG DXF). A word that is the name of a command is one; any other is a script in Lua, which finds
 the engine with
 `require "barwright"`. A script whose file is named like a command is run as `./NAME`. Without either, a prompt

@@ -14,12 +14,12 @@ local model = {}
 
 --- The argument of those that compute.
 model.body_argument = {name = "model", type = "file",
-  what = "surface (STL OBJ OFF PLY 3MF STEP IGES) or mesh of tetrahedra (MSH VTU PVTU MEDIT INP TetGen)"}
+  what = "surface (STL OBJ OFF PLY 3MF glTF STEP IGES) or mesh of tetrahedra (MSH VTU PVTU MEDIT INP TetGen)"}
 
 --- The option --unit of every command that reads a model.
 model.unit_option = {name = "unit", value = "UNIT", one_of = {"mm", "cm", "m", "km", "um", "in", "ft"},
   what = "the unit of the numbers in the file; left out: what the "
-    .. "file says for drawings, 3MF, STEP and IGES, else mm for surfaces, m for meshes of tetrahedra"}
+    .. "file says for drawings, 3MF, glTF, STEP and IGES, else mm for surfaces, m for meshes of tetrahedra"}
 
 -- The solvers of --solver; each is made when it is asked for.
 local solvers = {

@@ -109,6 +109,7 @@ REPLAY(medit)
 REPLAY(tetgen)
 REPLAY(inp)
 REPLAY(tgf)
+REPLAY(gltf)
 REPLAY(svg)
 REPLAY(dxf)
 REPLAY(bwm)
@@ -118,6 +119,7 @@ REPLAY(matrix)
 check_main(cmocka_unit_test(replay_stl), cmocka_unit_test(replay_obj), cmocka_unit_test(replay_off),
            cmocka_unit_test(replay_ply), cmocka_unit_test(replay_msh), cmocka_unit_test(replay_vtu),
            cmocka_unit_test(replay_medit), cmocka_unit_test(replay_tetgen),
-           cmocka_unit_test(replay_inp), cmocka_unit_test(replay_tgf), cmocka_unit_test(replay_svg),
+           cmocka_unit_test(replay_inp), cmocka_unit_test(replay_tgf),
+           cmocka_unit_test(replay_gltf), cmocka_unit_test(replay_svg),
            cmocka_unit_test(replay_dxf), cmocka_unit_test(replay_bwm),
            cmocka_unit_test(replay_plane), cmocka_unit_test(replay_matrix))
