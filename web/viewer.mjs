@@ -299,6 +299,7 @@ rankedRows(document.querySelector("table.ranked"));
 rowsByKey(document.querySelectorAll("tr[data-motion]"), select);
 
 drawBar(byId("bar"), colour);
+for (const e of document.querySelectorAll(".colours")) e.hidden = fields.length === 0;
 recolour();
 if (motions.length > 0) select(0);
 for (const id of ["shape", "deformation", "play", "true", "swings"]) byId(id).hidden = motions.length === 0;

@@ -22,8 +22,8 @@ end
 --- or nil, picture = function(path), and
 --- fields = {{name =, unit =, values =, scale =, limit = the strength in this unit or nil}},
 --- displacements = {{name =, kind =, values =, imaginary =, field = from 0, or nil, arrows =, times =, seconds =,
---- factor =}}: values over the nodes, or where a `surface` is given over its points; a list with an array for
---- each frame where they change in time,
+--- factor =}}: values over the nodes, or where a `surface` is given, when the mesh may be nil, over its points; a
+--- list with an array for each frame where they change in time,
 --- lines =, line_name =, rigid =: lines that the view draws, and whether they stay where they are,
 --- view = function(surface, nodes) -> direction to the viewer,
 --- body = HTML below the view, rows = what a row of its table shows,
@@ -53,7 +53,7 @@ function body_page.write(path, mesh, about)
     if not view then return nil, message, why end
     data.view = json.list(view)
   end
-  local manifest = {version = core.version, elements = mesh.element_count}
+  local manifest = {version = core.version, elements = mesh and mesh.element_count}
   for name, value in pairs(about.manifest or {}) do manifest[name] = value end
   return report.page(path, {title = about.title, verdict = about.verdict, answer = about.answer, data = data,
     body = report.legend(about) .. (about.body or ""), rows = about.rows, manifest = manifest,

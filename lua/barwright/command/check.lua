@@ -1,9 +1,10 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright check MODEL: what a file holds, what is wrong with it, whether that can be repaired.
 local bw = require "barwright"
+local check_page = require "barwright.command.check_page"
 local core = require "barwright.core"
-local distance = require("barwright.points").distance
 local lengths = require "barwright.command.lengths"
+local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local shown = require "barwright.shown"
@@ -40,13 +41,36 @@ end
 
 -- ---- surfaces --------------------------------------------------------------------------------------
 
-local function report_unit(read, out)
+-- What the page says first, besides the verdict: facts as of report_verdict.lua, advice, tables of check_page.lua.
+local function new_page() return {facts = {}, advice = {}, tables = {}} end
+
+local function add_fact(page, name, text) page.facts[#page.facts + 1] = {name, text} end
+
+local function report_unit(read, page, out)
   local size = size_of(read.box)
   local sentence, names = model.guess_unit(size, read.metres_per_unit or 1, read.unit)
   out:json {size_m = size, box_low_m = read.box.min, box_high_m = read.box.max,
     metres_per_unit = read.metres_per_unit, unit_doubtful = sentence ~= nil,
     unit_suggestions = names and bw.json.list(names)}
-  if sentence then out:say(sentence) end
+  add_fact(page, "Size", shown.size(size))
+  if not sentence then return end
+  out:say(sentence)
+  page.advice[#page.advice + 1] = sentence
+end
+
+-- What a volume weighs where a material was given.
+local function report_mass(read, volume, page, out)
+  local material = read.made and read.made.default
+  if not material or #read.made.named > 0 then return end
+  local mass = material.density and material.density * volume
+  if mass then
+    out:say("Of %s it weighs %s.", material.name, core.quantity(mass, "kg"))
+  else
+    out:say("The density of %s is not known, and with it the mass.", material.name)
+  end
+  out:json {material = material.name, mass_kg = mass}
+  add_fact(page, "Material", material.name)
+  add_fact(page, "Mass", mass and core.quantity(mass, "kg"))
 end
 
 -- So many bodies of a CAD file are listed.
@@ -70,8 +94,8 @@ local function report_bodies(read, out)
   out:json {bodies = bodies, exact_volume_m3 = info.exact_volume, exact_area_m2 = info.exact_area}
 end
 
-local function report_defects(report, out)
-  local counts, first = {}, {}
+local function report_defects(report, page, out)
+  local counts, first, places, rows = {}, {}, {}, {}
   for _, defect in ipairs(report.defects) do
     first[defect.kind] = first[defect.kind] or defect
   end
@@ -80,15 +104,18 @@ local function report_defects(report, out)
     if count > 0 then
       counts[kind:gsub("[ -]", "_")] = count
       local where = first[kind]
-      out:say("  %s: %s; the first at %s, facet %d", model.count(count, words[1], words[2]), words[3],
-        core.point(where.at), where.facet)
+      out:say("  %s: %s; the first at %s", model.count(count, words[1], words[2]), words[3], core.point(where.at))
+      places[kind:gsub("[ -]", "_")] = {at_m = where.at, facet = where.facet}
+      rows[#rows + 1] = {model.count(count, words[1], words[2]), words[3], core.point(where.at)}
+      page.callout = page.callout or {at = where.at, text = words[1]}
     end
   end
-  out:json {defects = counts, holes = report.holes}
+  page.tables[#page.tables + 1] = {"What is wrong", {"fault", "what it means", "the first at"}, rows}
+  out:json {defects = counts, first_defects = places, holes = report.holes}
 end
 
 -- How much of the surface stands on how little material.
-local function report_thickness(surface, opts, out)
+local function report_thickness(surface, opts, page, out)
   local values = surface:thickness(2000)
   local list = values:totable()
   table.sort(list)
@@ -97,6 +124,8 @@ local function report_thickness(surface, opts, out)
   out:say("Walls: 1 %% of the surface has less than %s of material under it, half of it less than %s.",
     core.quantity(thin, "m"), core.quantity(median, "m"))
   out:json {thickness_1_percent_m = thin, thickness_median_m = median}
+  add_fact(page, "Walls", ("1 %% of the surface below %s, half of it below %s"):format(core.quantity(thin, "m"),
+    core.quantity(median, "m")))
   if not opts.thin then return true end
   local below = 0
   for _, value in ipairs(list) do below = below + (value < opts.thin and 1 or 0) end
@@ -104,10 +133,13 @@ local function report_thickness(surface, opts, out)
   out:json {thin_fraction = fraction}
   out:say("%s of the surface has less than the %s asked for.",
     shown.percent(fraction), core.quantity(opts.thin, "m"))
-  return fraction <= 0.01
+  if fraction <= 0.01 then return true end
+  page.advice[#page.advice + 1] = ("%s of the surface has less than %s of material under it: thicken it there.")
+    :format(shown.percent(fraction), core.quantity(opts.thin, "m"))
+  return false
 end
 
-local function report_repair(surface, opts, out)
+local function report_repair(surface, opts, page, out)
   if not opts.repair then return end
   local repaired, log, details = model.try(surface.repair, surface, {time_limit = opts.seconds})
   out:warnings()
@@ -116,6 +148,7 @@ local function report_repair(surface, opts, out)
     return
   elseif not repaired then
     out:say("Repair does not help: %s", log)
+    page.advice[#page.advice + 1] = "Repair does not help: " .. log
     out:json {repairable = false, repair_message = log, repair_status = details and details.status}
     return
   end
@@ -127,13 +160,16 @@ local function report_repair(surface, opts, out)
   end
   out:say("  Then its volume is %s, and it lies %s.",
     core.quantity(repaired.volume, "m3"), model.moved_text(log.moved))
+  page.advice[#page.advice + 1] = ("Repair corrects it, and the commands that compute do so by themselves: the "
+    .. "volume is %s then. `barwright convert IN OUT --repair` keeps it."):format(
+    core.quantity(repaired.volume, "m3"))
   out:json {repairable = true, repair_steps = steps, repair_moved_m = log.moved,
     repaired_volume_m3 = repaired.volume}
   return repaired
 end
 
 -- With --edges: the re-entrant edges without a fillet, where a stress has no finite value.
-local function report_edges(surface, opts, picture, out)
+local function report_edges(surface, opts, picture, page, out)
   if not opts.edges then return end
   local edges, message = surface:singular_edges()
   if not edges then
@@ -141,68 +177,25 @@ local function report_edges(surface, opts, picture, out)
     return
   end
   out:say("Re-entrant edges without a fillet: %s", tostring(edges))
-  local list = bw.json.list {}
+  local list, rows = bw.json.list {}, {}
   for i, edge in ipairs(edges) do
+    rows[i] = {core.point(edge.points[1]), core.quantity(edge.length, "m"),
+      ("%.4g degrees"):format(180 / math.pi * edge.angle), ("h^%.4g"):format(-edge.growth)}
     local points = bw.json.list {}
     for k, point in ipairs(edge.points) do points[k] = point end
     list[i] = {length_m = edge.length, angle_rad = edge.angle, exponent = edge.exponent, points_m = points}
   end
   out:json {singular_edges = list}
+  page.tables[#page.tables + 1] = {"Re-entrant edges without a fillet", {"begins at", "length",
+    "inside the material", "stress grows like"}, rows}
   local lines = {}
   for i, edge in ipairs(edges) do lines[i] = edge.points end
   picture.lines, picture.direction = lines, model.view_of(edges)
   picture.line_name = model.count(#edges, "re-entrant edge") .. " without a fillet"
 end
 
--- So many faces are listed and drawn.
+-- So many faces are listed.
 local MAX_FACES = 24
--- A triangle is seen where its normal has this part of its length towards the viewer.
-local TOWARDS = 0.2
--- A triangle may be so many times the radius of its inner circle farther away than another one.
-local WIDE = 4
-
--- The radius of the circle that fits into a triangle.
-local function inner_radius(a, b, c, twice_area)
-  return twice_area / (distance(a, b) + distance(b, c) + distance(c, a))
-end
-
--- Of every face a label in the middle of a triangle: near the middle of what faces the viewer, and a wide one.
-local function face_labels(surface, picture)
-  local faces, of = surface:faces()
-  local view = core.picture_direction(surface, nil, picture)
-  local length = math.sqrt(view[1] ^ 2 + view[2] ^ 2 + view[3] ^ 2)
-  local points, seen = surface.points:totable(), {}
-  for i = 1, #faces do seen[i] = {0, 0, 0, area = 0, centroids = {}} end
-  for t, corners in ipairs(surface.triangles:totable()) do
-    local a, b, c = points[corners[1]], points[corners[2]], points[corners[3]]
-    local normal, centroid = {}, {}
-    for k = 1, 3 do
-      local i, j = k % 3 + 1, (k + 1) % 3 + 1
-      normal[k] = (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i])
-      centroid[k] = (a[k] + b[k] + c[k]) / 3
-    end
-    local towards = (normal[1] * view[1] + normal[2] * view[2] + normal[3] * view[3]) / length
-    local size = math.sqrt(normal[1] ^ 2 + normal[2] ^ 2 + normal[3] ^ 2)
-    if towards > TOWARDS * size then
-      centroid.clearance = WIDE * inner_radius(a, b, c, size)
-      local sum = seen[of(t, 1)]
-      for k = 1, 3 do sum[k] = sum[k] + towards * centroid[k] end
-      sum.area = sum.area + towards
-      sum.centroids[#sum.centroids + 1] = centroid
-    end
-  end
-  local labels = {}
-  for i = 1, math.min(#seen, MAX_FACES) do
-    local sum, best, min = seen[i], nil, nil
-    for _, centroid in ipairs(sum.centroids) do
-      local away = distance(centroid, {sum[1] / sum.area, sum[2] / sum.area, sum[3] / sum.area})
-        - centroid.clearance
-      if not min or away < min then best, min = centroid, away end
-    end
-    if best then labels[#labels + 1] = {at = best, text = faces[i].name} end
-  end
-  return labels
-end
 
 -- The faces that the file names, the largest first: {name =, area =}.
 local function named_faces(surface)
@@ -229,81 +222,102 @@ local function named_faces(surface)
 end
 
 -- With --faces: the faces, the largest first.
-local function report_faces(surface, opts, out)
+local function report_faces(surface, opts, page, out)
   if not opts.faces then return true end
   local faces, message, details = surface:faces()
   if not faces then return nil, message, details end
-  local list = bw.json.list {}
+  local list, rows = bw.json.list {}, {}
   out:say("%s:", model.count(#faces, "face"))
   for i, face in ipairs(faces) do
     list[i] = {name = face.name, kind = face.kind, area_m2 = face.area, centre_m = face.centre,
       radius_m = face.radius}
     if i <= MAX_FACES then
+      rows[i] = {face.name, core.quantity(face.area, "m2"), face.radius and core.quantity(face.radius, "m") or ""}
       out:say("  %-12s %s%s", face.name, core.quantity(face.area, "m2"),
         face.radius and ", radius " .. core.quantity(face.radius, "m") or "")
     end
   end
   if #faces > MAX_FACES then out:say("  and %d smaller ones.", #faces - MAX_FACES) end
+  page.tables[#page.tables + 1] = {"Faces", {"face", "area", "radius"}, rows}
   local named = named_faces(surface)
-  local entries = bw.json.list {}
+  local entries, named_rows = bw.json.list {}, {}
   if #named > 0 then out:say("%s with names of the file:", model.count(#named, "face")) end
   for i, face in ipairs(named) do
     entries[i] = {name = face.name, area_m2 = face.area}
-    if i <= MAX_FACES then out:say("  %-12s %s", face.name, core.quantity(face.area, "m2")) end
+    if i <= MAX_FACES then
+      named_rows[i] = {face.name, core.quantity(face.area, "m2")}
+      out:say("  %-12s %s", face.name, core.quantity(face.area, "m2"))
+    end
   end
+  if #named > 0 then page.tables[#page.tables + 1] = {"Faces that the file names", {"face", "area"}, named_rows} end
   if #named > MAX_FACES then out:say("  and %d smaller ones.", #named - MAX_FACES) end
   out:json {faces = list, named_faces = #named > 0 and entries or nil}
   return true
 end
 
--- What --edges and --faces ask for, listed and drawn.
-local function report_marked(surface, opts, out)
-  local picture = {title = model.name(opts.model)}
-  report_edges(surface, opts, picture, out)
-  local ok, message, details = report_faces(surface, opts, out)
+-- What --edges and --faces ask for, listed; and what the picture and the page mark, with it.
+local function report_marked(surface, opts, page, out)
+  local marked = {title = model.name(opts.model)}
+  report_edges(surface, opts, marked, page, out)
+  local ok, message, details = report_faces(surface, opts, page, out)
   if not ok then return nil, message, details end
-  if not opts.picture then return true end
-  if opts.faces then picture.labels = face_labels(surface, picture) end
-  ok, message, details = surface:picture(opts.picture, picture)
-  if not ok then return nil, message, details end
-  out:json {files = bw.json.list {opts.picture}}
-  out:say("Written: %s.", opts.picture)
+  if opts.picture and opts.faces then marked.labels = check_page.face_labels(surface, marked) end
+  page.surface, page.marked = surface, marked
   return true
 end
 
-local function check_surface(read, opts, out)
+-- So many faults of each kind have a cross.
+local MAX_CROSSES = 20
+
+-- The surface as it was read, with crosses at its faults, unless something else is to be seen of the repaired one.
+local function mark_faults(surface, report, box, page, opts)
+  if page.surface and (opts.edges or opts.faces) then return end
+  local places = {}
+  for i, defect in ipairs(report.defects) do places[i] = defect.at end
+  page.surface, page.marked = surface, {title = model.name(opts.model) .. ": not sound",
+    lines = check_page.crosses(places, box), line_name = "crosses: faults, at most "
+      .. MAX_CROSSES .. " of each kind"}
+end
+
+local function check_surface(read, opts, page, out)
   local surface = read.surface
-  local report = surface:check {limit = 1}
+  local report = surface:check {limit = MAX_CROSSES}
   out:say("%s: %s, %s, %s.", model.name(read.path), read.format,
     model.count(surface.triangle_count, "triangle"), shown.size(size_of(read.box)))
-  report_unit(read, out)
+  report_unit(read, page, out)
   report_bodies(read, out)
   out:json {triangles = surface.triangle_count, points = surface.point_count, sound = report.sound,
     closed = report.closed, oriented = report.oriented, shells = report.shells, area_m2 = report.area,
     volume_m3 = report.volume}
-  local good
   if report.sound then
+    page.headline = ("Closed, facing outwards, not crossing itself; %s."):format(
+      model.count(report.shells, "shell"))
     out:say("Sound: closed, facing outwards, not crossing itself; %s, %s, surface %s.",
       model.count(report.shells, "shell"), core.quantity(report.volume, "m3"), core.quantity(report.area, "m2"))
-    good = report_thickness(surface, opts, out)
-    local ok, message, details = report_marked(surface, opts, out)
+    add_fact(page, "Volume", core.quantity(report.volume, "m3"))
+    add_fact(page, "Surface", core.quantity(report.area, "m2"))
+    report_mass(read, report.volume, page, out)
+    local good = report_thickness(surface, opts, page, out)
+    if not good then page.headline = "Its surface is sound, but walls are thinner than asked for." end
+    local ok, message, details = report_marked(surface, opts, page, out)
     if not ok then return nil, message, details end
-  else
-    local text = {}
-    text[#text + 1] = report.closed and "closed"
-      or report.holes > 0 and ("open, with %s"):format(model.count(report.holes, "hole")) or "open"
-    text[#text + 1] = model.count(report.shells, "shell")
-    out:say("Not sound (%s):", table.concat(text, ", "))
-    report_defects(report, out)
-    local repaired = report_repair(surface, opts, out)
-    if repaired then
-      report_thickness(repaired, opts, out)
-      local ok, message, details = report_marked(repaired, opts, out)
-      if not ok then return nil, message, details end
-    end
-    good = false
+    return good
   end
-  return good
+  local text = {report.closed and "closed"
+    or report.holes > 0 and ("open, with %s"):format(model.count(report.holes, "hole")) or "open",
+    model.count(report.shells, "shell")}
+  page.headline = ("Its surface is not sound: %s."):format(table.concat(text, ", "))
+  out:say("Not sound (%s):", table.concat(text, ", "))
+  report_defects(report, page, out)
+  local repaired = report_repair(surface, opts, page, out)
+  if repaired then
+    report_mass(read, repaired.volume, page, out)
+    report_thickness(repaired, opts, page, out)
+    local ok, message, details = report_marked(repaired, opts, page, out)
+    if not ok then return nil, message, details end
+  end
+  mark_faults(surface, report, read.box, page, opts)
+  return false
 end
 
 -- ---- meshes ----------------------------------------------------------------------------------------
@@ -337,12 +351,15 @@ local function report_overlaps(mesh, out)
   return largest <= REFUSED
 end
 
-local function check_mesh(read, opts, out)
+local function check_mesh(read, opts, page, out)
   local mesh = read.mesh
   out:say("%s: %s, a mesh of %s tetrahedra of %d nodes.", model.name(read.path), read.format,
     mesh.order == 1 and "linear" or "quadratic", mesh.order == 1 and 4 or 10)
-  model.report_mesh(mesh, nil, out)
-  report_unit(read, out)
+  model.report_mesh(mesh, read.made, out)
+  report_unit(read, page, out)
+  add_fact(page, "Volume", core.quantity(mesh.volume, "m3"))
+  add_fact(page, "Material", out.object.material)
+  add_fact(page, "Mass", out.object.mass_kg and core.quantity(out.object.mass_kg, "kg"))
   local quality = mesh:quality()
   local degrees = 180 / math.pi
   local min, max = quality.dihedral_min, quality.dihedral_max
@@ -353,12 +370,15 @@ local function check_mesh(read, opts, out)
     model.count(mesh.component_count, "body", "bodies"))
   out:json {order = mesh.order, dihedral_min_degrees = min, dihedral_max_degrees = max,
     volume_min_m3 = quality.volume_min, volume_max_m3 = quality.volume_max}
-  local ok, message, details = report_marked(mesh:surface(), opts, out)
+  local ok, message, details = report_marked(mesh:surface(), opts, page, out)
   if not ok then return nil, message, details end
   local sound = min >= 1
+  page.headline = sound and "No element is flat, and no bodies overlap much." or "Elements are too flat."
   if mesh.component_count > 1 then
     out:say("The bodies are not connected: a load on one has no effect on the others.")
-    sound = report_overlaps(mesh, out) and sound
+    if not report_overlaps(mesh, out) then
+      sound, page.headline = false, "Bodies of the mesh overlap."
+    end
   end
   if min < 1 then
     out:say("Its flattest element has an angle of %s degrees: stresses there are not to be trusted.",
@@ -370,7 +390,7 @@ end
 
 -- ---- drawings --------------------------------------------------------------------------------------
 
-local function check_outline(read, _, out)
+local function check_outline(read, _, _, out)
   local outline, holes = read.outline, 0
   for _, loop in ipairs(outline.loops) do holes = holes + (loop.hole and 1 or 0) end
   local size = size_of(read.box)
@@ -385,6 +405,58 @@ end
 
 local by_kind = {surface = check_surface, mesh = check_mesh, outline = check_outline}
 
+-- What was read, with the material that was given, if any, `made`.
+local function open(opts, out)
+  local made, message, details
+  if #opts.material > 0 then
+    made, message = made_of.read(opts)
+    if not made then return nil, message, {status = "misuse"} end
+  end
+  for _, name in ipairs {"picture", "report"} do
+    local path, ok = opts[name], true
+    if path and model.same_path(path, opts.model) then
+      return nil, ("option --%s: %s is the MODEL: give another file"):format(name, path), {status = "misuse"}
+    end
+    if path then ok, message, details = writable(path) end
+    if not ok then return nil, message, details end
+  end
+  local read
+  read, message, details = model.open(opts.model, opts.unit, out)
+  if not read then
+    out:json {sound = false}
+    return nil, message, details
+  end
+  message = made and made_of.fault(made, read)
+  if not message and read.kind == "outline" and (opts.report or made) then
+    message = ("option --%s: %s is a drawing, which is flat and has %s"):format(
+      opts.report and "report" or "material", read.path,
+      opts.report and "no view to turn: --picture FILE.png draws it" or "no mass")
+  end
+  if message then return nil, message, {status = "misuse"} end
+  read.made = made
+  return read
+end
+
+-- Writes the picture and the page that were asked for; the exit code of a failure.
+local function write_files(read, page, sentences, good, opts, out)
+  return out:write_files {
+    {opts.picture, function()
+      if read.kind == "outline" then return read.outline:picture(opts.picture) end
+      return page.surface:picture(opts.picture, page.marked)
+    end},
+    {opts.report, function()
+      return check_page.write(page.surface, opts.report, page.marked, {answer = output.sentences(sentences),
+        head = {verdict = good and "sound" or "faulty", headline = page.headline, facts = page.facts,
+          advice = page.advice}, callout = page.callout, tables = page.tables,
+        manifest = {file = opts.model, format = read.format}})
+    end}}
+end
+
+-- As of the commands that compute, but nothing where it is not given.
+local material_option = {}
+for key, value in pairs(made_of.option) do material_option[key] = value end
+material_option.default, material_option.what = nil, "what it is made of, for its mass: as of `barwright statics`"
+
 return {
   summary = "whether a model is sound, and what is wrong with it",
   about = "Reads a surface (STL OBJ OFF PLY 3MF STEP IGES), a mesh of tetrahedra "
@@ -396,6 +468,7 @@ return {
     .. output.codes("sound", "it has faults (also where they can be repaired)"),
   arguments = {{name = "model", type = "file", what = "the file"}},
   options = {
+    material_option,
     model.unit_option,
     {name = "thin", value = "LENGTH", type = "number", unit = "m", above = 0,
       what = "a fault if more than 1 % of the surface has less material under it than this"},
@@ -404,7 +477,10 @@ return {
     {name = "faces", value = "yes|no", one_of = {"yes", "no"}, default = "no",
       what = "list the faces: planes, cylinders, cones, spheres and free forms"},
     {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
-      what = "a picture: with --edges yes these edges as violet lines, with --faces yes the names of the faces"},
+      what = "a picture, with crosses at faults: with --edges yes these edges as violet lines, with --faces yes "
+        .. "the names of the faces"},
+    {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
+      what = "write a page with a 3D view that turns"},
     {name = "repair", value = "yes|no", one_of = {"yes", "no"}, default = "yes", what = "try a repair"},
     {name = "seconds", value = "TIME", type = "number", unit = "s", default = 120, above = 0,
       what = "how long the repair may take"},
@@ -414,23 +490,16 @@ return {
     "a wall of 0.8 mm at least, as a condition"}},
   run = function(opts, out)
     opts.repair, opts.edges, opts.faces = opts.repair == "yes", opts.edges == "yes", opts.faces == "yes"
-    if opts.picture and not (opts.edges or opts.faces) then
-      return out:misuse "option --picture: it shows edges or faces: give --edges yes or --faces yes as well"
-    end
-    local ok, message, details = true, nil, nil
-    if opts.picture then ok, message, details = writable(opts.picture) end
-    if not ok then return out:fail(message, details) end
-    local read
-    read, message, details = model.open(opts.model, opts.unit, out)
-    if not read then
-      out:json {sound = false}
-      return out:fail(message, details)
-    end
+    local read, message, details = open(opts, out)
+    if not read then return out:fail(message, details) end
+    local sentences, page = out:record(), new_page()
     local good
-    good, message, details = by_kind[read.kind](read, opts, out)
+    good, message, details = by_kind[read.kind](read, opts, page, out)
     out:warnings()
     if good == nil then return out:fail(message, details) end
     out:json {good = good}
+    local failed = write_files(read, page, sentences, good, opts, out)
+    if failed then return failed end
     return good and 0 or 1
   end,
 }

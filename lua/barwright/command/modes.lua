@@ -4,7 +4,9 @@ local bw = require "barwright"
 local core = require "barwright.core"
 local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
+local modes_page = require "barwright.command.modes_page"
 local output = require "barwright.command.output"
+local page_head = require "barwright.command.page_head"
 local pitch = require "barwright.pitch"
 local places = require "barwright.command.places"
 local shown = require "barwright.shown"
@@ -35,12 +37,14 @@ local function analyse(opts, out)
   local errors
   errors, message, details = modes:error_estimate()
   if not errors then return nil, message, details end
-  return modes, fixed, errors:totable(), accuracy
+  local about = {fixed = fixed, fix = opts.fix, part = {page_head.part(read.made, opts, out)}}
+  return modes, about, errors:totable(), accuracy
 end
 
 local function report(modes, fixed, errors, accuracy, opts, out)
   if accuracy then model.report_accuracy(accuracy, out) end
   out:say("")
+  local sentences = out:record() -- for the page as well
   if #opts.fix > 0 then
     out:say("Constrained at %s (%s), natural frequencies are:", table.concat(opts.fix, " and "),
       core.quantity(fixed, "m2"))
@@ -67,6 +71,7 @@ local function report(modes, fixed, errors, accuracy, opts, out)
       or modes.tested and "No mode below the last was found from random vectors, which is no proof."
       or "The count of the eigenvalues could not confirm that none is missing.")
   end
+  return sentences
 end
 
 return {
@@ -91,6 +96,8 @@ return {
       what = "the eigensolver: block Lanczos, ARPACK, LOBPCG without a factor, or SLEPc over the processes of "
         .. "mpirun"},
     {name = "sure", type = "flag", what = "count the eigenvalues, so that none is missing (twice the time)"},
+    {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
+      what = "write a page with a 3D view of the shapes"},
     {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
       what = "write the shapes, for ParaView"},
     {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
@@ -105,11 +112,15 @@ return {
       local ok, message = places.check(place)
       if not ok then return out:misuse("option --fix: " .. message) end
     end
-    local modes, fixed, errors, accuracy = analyse(opts, out)
-    if not modes then return out:fail(fixed, errors) end
-    report(modes, fixed, errors, accuracy, opts, out)
+    local modes, about, errors, accuracy = analyse(opts, out)
+    if not modes then return out:fail(about, errors) end -- a message and its details
+    local sentences = report(modes, about.fixed, errors, accuracy, opts, out)
     local failed = out:write_files {{opts.vtu, function() return modes:write(opts.vtu) end},
-      {opts.picture, function() return modes:picture(1, opts.picture) end}}
+      {opts.picture, function() return modes:picture(1, opts.picture) end},
+      {opts.report, function()
+        return modes_page.write(modes, opts.report, {title = "Natural frequencies of " .. model.name(opts.model),
+          head = modes_page.head(modes, errors, about), answer = output.sentences(sentences)})
+      end}}
     if failed then return failed end
   end,
 }

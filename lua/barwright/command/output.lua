@@ -58,9 +58,26 @@ end
 
 --- A line for people; with more arguments a format and its values.
 function output:say(text, ...)
-  if self.machine or self.quiet then return end
   if select("#", ...) > 0 then text = text:format(...) end
+  if self.lines then self.lines[#self.lines + 1] = text end
+  if self.machine or self.quiet then return end
   write(self, self.colour and output.paint(text) or text)
+end
+
+--- A list that grows by each line that is said from now on, for a page: quiet or not.
+function output:record()
+  self.lines = {}
+  return self.lines
+end
+
+--- The sentences among recorded lines as one text, for a page that has tables in place of the indented lists.
+function output.sentences(lines)
+  local kept = {}
+  for _, text in ipairs(lines) do
+    local first = text:match "^[^\n]*"
+    if first ~= "" and not first:find "^  " and not first:find ":$" then kept[#kept + 1] = first end
+  end
+  return table.concat(kept, "\n")
 end
 
 --- A function that says a line, and the list of the lines that it said, for a page: quiet or not.

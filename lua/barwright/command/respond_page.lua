@@ -6,6 +6,7 @@ local body_page = require "barwright.body_page"
 local core = require "barwright.core"
 local deflection = require "barwright.deflection"
 local html = require "barwright.html"
+local modes_table = require "barwright.command.modes_table"
 local places = require "barwright.command.places"
 local shown = require "barwright.shown"
 local static_picture = require "barwright.command.static_picture"
@@ -13,9 +14,6 @@ local static_picture = require "barwright.command.static_picture"
 local respond_page = {}
 
 local map = bw.array.map
-
-local MOST_VALUES <const> = 1.5e6 -- of the modes of a page, nodes times modes: more make it heavy
-local FEWEST_SHOWN <const> = 3
 
 -- Plots, a list of {caption, figure}, as HTML.
 local function plots(list)
@@ -26,28 +24,6 @@ local function plots(list)
     out[i] = ("<figure><figcaption>%s</figcaption>\n%s</figure>\n"):format(html.escape(each[1]), svg)
   end
   return '<div class="plots">' .. table.concat(out) .. "</div>\n"
-end
-
--- Adds the modes to the motions of the page; their table as HTML. extra: {head =, cells = function(i)} of columns
--- more, or nil.
-local function add_modes(modes, motions, extra)
-  local rows, errors = {}, modes:error_estimate()
-  local count = math.max(FEWEST_SHOWN, math.floor(MOST_VALUES / modes.mesh.node_count))
-  for i, frequency in ipairs(modes.frequencies:totable()) do
-    local text = core.quantity(frequency, "Hz")
-    rows[i] = {i, text, errors and ("about %s too high"):format(shown.error(2 ^ (errors[i] / 1200) - 1))
-      or "unknown"}
-    for k, cell in ipairs(extra and extra.cells(i) or {}) do rows[i][3 + k] = cell end
-    if i <= count then
-      rows[i]["data-motion"] = #motions
-      motions[#motions + 1] = {name = ("mode %d: %s"):format(i, text), kind = "mode", values = modes:shape(i)}
-    end
-  end
-  local head = {"mode", "natural frequency", "error of the mesh"}
-  for k, name in ipairs(extra and extra.head or {}) do head[3 + k] = name end
-  return ("<h2>Modes</h2>\n%s<p class=\"hint\">%s%s. The error of the mesh is estimated.</p>\n"):format(
-    html.table(head, rows), modes.counted and "Counted: none is missing" or "Not counted",
-    count < #rows and (". The view has the first %d"):format(count) or "")
 end
 
 -- The edges of the places that are held.
@@ -108,7 +84,7 @@ function respond_page.harmonic(found, path, words, curve)
     {"Largest amplitude of von Mises stress in the part", found.envelope:figure()}}
   if not drawn then return nil, message, details end
   local body = "<h2>Over the frequency</h2>\n" .. drawn
-    .. add_modes(response.modes, motions)
+    .. modes_table.add(response.modes, motions)
   return write(path, response.mesh, words, fields, motions, body)
 end
 
@@ -168,7 +144,7 @@ function respond_page.random(found, path, words, given)
   local density = figure_of(given.points, "density", "1/Hz")
   local drawn, message, details = plots {{"The power spectral density", density}}
   if not drawn then return nil, message, details end
-  local body = judgement(margins, fatigue) .. add_modes(found.modes, motions) .. "<h2>The vibration</h2>\n"
+  local body = judgement(margins, fatigue) .. modes_table.add(found.modes, motions) .. "<h2>The vibration</h2>\n"
     .. drawn
   return write(path, random.mesh, words, fields, motions, body)
 end
@@ -201,7 +177,8 @@ function respond_page.spectrum(found, path, words, given)
   local spectrum = figure_of(given.points, "acceleration", "m/s2")
   local drawn, message, details = plots {{"The response spectrum", spectrum}}
   if not drawn then return nil, message, details end
-  local body = add_modes(first.modes, motions, {head = head, cells = cells}) .. "<h2>The spectrum</h2>\n" .. drawn
+  local body = modes_table.add(first.modes, motions, {head = head, cells = cells})
+    .. "<h2>The spectrum</h2>\n" .. drawn
   return write(path, all.mesh, words, fields, motions, body)
 end
 

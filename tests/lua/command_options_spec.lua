@@ -1,0 +1,104 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The commands of a first question take the same options. What they print, write as JSON and put on the page is the
+-- same.
+local bw = require "barwright"
+local check = require "check"
+local core = require "barwright.core"
+local shown = require "barwright.shown"
+
+local folder = check.folder()
+local MATERIAL <const> = "young=2GPa,poisson=0.3,strength=40MPa,density=1200"
+
+local function point(list) return core.point(list) end
+local function length(value) return core.quantity(value, "m") end
+
+-- Of each command: more words, texts of the numbers of its JSON object as they are printed and shown on the page,
+-- a word of the page, its model and exit status where they are others.
+local commands = {
+  {"check", "", function(answer)
+    return {core.quantity(answer.volume_m3, "m3"), core.quantity(answer.mass_kg, "kg"),
+      length(answer.thickness_median_m)}
+  end, "It is sound"},
+  {"modes", "--fix min:x --count 2 --elements 300", function(answer)
+    return {shown.number(answer.frequencies_hz[1]), shown.number(answer.frequencies_hz[2]),
+      core.quantity(answer.mass_kg, "kg")}
+  end, '<p class="word">'},
+  {"statics", "--fix min:x --force max:x=0,0,-1N --elements 300", function(answer)
+    return {shown.estimate(answer.max_displacement_m, "m"), shown.estimate(answer.max_von_mises_pa, "Pa"),
+      point(answer.max_von_mises_at_m), core.quantity(answer.mass_kg, "kg")}
+  end, "It holds"},
+  {"worst", "--force 1N --modes 1 --regions 1", function(answer)
+    return {
+      shown.interval(answer.breaking_force_n, answer.breaking_force_low_n, answer.breaking_force_high_n, "N"),
+      point(answer.at_m), core.quantity(answer.contact_area_m2, "m2"), core.quantity(answer.mass_kg, "kg")}
+  end, "Not certain", "bar.msh", 1}, -- one mesh: of a surface it makes several, which takes longer
+}
+
+local function path(name) return folder .. "/" .. name end
+local function read(name) return check.read(path(name)) end
+
+-- Standard output of a command that ends with a status.
+local function run(words, expected)
+  local status, text, fault = check.run(words)
+  assert.equal(expected, status, fault .. text)
+  return text
+end
+
+describe("a command of a first question", function()
+  setup(function()
+    assert(bw.surface.box {max = {0.1, 0.01, 0.01}}:write(path "bar.stl", {unit = "cm"}))
+    -- The numbers of a mesh file are metres: these mean centimetres.
+    assert(bw.mesh.box({max = {10, 1, 1}, cells = {10, 2, 2}, order = 2}):write(path "bar.msh"))
+  end)
+  setup(function() assert(bw.surface.box {max = {0.1, 0.01, 0.01}}:write(path "bar.stl", {unit = "cm"})) end)
+
+  for _, case in ipairs(commands) do
+    local name, more, numbers, word, file, status = table.unpack(case)
+    it("takes a unit, constants, a page, a picture and --json: " .. name, function()
+      local words = ("%s %s --unit cm --material %s %s"):format(name, path(file or "bar.stl"), MATERIAL, more)
+      local printed = run(words, status or 0)
+      local answer = bw.json.decode(run(("%s --json --report %s --picture %s"):format(words, path "page.html",
+        path "p.png"), status or 0))
+      local page = read "page.html"
+      assert.equal("\137PNG", read "p.png":sub(1, 4))
+      assert.truthy(page:find('<section class="verdict', 1, true))
+      assert.truthy(page:find(word, 1, true))
+      table.sort(answer.files)
+      assert.same({path "p.png", path "page.html"}, answer.files)
+      check.near(1.2e-2, answer.mass_kg, 1e-3)
+      for _, text in ipairs(numbers(answer)) do
+        assert.truthy(printed:find(text, 1, true), text .. "\n" .. printed)
+        assert.truthy(page:find(text, 1, true), text)
+      end
+    end)
+  end
+end)
+
+describe("the page of `barwright check`", function()
+  it("shows the faults of an open surface, and what repair does", function()
+    local box = assert(bw.surface.box {max = {0.02, 0.02, 0.02}})
+    local triangles = box.triangles:totable()
+    table.remove(triangles)
+    assert(bw.surface.new {points = box.points, triangles = triangles}:write(path "open.stl", {unit = "mm"}))
+    local status, text = check.run(("check %s --report %s --picture %s"):format(path "open.stl",
+      path "open.html", path "open.png"))
+    local page = read "open.html"
+    assert.equal(1, status, text)
+    assert.truthy(page:find("It has faults", 1, true))
+    assert.truthy(page:find("<h2>What is wrong</h2>", 1, true))
+    assert.truthy(page:find("open edges", 1, true))
+    assert.truthy(page:find("Repair corrects it", 1, true))
+    assert.falsy(text:find "facet %d")
+    assert.equal("\137PNG", read "open.png":sub(1, 4))
+  end)
+
+  it("is refused for a drawing, which a picture shows", function()
+    check.write(path "plate.svg", '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="20mm" '
+      .. 'viewBox="0 0 40 20"><path d="M0 0H40V20H0Z"/></svg>')
+    local status, _, fault = check.run(("check %s --report %s"):format(path "plate.svg", path "plate.html"))
+    assert.equal(2, status)
+    assert.truthy(fault:find("has no view to turn: --picture FILE.png draws it", 1, true), fault)
+    assert.equal(0, (check.run(("check %s --picture %s"):format(path "plate.svg", path "plate.png"))))
+    assert.equal("\137PNG", read "plate.png":sub(1, 4))
+  end)
+end)
