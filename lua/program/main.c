@@ -150,7 +150,7 @@ static int all_written(int status) {
     return status;
   fprintf(stderr, "barwright: standard output: %s\n",
           errno ? strerror(errno) : "not all could be written");
-  return EXIT_FAILURE;
+  return PROGRAM_NO_FILE;
 }
 
 /* The engine takes what it can use of it, and all processors otherwise. */

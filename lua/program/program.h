@@ -19,7 +19,7 @@ typedef struct program_limits {
   double memory;       /* bytes; 0: no limit */
   double seconds;      /* 0: no limit */
 } program_limits;
-enum { PROGRAM_CHILD = -1, PROGRAM_MISUSED = 2, PROGRAM_OVERDUE = 124 };
+enum { PROGRAM_CHILD = -1, PROGRAM_MISUSED = 2, PROGRAM_NO_FILE = 3, PROGRAM_OVERDUE = 124 };
 /* Forks: in the child PROGRAM_CHILD, with its memory limited; in the parent, once the child has
  * ended, the exit status. */
 int program_watch(const program_limits *limits);

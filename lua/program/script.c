@@ -76,15 +76,17 @@ static bool loaded(lua_State *L, int failure) {
   return false;
 }
 
-static bool run_script(lua_State *L, const program_command *c) {
+/* The exit status. */
+static int run_script(lua_State *L, const program_command *c) {
   const char *path = strcmp(c->script, "-") == 0 ? NULL : c->script;
-  if (!loaded(L, luaL_loadfilex(L, path, "t")))
-    return false;
+  int failure = luaL_loadfilex(L, path, "t");
+  if (!loaded(L, failure))
+    return failure == LUA_ERRFILE ? PROGRAM_NO_FILE : EXIT_FAILURE;
   int arguments = c->count - c->script_at - 1;
   luaL_checkstack(L, arguments + 4, "too many arguments");
   for (int i = 0; i < arguments; i++)
     lua_pushstring(L, c->value[c->script_at + 1 + i]);
-  return program_call(L, arguments, 0);
+  return program_call(L, arguments, 0) ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 bool program_run_statements(lua_State *L, const char *text) {
@@ -124,8 +126,9 @@ static int call_command(lua_State *L) {
 
 /* A model where a script is expected: by its ending. */
 static bool is_model(const char *path) {
-  static const char *const endings[] = {".stl",  ".obj",  ".off", ".ply", ".msh", ".vtu",
-                                        ".pvtu", ".mesh", ".inp", ".svg", ".dxf"};
+  static const char *const endings[] = {".stl",  ".obj",  ".off",  ".ply", ".msh", ".vtu",
+                                        ".pvtu", ".mesh", ".inp",  ".svg", ".dxf", ".3mf",
+                                        ".step", ".stp",  ".iges", ".igs"};
   const char *ending = strrchr(path, '.');
   for (size_t i = 0; ending && i < sizeof endings / sizeof *endings; i++)
     if (strcasecmp(ending, endings[i]) == 0)
@@ -140,14 +143,14 @@ int program_run_word(lua_State *L, const program_command *c) {
     return PROGRAM_MISUSED;
   }
   if (strpbrk(c->script, "./") || strcmp(c->script, "-") == 0)
-    return run_script(L, c) ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_script(L, c);
   lua_pushcfunction(L, is_command);
   lua_pushstring(L, c->script);
   if (!program_call(L, 1, 1))
     return EXIT_FAILURE;
   if (!lua_isboolean(L, -1)) {
     if (access(c->script, F_OK) == 0)
-      return run_script(L, c) ? EXIT_SUCCESS : EXIT_FAILURE;
+      return run_script(L, c);
     fprintf(stderr, "barwright: there is no command '%s' and no file: %s\n", c->script,
             lua_tostring(L, -1));
     return PROGRAM_MISUSED;

@@ -28,9 +28,9 @@ local function make_files()
 end
 
 -- The exit status and standard error of a command in the folder.
-local function run(words)
-  local pipe = assert(io.popen(("cd '%s' && '%s' %s 2>&1 >/dev/null </dev/null; echo $?"):format(folder,
-    check.program, words)))
+local function run(words, where)
+  local pipe = assert(io.popen(("cd '%s' && '%s' 2>&1 >%s %s </dev/null; echo $?"):format(folder,
+    check.program, where or "/dev/null", words)))
   local text = pipe:read "a"
   pipe:close()
   local err, status = text:match "^(.-)(%d+)\n$"
@@ -99,6 +99,22 @@ local wrong = {
   {"convert part.stl", 2, "is missing"},
   {"convert nofile.stl out.obj", 3, "nofile.stl: cannot be read"},
   {"convert part.stl out.doc", 2, "out.doc"},
+  {"convert part.stl /dev/full", 2, "/dev/full: the name has no ending, which says the format"},
+  {"check /dev/null", 3, "/dev/null: cannot be read: it is not a regular file"},
+  {"statics /dev/null" .. PUSHED, 3, "/dev/null: cannot be read: it is not a regular file"},
+  {"nofile.lua", 3, "cannot open nofile.lua: No such file"},
+  {"./folder.stl/", 3, "cannot read ./folder.stl/: Is a directory"},
+  {"junk.csv", 1, "junk.csv:1: "},
+  {"part.3mf", 2, "part.3mf is no script: `barwright check part.3mf` describes it"},
+  {"part.step", 2, "part.step is no script"},
+  {"open nofile.stl --no-open", 3, "nofile.stl: No such file"},
+  {"open folder.stl --no-open", 3, "folder.stl: Is a directory"},
+  {"live folder.stl --no-open", 2, "folder.stl is no script"},
+  {"live junk.csv --no-open", 3, "junk.csv:1: "},
+  {"live empty.csv --no-open", 2, "the file must return a session"},
+  {"study run junk.csv --out o", 3, "junk.csv:1: "},
+  {"study run empty.csv --out o", 2, "empty.csv returned nothing"},
+  {"rerun junk.csv", 3, "junk.csv: line 1, byte 1: a value expected"},
   {"materials unobtainium", 2, "unobtainium"},
   {"live", 2, "is missing"},
   {"live nofile.lua", 3, "nofile.lua"},
@@ -160,6 +176,15 @@ describe("a wrong invocation", function()
       assert.equal(status, code, err)
     end)
   end
+
+  it("says where standard output cannot be written", function()
+    for _, words in ipairs {"materials", "check part.stl", "check part.stl --json", "--help", "manual", "check --help",
+      "-e 'print(1)'"} do
+      local code, err = run(words, "/dev/full")
+      assert.equal(3, code, words)
+      assert.truthy(err:find("standard output: ", 1, true), err)
+    end
+  end)
 
   it("writes nothing", function()
     local pipe = assert(io.popen(("ls '%s'"):format(folder)))

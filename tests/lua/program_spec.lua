@@ -49,7 +49,7 @@ describe("the program", function()
     status, _, err = check.run "--verison"
     assert.equal(2, status)
     assert.truthy(err:find("did you mean '--version'", 1, true))
-    assert.equal(1, (check.run "no/such/script.lua"))
+    assert.equal(3, (check.run "no/such/script.lua"))
   end)
 
   it("is a prompt", function()

@@ -65,7 +65,9 @@ local function converted(read, opts, out)
       list {surface_endings, mesh_endings}), {status = "misuse"}
   end
   if not (surface_endings[ending] or mesh_endings[ending] or ending == "vtu") then
-    return nil, ("%s: the ending .%s is not known: %s .vtu for bodies, %s for drawings"):format(opts.out, ending,
+    local what = ending == "" and "the name has no ending, which says the format"
+      or ("the ending .%s is not known"):format(ending)
+    return nil, ("%s: %s: %s .vtu for bodies, %s for drawings"):format(opts.out, what,
       list {surface_endings, mesh_endings}, list {drawing_endings}), {status = "misuse"}
   end
   local filled = opts.elements or mesh_endings[ending] and ending ~= "msh" and read.kind == "surface"

@@ -89,7 +89,8 @@ function commands.help()
     "Environment: BARWRIGHT_THREADS (number of threads), BARWRIGHT_QUIET=1 (no progress).",
     "Exit status of a command: 0 yes, it holds, or done; 1 the answer is no, it breaks, or the error",
     "leaves it open; 2 misuse or refused; 3 it could not be computed, or a file could not be read or",
-    "written; 130 after Ctrl-C. Of a script: what it gives os.exit, 1 after an error."} do
+    "written; 130 after Ctrl-C. Of a script: what it gives os.exit, 1 after an error, 3 where it cannot",
+    "be read, or what it prints cannot be written."} do
     lines[#lines + 1] = line
   end
   return table.concat(lines, "\n")

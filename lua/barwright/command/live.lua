@@ -78,7 +78,7 @@ local function open_script(opts)
   rawset(_G, "arg", {[0] = opts.file}) -- the words of this command are none of the script's
   local ok, made, about = pcall(dofile, opts.file)
   rawset(_G, "arg", before)
-  if not ok then fail(tostring(made)) end
+  if not ok then fail(tostring(made), "format") end
   if made == nil and type(about) == "string" then fail(opts.file .. ": " .. about) end
   local save = opts.save or opts.file:gsub("%.lua$", "") .. ".edits.lua"
   local session = made

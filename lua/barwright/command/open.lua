@@ -27,7 +27,9 @@ local function run(opts, out)
   if not bench then
     local file, why = io.open(path, "rb")
     if not file then return out:fail(why, {status = "io"}) end
+    local _, reason, number = file:read(0) -- a folder can be opened, and not read
     file:close()
+    if number then return out:fail(("%s: %s"):format(path, reason), {status = "io"}) end
   end
   local function begin(server)
     local self = controller.new(server, {save = opts.save})

@@ -49,8 +49,7 @@ local function load_study(path, opts, out)
   if refusal then return nil, out:misuse(refusal) end
   local chunk, message = loadfile(path, "t")
   if not chunk then
-    if message:find("^cannot open") then return nil, out:fail(message) end
-    return nil, out:misuse(message)
+    return nil, out:fail(message) -- not readable, or no Lua
   end
   local before = rawget(_G, "arg")
   rawset(_G, "arg", {[0] = path})

@@ -4,6 +4,8 @@ local core = require "barwright.core"
 local script_file = require "barwright.script_file"
 local files = {}
 
+local MISSING <const> = 2 -- ENOENT
+
 local function quoted(path)
   return "'" .. path:gsub("'", "'\\''") .. "'"
 end
@@ -65,7 +67,10 @@ function files.find(paths)
   end
   for _, path in ipairs(paths) do
     local kind = files.kind(path)
-    if not kind then return nil, path .. ": there is no such file or folder", {status = "io"} end
+    if not kind then
+      local _, why, number = io.open(path, "rb")
+      return nil, number == MISSING and path .. ": there is no such file or folder" or why, {status = "io"}
+    end
     if kind == "file" then
       local refusal = script_file.refusal(path)
       if refusal then return nil, refusal end
