@@ -11,7 +11,7 @@ local commands = {}
 
 -- In the order of help. What is not installed is left out.
 local list = {"check", "worst", "strengthen", "modes", "statics", "buckle", "respond", "drop", "heat",
-  "convert", "materials", "open", "live", "test", "study", "rerun", "completion", "manual", "help"}
+  "convert", "materials", "open", "live", "new", "test", "study", "rerun", "completion", "manual", "help"}
 
 --- What the program itself understands before a command or a script.
 commands.program_options = {
