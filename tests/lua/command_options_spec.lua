@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The commands of a first question take the same options. What they print, write as JSON and put on the page is the
--- same.
+-- The commands of a first question take the same options. What they print, write as JSON and put on the page is
+-- the same. Pages of the others begin with their verdict.
 local bw = require "barwright"
 local check = require "check"
 local core = require "barwright.core"
@@ -101,4 +101,48 @@ describe("the page of `barwright check`", function()
     assert.equal(0, (check.run(("check %s --picture %s"):format(path "plate.svg", path "plate.png"))))
     assert.equal("\137PNG", read "plate.png":sub(1, 4))
   end)
+end)
+
+-- Of each command: words, the exit status, texts of the head of its page, and a number of its object that is there.
+local OPTIONS <const> = "--elements 300 --unit cm --json"
+local heads = {
+  {"buckle", "--force max:x=-1N,0,0", 0, {"It does not buckle", "Assumption", "perfect shape"},
+    function(answer) return shown.number(tonumber(("%.3g"):format(answer.load_factor))) end},
+  {"respond", "--base 0,0,1g --to 500 --damping 0.02", 0, {"It holds", "loads in phase", "2 % of critical"},
+    function(answer) return shown.percent(answer.utilisation) end},
+  {"respond", "--base 0,0,1g --duration 1h --damping 0.02 --psd QUIET", 0, {"It holds", "probability below 0.001 %",
+    "Gaussian vibration"}, function(answer) return shown.percent(answer.utilisation) end},
+  -- Three root mean squares stay below the strength, and an hour has some of four.
+  {"respond", "--base 0,0,1g --duration 1h --damping 0.02 --psd LOUD", 1, {"Not certain", "probability at most"},
+    function(answer)
+      assert.is_true(answer.utilisation * (1 + answer.utilisation_error) < 1)
+      assert.is_true(answer.first_passage > 0.01)
+      return shown.percent(answer.first_passage)
+    end},
+  {"drop", "--height 1m --down -1,-2,-3", 1, {"Not certain", "no friction", "Stress where it touches"},
+    function(answer) return shown.estimate(answer.force_n, "N") end},
+  {"heat", "--temperature min:x=80C --convection all=10,20C", 0, {"80 C", "steady state"},
+    function(answer) return ("%.4g C"):format(answer.lowest_k - 273.15) end},
+}
+
+describe("the page of a command", function()
+  setup(function()
+    assert(bw.surface.box {max = {0.1, 0.01, 0.01}}:write(path "held.stl", {unit = "cm"}))
+    check.write(path "quiet.csv", "10 0.001\n2000 0.001\n")
+    check.write(path "loud.csv", "10 16\n2000 16\n")
+  end)
+
+  for _, case in ipairs(heads) do
+    local name, more, status, texts, number = table.unpack(case)
+    it(("begins with the verdict: %s %s"):format(name, more), function()
+      local own = more:gsub("QUIET", path "quiet.csv"):gsub("LOUD", path "loud.csv")
+      local held = (name == "drop" or name == "heat") and "" or "--fix min:x"
+      local words = ("%s %s %s %s %s --report %s"):format(name, path "held.stl", own, held, OPTIONS,
+        path "head.html")
+      local answer = bw.json.decode(run(words, status))
+      local head = read "head.html":match '<section class="verdict.-</section>'
+      for _, text in ipairs(texts) do assert.truthy(head:find(text, 1, true), text .. "\n" .. head) end
+      assert.truthy(head:find(number(answer), 1, true), number(answer) .. "\n" .. head)
+    end)
+  end
 end)

@@ -1,12 +1,14 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright buckle MODEL: how many times the load may grow before the part buckles.
 local bw = require "barwright"
+local core = require "barwright.core"
 local buckle_page = require "barwright.command.buckle_page"
 local buckle_worst = require "barwright.command.buckle_worst"
 local loads_of = require "barwright.command.loads"
 local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
+local page_head = require "barwright.command.page_head"
 local places = require "barwright.command.places"
 local shown = require "barwright.shown"
 
@@ -30,7 +32,7 @@ local function analyse(opts, loads, out)
   if not buckling then return nil, message, details end
   errors, message, details = buckling:error_estimate()
   if not errors then return nil, message, details end
-  return {static = static, buckling = buckling, errors = errors:totable(),
+  return {static = static, buckling = buckling, errors = errors:totable(), made = read.made,
     governing = made_of.governing(read.made, part, static.utilisation)}
 end
 
@@ -50,7 +52,7 @@ local function judge(buckling, errors, sign)
   return "unsure", "the error leaves open whether the part buckles"
 end
 
-local function report(found, opts, out)
+local function report(found, loads, opts, out)
   local buckling, errors, factors = found.buckling, found.errors, found.buckling.factors:totable()
   local verdict, words = judge(buckling, errors, opts.sign)
   out:say("")
@@ -80,14 +82,19 @@ local function report(found, opts, out)
     errors = bw.json.list(errors), counted = buckling.counted, searched = buckling.searched,
     utilisation_at_factor = used, governing_region = used and governing.region, fix = bw.json.list(opts.fix),
     solver = buckling.report.solver}
-  return verdict, words, sentences
+  local material, mass = page_head.part(found.made, opts, out)
+  local head = buckle_page.head(verdict, factors[1], math.max(errors[1] or 0, MIN_ERROR), {
+    {"Loads", loads_of.text(loads)}, page_head.constrained(opts.fix, out.object.supported_area_m2), material,
+    mass},
+    {searched = buckling.searched, counted = buckling.counted, used = used, asked = "this load"})
+  return head, words, sentences
 end
 
 local function title(opts, words) return ("%s: %s"):format(model.name(opts.model), words) end
 
 local function run_worst(opts, out)
-  local worst, why, details = buckle_worst.analyse(opts, out)
-  if not worst then return out:fail(why, details) end
+  local worst, worst_made, details = buckle_worst.analyse(opts, out)
+  if not worst then return out:fail(worst_made, details) end -- a message
   local verdict, words, sentences = buckle_worst.report(worst, opts, MIN_ERROR, out)
   if (opts.picture or opts.vtu or opts.report) and not worst.factor then
     out:say "No file is written, since no load was found."
@@ -99,7 +106,14 @@ local function run_worst(opts, out)
       if not displacement then return nil, message, more end
       local load = {name = "pressure of the load", unit = "MPa", values = worst:pressure(), scale = 1e-6,
         displacement = displacement, arrows = worst:arrows()}
-      return buckle_page.write(opts.report, title(opts, words), worst.buckling, load, sentences,
+      local area = out.object.supported_area_m2
+      local material, mass = page_head.part(worst_made, opts, out)
+      local head = buckle_page.head(verdict, worst.factor, math.max(worst.mesh_error or 0, MIN_ERROR), {
+        {"Force", core.quantity(opts.worst, "N")}, {"Contact, at least", core.quantity(opts.contact, "m2")},
+        page_head.constrained(opts.fix, area), material, mass},
+        {counted = worst.counted, asked = "this force, by the load that was found",
+          found = "The search is heuristic: another load may buckle the part sooner."})
+      return buckle_page.write(opts.report, title(opts, words), head, worst.buckling, load, sentences,
         function(name) return buckle_worst.picture(worst, opts, name) end)
     end}}
   if failed then return failed end
@@ -150,7 +164,7 @@ return {
     if not loads then return out:misuse(message) end
     local found, why, details = analyse(opts, loads, out)
     if not found then return out:fail(why, details) end
-    local verdict, words, sentences = report(found, opts, out)
+    local head, words, sentences = report(found, loads, opts, out)
     local buckling, static = found.buckling, found.static
     if opts.picture and buckling.count == 0 then out:say "No picture is written, since no shape was found." end
     local failed = out:write_files {{opts.vtu, function() return buckling:write(opts.vtu) end},
@@ -158,10 +172,10 @@ return {
       {opts.report, function()
         local load = {name = "von Mises stress under the load", unit = "MPa", values = static.von_mises,
           scale = 1e-6, displacement = static.displacement}
-        return buckle_page.write(opts.report, title(opts, words), buckling, load, sentences,
+        return buckle_page.write(opts.report, title(opts, words), head, buckling, load, sentences,
           function(name) return static:picture(name) end)
       end}}
     if failed then return failed end
-    return verdict == "holds" and 0 or 1
+    return head.verdict == "holds" and 0 or 1
   end,
 }

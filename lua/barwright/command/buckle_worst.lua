@@ -41,7 +41,7 @@ function buckle_worst.misuse(opts)
   end
 end
 
---- The worst load of a part and its error, or nil, message, details.
+--- The worst load of a part and what that is made of, or nil, message, details.
 function buckle_worst.analyse(opts, out)
   if opts.threads then bw.threads(opts.threads) end
   local mesh, read, why = model.body(opts, out)
@@ -73,7 +73,7 @@ function buckle_worst.analyse(opts, out)
     end
     return nil, message, details
   end
-  return worst
+  return worst, read.made
 end
 
 -- The force at which a load with a factor buckles the part, as --worst counts it.

@@ -8,6 +8,7 @@ local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local obstacle = require "barwright.obstacle"
 local output = require "barwright.command.output"
+local page_head = require "barwright.command.page_head"
 local places = require "barwright.command.places"
 local shown = require "barwright.shown"
 
@@ -198,6 +199,31 @@ local function fail(out, message, details, options)
   return out:fail((message:gsub("leave its place out", "leave out --at")), details)
 end
 
+-- The head of the page of one drop. found: as assessed; words: of the verdict.
+local function head_of(drop, found, verdict, words, read, opts, given, out)
+  local rest, touch, impact = found.rest, found.touch, drop.impacts[1]
+  local judged = touch.grows and rest or (touch.used or 0) > (rest.used or 0) and touch or rest
+  local material, mass = page_head.part(read.made, opts, out)
+  local function stress(place)
+    return ("%s at %s%s%s"):format(shown.estimate(place.stress, "Pa"), core.point(place.at), of_strength(place),
+      place.grows and ", depends on the mesh" or ", estimated error " .. shown.error(place.error))
+  end
+  local sentence = page_head.used(judged.used, judged.error)
+  if touch.grows then sentence = "But for where it touches: " .. sentence:gsub("^%u", string.lower) end
+  return {verdict = verdict,
+    headline = ("%s Dropped from %s: %s."):format(sentence, core.quantity(opts.height, "m"), words),
+    facts = {page_head.margin(judged.used, judged.error), {"Stress where it touches", stress(touch)},
+      {"Stress elsewhere", rest.stress > 0 and stress(rest) or nil},
+      {"Largest force", shown.estimate(impact.force, "N")}, {"Impact lasts", shown.estimate(impact.duration, "s")},
+      {"Hits at", core.quantity(drop.speed, "m/s")}, material, mass,
+      {"Assumption", ("linear elasticity, %s, no friction"):format(given.onto and obstacle.name(given.onto)
+        or "rigid plane")}},
+    advice = verdict == "breaks" and {"Drop it from less high, or thicken it where the stress is largest."}
+      or verdict == "unsure" and {found.too_coarse and "More --elements make the error smaller."
+        or "Where it touches, the stress has no value that finer meshes keep: round the edge, or judge the rest."}
+      or nil}
+end
+
 local function run_one(opts, given, out)
   local mesh, read, why = body(opts, out)
   if not mesh then return out:fail(read, why) end
@@ -280,7 +306,7 @@ local function run_one(opts, given, out)
     {opts.picture, function() return drop:picture(opts.picture, {title = title}) end},
     {opts.report, function()
       return drop_page.of_drop(drop, opts.report, {title = title, answer = table.concat(text, "\n"),
-        down = given.down})
+        down = given.down, head = head_of(drop, found, verdict, words, read, opts, given, out)})
     end}}
   if failed then return failed end
   return verdict == "holds" and output.DONE or output.NO
@@ -334,7 +360,16 @@ local function run_many(opts, given, out)
   local failed = out:write_files {{opts.vtu, function() return drops:write(opts.vtu) end},
     {opts.picture, function() return drops:picture(opts.picture, {title = title}) end},
     {opts.report, function()
-      return drop_page.of_random(drops, opts.report, {title = title, answer = table.concat(text, "\n")})
+      local material, mass = page_head.part(read.made, opts, out)
+      return drop_page.of_random(drops, opts.report, {title = title, answer = table.concat(text, "\n"),
+        head = {verdict = "unsure",
+          headline = ("%s of drops from %s overload it (%s to %s with 95 %% confidence)."):format(shown.percent(p),
+            core.quantity(opts.height, "m"), shown.percent(low), shown.percent(high)),
+          facts = {{"Drops", ("%d in random attitudes"):format(drops.drops)},
+            {"Largest force", shown.estimate(drops.forces:max(), "N")},
+            {"Largest principal stress", shown.estimate(drops.peaks:max(), "Pa")}, material, mass,
+            {"Assumption", "one mesh; where it touches, the stress depends on it"}},
+          advice = {"Drop it in the worst attitude by itself, with --down, to judge it with an error."}}})
     end}}
   return failed or output.NO
 end

@@ -24,15 +24,16 @@ local function factor_of(drop)
   return largest > 0 and 0.1 * math.sqrt(square) / largest or 1
 end
 
--- words: {title =, answer = sentences, down = of a single drop}; fields: {name, unit, array over elements, scale}
--- each; moved: displacements of nodes and the factor at which they are drawn, or nil; drawn: lines and their name,
--- or nil.
+-- words: {title =, head = (report_verdict.lua), answer = sentences, down = of a single drop}; fields: {name, unit,
+-- array over elements, scale} each; moved: displacements of nodes and the factor at which they are drawn, or nil;
+-- drawn: lines and their name, or nil.
 local function write(result, path, words, fields, moved, drawn)
   local mesh, shown = result.mesh, {}
   for i, field in ipairs(fields) do
     shown[i] = {name = field[1], unit = field[2], values = mesh:to_nodes(field[3], "max"), scale = field[4]}
   end
-  return body_page.write(path, mesh, {title = words.title, answer = words.answer, fields = shown,
+  return body_page.write(path, mesh, {title = words.title, verdict = words.head,
+    answer = words.answer, fields = shown,
     displacements = moved and {{name = "at the largest stress", kind = "load", values = moved.values,
       factor = moved.factor, field = 0}},
     body = moved and "<p>The deformation is drawn larger than it is, by the factor beside the slider. The part is "

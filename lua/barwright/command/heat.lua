@@ -6,6 +6,7 @@ local heat_page = require "barwright.command.heat_page"
 local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
+local page_head = require "barwright.command.page_head"
 local places = require "barwright.command.places"
 local quantity = require "barwright.command.quantity"
 local shown = require "barwright.shown"
@@ -263,7 +264,15 @@ local function report(found, given, opts, out)
     place_error_k = found.by_places, at_m = at, lowest_k = lowest, limit_k = given.limit, heat_in = gained,
     imbalance_w = solution.imbalance, flux_error = flux_error,
     conductivity = #found.made.named == 0 and found.made.default.conductivity or nil}
-  return verdict, words, sentences, gained
+  local facts, material, mass = {}, page_head.part(found.made, opts, out)
+  for i, condition in ipairs(given) do
+    facts[i] = {condition.place, ("%s %s"):format(condition.kind, condition.text)}
+  end
+  facts[#facts + 1] = material
+  facts[#facts + 1] = mass
+  local head = heat_page.head {verdict = verdict, highest = highest, lowest = lowest, estimated = estimated,
+    limit = given.limit, at = at, facts = facts}
+  return head, words, sentences, gained
 end
 
 return {
@@ -305,15 +314,15 @@ return {
     if not given then return out:misuse(message) end
     local found, why, details = analyse(opts, given, out)
     if not found then return out:fail(why, details) end
-    local verdict, words, sentences, gained = report(found, given, opts, out)
+    local head, words, sentences, gained = report(found, given, opts, out)
     local failed = out:write_files {{opts.vtu, function() return found.solution:write(opts.vtu) end},
       {opts.picture, function() return found.solution:picture(opts.picture) end},
       {opts.report, function()
         return heat_page.write(found.solution, opts.report, {name = model.name(opts.model), words = words,
           answer = table.concat(sentences, "\n"), estimated = found.estimated, gained = gained,
-          manifest = {conductivity = conductivity_text(found.made, opts)}})
+          head = head, manifest = {conductivity = conductivity_text(found.made, opts)}})
       end}}
     if failed then return failed end
-    return (verdict == "computed" or verdict == "holds") and 0 or 1
+    return (head.verdict == "computed" or head.verdict == "holds") and 0 or 1
   end,
 }

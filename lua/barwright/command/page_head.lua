@@ -2,6 +2,7 @@
 -- What the heads of the commands' pages have in common (barwright.report_verdict): facts about the part.
 local core = require "barwright.core"
 local made_of = require "barwright.command.made_of"
+local shown = require "barwright.shown"
 
 local page_head = {}
 
@@ -16,6 +17,24 @@ end
 function page_head.constrained(fix, area)
   if #fix == 0 then return {"Constrained at"} end
   return {"Constrained at", ("%s (%s)"):format(table.concat(fix, ", "), core.quantity(area, "m2"))}
+end
+
+--- The sentence of a stress that is `used` of the strength within a relative error; nil error: not known.
+function page_head.used(used, estimated)
+  if not used then return "The strength is not known." end
+  if not estimated then
+    return ("The stress is %s of the strength, with an unknown error."):format(shown.percent(used))
+  end
+  return ("The judged stress is %s of the strength."):format(shown.interval(100 * used,
+    100 * used * math.max(0, 1 - estimated), 100 * used * (1 + estimated), "%"))
+end
+
+--- The fact of how much of the strength is left, or missing, at the end of the error that is worse.
+function page_head.margin(used, estimated)
+  if not (used and estimated) then return {"Margin"} end
+  local left = 1 - used * (1 + estimated)
+  return {"Margin", left >= 0 and ("%s of the strength is left at least"):format(shown.percent(left))
+    or ("%s of the strength may be missing"):format(shown.percent(-left))}
 end
 
 return page_head

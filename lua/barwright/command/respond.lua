@@ -8,6 +8,7 @@ local loads_of = require "barwright.command.loads"
 local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
+local page_head = require "barwright.command.page_head"
 local places = require "barwright.command.places"
 local respond_page = require "barwright.command.respond_page"
 local respond_random = require "barwright.command.respond_random"
@@ -78,6 +79,7 @@ local function analyse(measure, opts, given, out)
   local part, message, details = model.part(read, mesh, opts)
   if part then part, message, details = loads_of.set_up(part, opts, given, out) end
   if not part then return nil, message, details end
+  local area = message -- that is supported
   if given.base then
     out:say(opts.psd and "The supports are accelerated by %s times the random process."
       or "The supports are accelerated: amplitude %s.", shown.vector(given.base, "m/s2"))
@@ -90,7 +92,8 @@ local function analyse(measure, opts, given, out)
   out:warnings()
   if not found then return nil, message, details end
   local governing = made_of.governing_node(read.made, part, found.von_mises)
-  found.material, found.governing = part.material, governing
+  found.material, found.governing, found.made = part.material, governing, read.made
+  found.area = area
   local radius = averaging_radius("respond", nil, part.material, mesh.box)
   found.coarse = on_coarser(measure, read, opts, given, radius)
   local at = governing and mesh.nodes:rows(governing.node, governing.node):totable()[1] or found.stress.at
@@ -110,11 +113,27 @@ local function judge(used, estimated)
   return "exceeds", "it exceeds the strength"
 end
 
+-- With --psd: "holds" leaves at most this probability that the strength is exceeded within the duration.
+local MOST_LIKELY <const> = 0.01
+
+-- The verdict on a random vibration that is `used` of the strength, and its words. Three root mean squares are
+-- exceeded now and then, and more often in a longer time.
+local function judge_random(used, estimated, margins)
+  local verdict, words = judge(used, estimated)
+  local likely = margins.first_passage[margins.node]
+  if verdict ~= "holds" or likely <= MOST_LIKELY then return verdict, words end
+  return "unsure", ("not certain, as it may exceed the strength within %s with a probability of up to %s"):format(
+    core.quantity(margins.duration, "s"), shown.percent(likely))
+end
+
 -- The stress over strength that is judged, its relative error, the verdict and its words. Of a stress without a
 -- finite value it is the mean over patches.
 local function judged(found, errors)
   local governing, coarse = found.governing, found.coarse
   if not governing then return nil, nil, "unsure" end
+  if not found.singular and found.margins then
+    return governing.used, errors.stress, judge_random(governing.used, errors.stress, found.margins)
+  end
   if not found.singular then return governing.used, errors.stress, judge(governing.used, errors.stress) end
   if not found.mean then
     return governing.used, nil, "unsure",
@@ -150,6 +169,7 @@ local function report_verdict(found, mesh, errors, opts, say, out)
     strength_pa = governing and governing.material.strength, governing_region = governing and governing.region,
     coarse_value = found.coarse and found.coarse.stress, singular = found.singular ~= nil,
     beyond_linear_theory = large, damping_ratio = opts.damping, fix = bw.json.list(opts.fix)}
+  found.judged = {verdict = verdict, used = used, estimated = judged_error, beyond = large}
   return verdict
 end
 
@@ -195,9 +215,21 @@ local function title_of(found, errors, opts)
     judged = found.singular and {}})
 end
 
+-- The head of the page. way: what the vibration is, and what is assumed of it.
+local function head_of(found, opts, given, way, out)
+  local material, mass = page_head.part(found.made, opts, out)
+  local about = found.judged
+  about.margins, about.way, about.damping = found.margins, way, opts.damping
+  about.facts = {{"Loads", #given > 0 and loads_of.text(given) or nil},
+    {"Supports accelerated by", given.base and shown.vector(given.base, "m/s2")},
+    page_head.constrained(opts.fix, found.area), material, mass}
+  return respond_page.head(found, about)
+end
+
 -- What the page says: sentences, and how it was made.
-local function words_of(found, errors, opts, sentences, picture)
-  return {title = title_of(found, errors, opts), answer = table.concat(sentences, "\n"), fix = opts.fix,
+local function words_of(found, errors, opts, sentences, picture, head)
+  return {title = title_of(found, errors, opts), head = head, answer = table.concat(sentences, "\n"),
+    fix = opts.fix,
     picture = picture, manifest = {material = found.material.name, damping_ratio = opts.damping,
       fix = bw.json.list(opts.fix)}}
 end
@@ -224,7 +256,8 @@ local function run_points(way, path, opts, given, out)
   local failed = out:write_files {{opts.vtu, function() return found.response:write(opts.vtu) end},
     {opts.picture, function() return picture(opts.picture) end},
     {opts.report, function()
-      return way.page(found, opts.report, words_of(found, errors, opts, sentences, picture), given)
+      return way.page(found, opts.report, words_of(found, errors, opts, sentences, picture,
+        head_of(found, opts, given, way.assumption, out)), given)
     end}}
   if failed then return failed end
   return verdict == "holds" and 0 or 1
@@ -308,7 +341,8 @@ return {
       {opts.report, function()
         return respond_page.harmonic(found, opts.report, words_of(found, errors, opts, sentences, function(file)
           return response:picture(frequency, file)
-        end), curve)
+        end, head_of(found, opts, given, ("from %s to %s; loads in phase, steady state"):format(
+          core.quantity(opts.from, "Hz"), core.quantity(opts.to, "Hz")), out)), curve)
       end}}
     if failed then return failed end
     return verdict == "holds" and 0 or 1

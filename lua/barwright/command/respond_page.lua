@@ -7,11 +7,44 @@ local core = require "barwright.core"
 local deflection = require "barwright.deflection"
 local html = require "barwright.html"
 local modes_table = require "barwright.command.modes_table"
+local page_head = require "barwright.command.page_head"
 local places = require "barwright.command.places"
 local shown = require "barwright.shown"
 local static_picture = require "barwright.command.static_picture"
 
 local respond_page = {}
+
+-- A probability that is an upper bound, in words.
+local function likely(probability)
+  return probability < 1e-5 and "below 0.001 %" or "at most " .. shown.percent(probability)
+end
+
+--- The head of a page (report_verdict.lua). about: {verdict =, used = stress over strength or nil, estimated = its
+--- relative error or nil, margins = of a random vibration or nil, beyond = whether linear theory is left, way =
+--- what the vibration is, damping =, facts =}; found: of the command.
+function respond_page.head(found, about)
+  local m, stress, displacement = about.margins, found.stress, found.displacement
+  local at = stress.frequency and (" at %s Hz"):format(shown.number(stress.frequency)) or ""
+  local facts = {page_head.margin(about.used, about.estimated),
+    {"Exceeds the strength within " .. (m and core.quantity(m.duration, "s") or ""),
+      m and "probability " .. likely(m.first_passage[m.node])},
+    {"Largest von Mises stress", ("%s%s, %s"):format(shown.estimate(stress.value, "Pa"), at,
+      core.point(stress.at))},
+    {"Largest displacement", shown.estimate(displacement.value, "m")}}
+  table.move(about.facts, 1, #about.facts, #facts + 1, facts)
+  facts[#facts + 1] = {"Damping", shown.percent(about.damping) .. " of critical, in every mode"}
+  facts[#facts + 1] = {"Linear theory", about.beyond and "left: the displacement is too large" or nil}
+  facts[#facts + 1] = {"Assumption", about.way}
+  local headline = page_head.used(about.used, about.estimated)
+  if m then headline = headline .. " That is three times the root mean square." end
+  local advice = {}
+  if about.verdict == "exceeds" then
+    advice[1] = "Move the natural frequencies away from the vibration (stiffer or lighter), or add damping."
+  elseif about.verdict == "unsure" and about.estimated then
+    advice[1] = "More --elements make the error smaller; less vibration or a thicker part leaves more margin."
+  end
+  return {verdict = about.verdict, headline = headline, facts = facts, advice = advice}
+end
 
 local map = bw.array.map
 
@@ -36,10 +69,12 @@ local function borders(mesh, fix)
   return lines
 end
 
--- words: {title, answer, fix = places, picture, manifest}; the motions begin with what is `moved`, or with a mode.
+-- words: {title, head, answer, fix = places, picture, manifest}; the motions begin with what is `moved`, or with a
+-- mode.
 local function write(path, mesh, words, fields, motions, body)
   local moved = motions[1]
-  return body_page.write(path, mesh, {title = words.title, answer = words.answer, fields = fields,
+  return body_page.write(path, mesh, {title = words.title, verdict = words.head,
+    answer = words.answer, fields = fields,
     displacements = motions, body = body, rows = "mode", lines = borders(mesh, words.fix),
     line_name = "border of the supports", view = moved and function(surface, nodes)
       return core.picture_direction(surface, nil, {values = fields[1].values:gather(nodes),

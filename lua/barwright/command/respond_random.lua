@@ -143,6 +143,9 @@ function respond_random.report(found, errors, opts, say, out)
     life_s = fatigue and fatigue.life < math.huge and fatigue.life or nil, damage_by = fatigue and fatigue.by}
 end
 
+--- What is assumed of it, for the head of the page.
+respond_random.assumption = "Gaussian vibration about 0, without static stresses; each place by itself"
+
 --- Its page.
 respond_random.page = respond_page.random
 

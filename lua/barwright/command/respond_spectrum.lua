@@ -134,4 +134,7 @@ end
 --- Its page.
 respond_spectrum.page = respond_page.spectrum
 
+--- What is assumed, for the head of the page.
+respond_spectrum.assumption = "the largest values of all modes, combined by CQC: their error is unknown"
+
 return respond_spectrum

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The scripts that `barwright new` writes, {summary =, next = what to do with FILE, text =} of each kind. They
--- belong to whoever has them written, and carry no licence. FILE is the name of the file, NAME the same without its ending.
+-- belong to whoever has them written, and carry no licence. FILE is the name of the file, NAME the same without
+-- its ending.
 local skeletons = {}
 
 skeletons.part = {summary = "a part from numbers, its STL file, and whether it holds",

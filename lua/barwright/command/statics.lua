@@ -9,6 +9,7 @@ local loads_of = require "barwright.command.loads"
 local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
+local page_head = require "barwright.command.page_head"
 local patch_means = require "barwright.command.patch_means"
 local places = require "barwright.command.places"
 local shown = require "barwright.shown"
@@ -185,17 +186,16 @@ local function report(static, part, read, loads, opts, accuracy, out)
     solver = model.solver_words(solved)}
   local title = static_picture.title(model.name(opts.model), {stress = stress, error = estimated,
     judged = singular and {used = used, error = judged_error, strength = strength}, verdict = words})
-  local head = {verdict = verdict, headline = used and ("The judged stress is %s of the strength."):format(
-    shown.interval(used * 100, 100 * used * math.max(0, 1 - judged_error), 100 * used * (1 + judged_error), "%"))
-    or "The strength is not known.", facts = {
+  local material, mass = page_head.part(read.made, opts, out)
+  local head = {verdict = verdict, headline = page_head.used(used, judged_error), facts = {
+    page_head.margin(used, judged_error),
     {"Loads", loads_of.text(loads)}, {"Constrained at", table.concat(opts.fix, ", ")},
     {"Judged stress", used and type(strength) == "number" and shown.estimate(used * strength, "Pa") or nil},
     {"Strength", type(strength) == "number" and core.quantity(strength, "Pa") or nil},
     {"Largest von Mises stress", shown.estimate(stress, "Pa") .. ", estimated error " .. shown.error(estimated)},
     {"At", core.point(at)},
     {"Largest displacement", ("%s (%s)"):format(shown.estimate(max, "m"), deflection.text)},
-    {"Material", #read.made.named == 0 and made_of.text(read.made, opts) or nil},
-    {"Mass", out.object.mass_kg and core.quantity(out.object.mass_kg, "kg")},
+    material, mass,
     {"Linear theory", deflection.beyond and "left: " .. model.large_deflection or nil}},
     advice = advice_of(verdict, used, judged_error)}
   return {verdict = verdict, singular = singular, title = title, text = table.concat(text, "\n"), head = head,
