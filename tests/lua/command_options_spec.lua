@@ -103,7 +103,7 @@ describe("the page of `barwright check`", function()
   end)
 end)
 
--- Of each command: words, the exit status, texts of the head of its page, and a number of its object that is there.
+-- Of each command: words, the exit status, texts of the head of its page, a number of its object that is there.
 local OPTIONS <const> = "--elements 300 --unit cm --json"
 local heads = {
   {"buckle", "--force max:x=-1N,0,0", 0, {"It does not buckle", "Assumption", "perfect shape"},
