@@ -27,6 +27,8 @@ let counter = 0;
 let asked = null; // what waits for its answer: {id, what, since}
 let bending = true; // whether results are shown deformed, and trueScale in true size
 let trueScale = false;
+let splitting = null; // a patch that was asked for: {add}
+let clicked = null; // where the part was clicked last
 const counts = { states: 0, scenes: 0 };
 
 const view = new View(byId("view"), () => {
@@ -84,7 +86,11 @@ const heard = {
       setText("latency", `The last step took ${Math.round(message.latency_ms ?? performance.now() - asked.since)} ms.`);
       asked = null;
     }
-    if (before && before.faces?.length !== state.faces?.length) chosen = new Set();
+    if (before && before.file !== state.file) chosen = new Set();
+    if (splitting && state.grown_faces) {
+      chosen = new Set([...(splitting.add ? chosen : []), ...state.grown_faces.map(indexOf)]);
+      splitting = null;
+    }
     if (message.message) say(message.message.text, true, message.message.details);
     render();
   },
@@ -102,6 +108,7 @@ const heard = {
 
   refused(message) {
     if (asked?.id === message.id) asked = null;
+    splitting = null;
     say(message.message || message.text, true, message.details);
     pull.refused();
     enable();
@@ -118,6 +125,7 @@ const heard = {
   // The stresses of a shape that is tried while a handle is dragged.
   drag(message) {
     setText("latency", `While dragging: ${Math.round(message.latency_ms)} ms a step.`);
+    if (message.mass) setText("mass", grams(message.mass));
     pull.handled();
   },
 
@@ -163,6 +171,14 @@ function render() {
   if (document.activeElement !== byId("material") || !asked) byId("material").value = name;
   setText("material-words", name ? materialName(name) : "not chosen");
   listMaterial(byId("material-data"), state.material);
+  byId("symmetry").value = state.symmetry || "none";
+  byId("thickness-form").hidden = !state.thickness;
+  if (state.thickness && document.activeElement !== byId("thickness")) byId("thickness").value = Number((1000 * state.thickness).toPrecision(6));
+  setText("note", state.note || "");
+  const pushed = loaded();
+  setText("target-words", pushed ? "It must carry its loads" : "It must carry");
+  setText("target-unit", pushed ? "times" : "N");
+  byId("must").hidden = !state.file || pushed;
   setText("script", (state.script || []).join("\n"));
   setText("saved", state.saved ? `saved in ${String(state.saved).split("/").pop()}` : "");
   view.locked = new Set(faces.flatMap((f, i) => (f.locked ? [i] : [])));
@@ -177,9 +193,8 @@ function renderRepair() {
   const repair = state.repair;
   setText("part-words", state.faces ? `${state.faces.length} faces` : "");
   setText("repair-words", !repair ? "" : repair.sound ? (repair.log?.length ? "" : "The surface is closed and sound.") :
-    "The surface has faults. Repair closes gaps and removes what is double.");
+    "The surface had faults and was repaired.");
   fill(byId("repair"), repair?.log || [], () => (repair?.log || []).map((line) => make("li", { textContent: line })));
-  byId("repair-file").hidden = !repair || repair.sound;
 }
 
 function nextStep() {
@@ -194,11 +209,11 @@ function nextStep() {
 
 function renderAnswer() {
   const { answer, busy } = state;
-  const shown = answer && answer.verdict && answer.verdict !== "none" ? answer : null;
-  byId("verdict").dataset.colour = shown ? shown.colour : "none";
+  const shown = answer?.sentence ? answer : null;
+  byId("verdict").dataset.colour = shown && shown.verdict !== "none" ? shown.colour : "none";
   byId("verdict").setAttribute("aria-busy", String(!!busy));
-  setText("verdict-words", busy ? `${busy.what} …` : shown ? shown.sentence : nextStep());
-  setText("verdict-more", busy ? (busy.to_go_s ? `about ${Math.ceil(busy.to_go_s)} s to go` : "")
+  setText("verdict-words", busy ? `${busy.what.charAt(0).toUpperCase()}${busy.what.slice(1)} …` : shown ? shown.sentence : nextStep());
+  setText("verdict-more", busy ? [busy.stage, busy.to_go_s && `about ${Math.ceil(busy.to_go_s)} s to go`].filter(Boolean).join(", ")
     : shown ? answerLine(shown) : "");
   byId("progress").hidden = !busy;
   byId("progress").value = busy?.fraction || 0;
@@ -246,9 +261,10 @@ function enable() {
   const some = part && chosen.size > 0;
   byId("undo").disabled = !(ready && state.undo);
   byId("redo").disabled = !(ready && state.redo);
-  for (const id of ["save", "export", "advice", "optimise", "material", "repair-file"]) byId(id).disabled = !part;
+  for (const id of ["save", "export", "advice", "optimise", "material", "symmetry"]) byId(id).disabled = !part;
   for (const id of ["push", "lock", "clear", "grow"]) byId(id).disabled = !some;
   for (const button of document.querySelectorAll("[data-act]")) button.disabled = !(button.dataset.act === "gravity" ? part : some);
+  byId("thicken").disabled = !(part && clicked);
   byId("answer").disabled = !(part && state.material);
   byId("set-radius").disabled = !(some && chosen.size === 1 && state.faces[[...chosen][0]]?.radius);
 }
@@ -303,22 +319,41 @@ listen(view, byId("frame"), () => pressed("box"), {
       }
       return;
     }
+    if (pressed("patch")) {
+      if (!hit) return;
+      splitting = { add: add || draft.open };
+      if (!send("grow", { point: hit.rest, radius: reach(), angle: 1.05 })) splitting = null;
+      return;
+    }
+    clicked = hit ? hit.rest : null;
     if (!hit || hit.face < 0) return add ? undefined : choose(new Set());
     const next = new Set(add || draft.open ? chosen : []);
     if (chosen.has(hit.face) && (add || chosen.size === 1)) next.delete(hit.face);
     else next.add(hit.face);
     choose(next);
   },
-  within(faces, add) {
-    choose(new Set([...(add ? chosen : []), ...faces]));
+  within(faces, add, sides) {
     press("box", false);
     modes();
+    if (faces.length) return choose(new Set([...(add ? chosen : []), ...faces]));
+    // No whole face lies in the rectangle: what lies there becomes a face.
+    splitting = { add };
+    if (!send("patch", view.planes(...sides))) splitting = null;
   },
 });
 
+// How far a patch reaches (m).
+function reach() {
+  return Number((Number(byId("reach").value) * view.size).toPrecision(2));
+}
+
+const loaded = () => (state?.conditions || []).some((c) => c.kind !== "fix");
+
 function modes() {
+  byId("reach-of-patch").hidden = !pressed("patch");
+  if (pressed("patch") && view.size) setText("reach-words", millimetres(reach()));
   view.stage.controls.enabled = !pressed("box");
-  byId("view").classList.toggle("boxing", pressed("box"));
+  byId("view").classList.toggle("boxing", pressed("box") || pressed("patch"));
   byId("view").classList.toggle("probing", pressed("probe"));
 }
 
@@ -341,10 +376,12 @@ click("grow", grow);
 click("undo", () => send("undo"));
 click("redo", () => send("redo"));
 click("save", () => send("save"));
-click("repair-file", () => send("repair"));
 click("advice", () => send("advice"));
 click("cancel", () => send("cancel"));
-click("answer", () => send("answer", { accuracy: byId("accuracy").value }));
+click("answer", () => {
+  const force = number("must-carry");
+  send("answer", { accuracy: byId("accuracy").value, ...(!loaded() && force > 0 ? { force } : {}) });
+});
 click("lock", () => {
   const all = new Set(state.faces.filter((f) => f.locked).map((f) => f.index));
   const on = byId("lock").textContent === "Lock";
@@ -367,12 +404,12 @@ click("place", () => {
   const away = at.map((x, k) => x - centre[k] + (k === 1 ? -0.2 : 0.15) * view.size);
   view.fit(away);
 });
-for (const id of ["edges", "box", "probe", "cut", "flip"])
+const tools = ["box", "probe", "patch"]; // of which one is in use
+for (const id of [...tools, "edges", "cut", "flip"])
   click(id, () => {
     press(id, !pressed(id));
     if (id === "edges" && view.lines) view.lines.visible = pressed(id);
-    if (id === "box" && pressed(id)) press("probe", false);
-    if (id === "probe" && pressed(id)) press("box", false);
+    if (tools.includes(id) && pressed(id)) for (const other of tools) press(other, other === id);
     if (id === "cut") byId("section").hidden = !pressed(id);
     modes();
     section();
@@ -382,6 +419,8 @@ function section() {
 }
 byId("axis").addEventListener("change", section);
 byId("share").addEventListener("input", section);
+byId("reach").addEventListener("input", modes);
+byId("symmetry").addEventListener("change", () => send("symmetry", { across: byId("symmetry").value }));
 byId("search").addEventListener("input", () => state && render());
 byId("material").addEventListener("change", () => byId("material").value && send("material", { name: byId("material").value }));
 byId("export").addEventListener("change", () => {
@@ -410,9 +449,25 @@ submit("offset-form", () => {
   if (!number("offset")) return say("Give a thickness in mm, not 0.", true);
   send("offset", { distance: number("offset") / 1000 });
 });
+submit("thicken-form", () => {
+  if (!(number("bump") > 0 && number("bump-radius") > 0)) return say("Give both lengths in mm, above 0.", true);
+  send("thicken", { at: clicked, radius: number("bump-radius") / 1000, offset: number("bump") / 1000 });
+});
+submit("thickness-form", () => {
+  if (!(number("thickness") > 0)) return say("Give the thickness in mm, above 0.", true);
+  send("thickness", { thickness: number("thickness") / 1000 });
+});
+submit("own-form", () => {
+  const strength = number("own-strength");
+  const density = number("own-density");
+  send("material", { young: 1e9 * number("own-young"), poisson: number("own-poisson"),
+    ...(strength > 0 ? { strength: 1e6 * strength } : {}), ...(density > 0 ? { density } : {}) });
+});
 submit("optimise-form", () => {
-  if (!(number("target") > 0)) return say("Give the force that the part must carry, in N.", true);
-  send("optimise", { force: number("target") });
+  const target = number("target");
+  if (!(target > 0)) return say(loaded() ? "Give how many times its loads the part must carry." :
+    "Give the force that the part must carry, in N.", true);
+  send("optimise", loaded() ? { factor: target } : { force: target });
 });
 
 // ---- opening a file ---------------------------------------------------------------------------------------------------
@@ -448,7 +503,7 @@ window.addEventListener("drop", (event) => {
 
 // ---- keys ------------------------------------------------------------------------------------------------------------------
 
-const keys = { f: "fit", b: "box", g: "grow", e: "edges", p: "probe", x: "cut" };
+const keys = { f: "fit", b: "box", g: "grow", e: "edges", p: "probe", x: "cut", n: "patch" };
 window.addEventListener("keydown", (event) => {
   const key = event.key.toLowerCase();
   if (event.ctrlKey || event.metaKey) {
@@ -458,8 +513,7 @@ window.addEventListener("keydown", (event) => {
     if (!byId(id).disabled) byId(id).click();
   } else if (key === "escape") {
     draft.close();
-    press("box", false);
-    press("probe", false);
+    for (const tool of tools) press(tool, false);
     modes();
   } else if (!event.altKey && keys[key] && !event.target.matches("input, select")) byId(keys[key]).click();
 });

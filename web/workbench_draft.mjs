@@ -44,7 +44,8 @@ export class Draft {
   }
 
   start(kind) {
-    if (kind === "fix") return this.send("fix", { faces: this.numbers(), kind: "all" }) && this.finish();
+    if (kind === "fix" || kind === "slide")
+      return this.send("fix", { faces: this.numbers(), kind: kind === "fix" ? "all" : "normal" }) && this.finish();
     if (this.kind === kind && this.condition === null) return this.close();
     this.condition = null;
     this.faces = null;
@@ -78,7 +79,7 @@ export class Draft {
   }
 
   mark() {
-    for (const button of document.querySelectorAll("[data-act]:not([data-act=fix])"))
+    for (const button of document.querySelectorAll("[data-act][aria-expanded]"))
       button.setAttribute("aria-expanded", String(this.kind === button.dataset.act));
   }
 

@@ -1,7 +1,7 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 // What pointer and keys do on the view: point at a face, choose it, draw a rectangle, turn the camera.
 
-// does: {point(hit, x, y), choose(hit, add), within(faces, add)}; boxing(): whether a drag draws a rectangle.
+// does: {point(hit, x, y), choose(hit, add), within(faces, add, sides)}; boxing(): whether a drag draws a rectangle.
 export function listen(view, frame, boxing, does) {
   const { canvas } = view;
   let pressed = null;
@@ -46,7 +46,7 @@ export function listen(view, frame, boxing, does) {
     if (!frame.hidden) {
       const sides = rectangle(event);
       frame.hidden = true;
-      if (moved) does.within(view.facesWithin(...sides), event.shiftKey);
+      if (moved) does.within(view.facesWithin(...sides), event.shiftKey, sides);
     }
     if (!moved) does.choose(view.pick(event.clientX, event.clientY), event.shiftKey || event.ctrlKey || event.metaKey);
     pressed = null;

@@ -271,6 +271,20 @@ export class View {
       within[triangles[3 * t]] && within[triangles[3 * t + 1]] && within[triangles[3 * t + 2]])).map(([face]) => face);
   }
 
+  // Planes {x, y, z, d}, x X + y Y + z Z >= d, of a rectangle of the window, and the direction to the viewer.
+  planes(left, top, right, bottom) {
+    const corners = [[left, top], [right, top], [right, bottom], [left, bottom]].map((corner) => this.ray(...corner));
+    const ahead = (ray) => ray.origin.clone().addScaledVector(ray.direction, this.size);
+    const middle = ahead(this.ray((left + right) / 2, (top + bottom) / 2));
+    const planes = corners.map((ray, i) => {
+      const a = ray.origin;
+      const normal = ahead(ray).sub(a).cross(ahead(corners[(i + 1) % 4]).sub(a)).normalize();
+      if (normal.dot(middle) < normal.dot(a)) normal.negate();
+      return [...normal.toArray(), normal.dot(a)];
+    });
+    return { planes, towards: this.ray((left + right) / 2, (top + bottom) / 2).direction.clone().negate().toArray() };
+  }
+
   // ---- section plane ----------------------------------------------------------------------------------------
 
   // Cuts away what lies beyond a share (0 to 1) of the part along an axis (0 to 2), or nothing.

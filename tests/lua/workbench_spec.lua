@@ -207,7 +207,7 @@ describe("the workbench", function()
     for _, face in ipairs(bench:current().body.faces) do area = area + face.area end
     assert(bench:fix {faces = {1}})
     assert(bench:grow {triangle = 1, angle = 0.2})
-    local patch = bench:state().faces[bench.grown_face]
+    local patch = bench:state().faces[bench.grown_faces[1]]
     assert.equal(count + 1, #bench:state().faces)
     assert.is_true(patch.area > 0 and patch.area < 0.1 * area)
     local sum = 0

@@ -22,9 +22,10 @@ end
 
 local function run(opts, out)
   local path, opened = opts.model, nil
-  local bench, message, details = saved(path)
+  local bench, message, details
+  if path then bench, message, details = saved(path) end
   if bench == false then return out:fail(message, details) end
-  if not bench then
+  if path and not bench then
     local file, why = io.open(path, "rb")
     if not file then return out:fail(why, {status = "io"}) end
     local _, reason, number = file:read(0) -- a folder can be opened, and not read
@@ -34,6 +35,7 @@ local function run(opts, out)
   local function begin(server)
     local self = controller.new(server, {save = opts.save})
     if bench then self:show(bench) return self end
+    if not path then return self end -- a file will be dropped
     local ok, text, about = self:open(path, opts.unit)
     if not ok then return nil, text, about end
     return self
@@ -57,8 +59,9 @@ return {
     .. "saved script goes on where it ended. Only this machine can reach the page, and only with the address that "
     .. "is printed.",
   server = true,
-  arguments = {{name = "model", type = "file",
-    what = "surface (STL OBJ OFF PLY), mesh, a script that returns a surface, or a saved workbench"}},
+  arguments = {{name = "model", type = "file", optional = true,
+    what = "surface (STL OBJ OFF PLY 3MF STEP IGES), mesh, drawing (SVG DXF), a script that returns a surface, or a "
+      .. "saved workbench; without one the page waits for a file to be dropped"}},
   options = {
     model.unit_option,
     {name = "port", value = "N", type = "integer", default = 0, min = 0, max = 65535,
@@ -67,7 +70,7 @@ return {
       .. "MODEL.workbench.lua beside the file"},
     {name = "no-open", type = "flag", what = "print the address only, do not open a browser"},
   },
-  examples = {"barwright open bracket.stl",
+  examples = {"barwright open bracket.stl", "barwright open",
     {"barwright open bracket.workbench.lua", "goes on from a saved script"}},
   run = run,
 }

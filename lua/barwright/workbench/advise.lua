@@ -7,6 +7,7 @@ local bumps = require "barwright.bumps"
 local core = require "barwright.core"
 local distance = require("barwright.points").distance
 local judge = require "barwright.workbench.judge"
+local mirror = require "barwright.workbench.mirror"
 local model = require "barwright.command.model"
 local shown = require "barwright.shown"
 local strengthen = require "barwright.strengthen"
@@ -58,12 +59,20 @@ local function kept(entry)
   end
 end
 
---- The body of an entry with a bump {at, radius, offset}; nil and a sentence where it would not stay sound.
+--- The body of an entry with a bump {at, radius, offset}, and its mirror image where edits are symmetric; nil and a
+--- sentence where it would not stay sound.
 function advise.thickened(entry, place)
-  local shape, message = bumps.subdivide(bumps.of_surface(entry.body.surface), {place})
+  local places = {place}
+  if entry.symmetry then
+    local image = mirror.point(entry.body, entry.symmetry, place.at)
+    if distance(image, place.at) > 0.5 * place.radius then
+      places[2] = {at = image, radius = place.radius, offset = place.offset}
+    end
+  end
+  local shape, message = bumps.subdivide(bumps.of_surface(entry.body.surface), places)
   if not shape then return nil, message, {status = "limit"} end
-  local units = bumps.units(shape, {place}, kept(entry))
-  local surface, why, details = bumps.to_surface(bumps.displaced(shape, {place}, units))
+  local units = bumps.units(shape, places, kept(entry))
+  local surface, why, details = bumps.to_surface(bumps.displaced(shape, places, units))
   if not surface then return nil, why, details end
   local report
   report, why, details = surface:check {limit = 1}

@@ -27,18 +27,30 @@ local function from_script(path)
   return made, message, details
 end
 
---- What a file holds: {surface = as it is in the file, format =, metres_per_unit =}, or nil, message, details.
-function body.read(path, unit)
+-- How thick the body of a drawing is where nothing else is said (m): the thickness of many sheets and prints.
+local THICKNESS = 3e-3
+
+-- A drawing as a body of a thickness.
+local function from_drawing(path, unit, thickness)
+  local read, message, details = model.read(path, unit)
+  if not read then return nil, message, details end
+  thickness = thickness or THICKNESS
+  local surface
+  surface, message, details = model.try(core.surface.extrude, read.outline, {height = thickness, curvature = 10})
+  if not surface then return nil, path .. ": " .. message, details end
+  return {surface = surface, format = read.format, metres_per_unit = 1, exact_unit = true, thickness = thickness}
+end
+
+--- What a file holds: {surface = as it is in the file, format =, metres_per_unit =, thickness = of the body of a
+--- drawing}, or nil, message, details.
+function body.read(path, unit, thickness)
   local ending = model.ending(path)
   if ending == "lua" then
     local surface, message, details = from_script(path)
     if not surface then return nil, message, details end
     return {surface = surface, format = "Lua script", metres_per_unit = 1, exact_unit = true}
   end
-  if flat[ending] then
-    return nil, path .. ": a drawing is flat and has no thickness: open it with `barwright live` in a script of "
-      .. "bw.responsive (docs/live.md), or open a solid body", {status = "unsupported"}
-  end
+  if flat[ending] then return from_drawing(path, unit, thickness) end
   local read, message, details = model.read(path, unit)
   if not read then return nil, message, details end
   local surface = read.surface
@@ -120,8 +132,8 @@ end
 
 -- ---- faces of edited bodies ------------------------------------------------------------------------
 
--- Area, centre and mean normal of some faces, from their triangles. `wanted`: set of faces, or nil for all.
-local function measure(surface, labels, faces, wanted)
+--- Area, centre and mean normal of some faces, from their triangles. `wanted`: set of faces, or nil for all.
+function body.measure(surface, labels, faces, wanted)
   local points, triangles, list = surface.points:totable(), surface.triangles:totable(), {}
   for i, face in ipairs(faces) do
     if wanted and not wanted[i] then
@@ -165,7 +177,7 @@ end
 --- The body with other points of the same triangles. `moved`: set of the faces that changed; `radius`: of the
 --- faces whose radius changed.
 function body.moved(self, surface, moved, radius)
-  local faces = measure(surface, self.labels, self.faces, moved)
+  local faces = body.measure(surface, self.labels, self.faces, moved)
   for i, value in pairs(radius or {}) do faces[i].radius = value end
   return {surface = surface, labels = self.labels, faces = faces, log = self.log, sound = self.sound}
 end
@@ -207,65 +219,8 @@ function body.replaced(self, surface)
   local labels, message, details = core.face_labels(self.surface, self.labels, surface)
   if not labels then return nil, message, details end
   labels = spread(surface, labels)
-  return {surface = surface, labels = labels, faces = measure(surface, labels, self.faces), log = self.log,
+  return {surface = surface, labels = labels, faces = body.measure(surface, labels, self.faces), log = self.log,
     sound = self.sound}
-end
-
---- The faces grown from a triangle within its face, over edges whose triangles' normals differ by at most an angle
---- (rad) from the first: a further face. Returns the body and the number of the new face, or nil and a sentence.
-function body.grown(self, first, angle)
-  local labels = self.labels:totable()
-  local old = labels[first]
-  if not old then core.raise "grow: there is no such triangle" end
-  local points, triangles, at_edge = self.surface.points:totable(), self.surface.triangles:totable(), {}
-  local function normal(t)
-    local p = triangles[t]
-    local a, b, c = points[p[1]], points[p[2]], points[p[3]]
-    local u1, u2, u3 = b[1] - a[1], b[2] - a[2], b[3] - a[3]
-    local v1, v2, v3 = c[1] - a[1], c[2] - a[2], c[3] - a[3]
-    local x, y, z = u2 * v3 - u3 * v2, u3 * v1 - u1 * v3, u1 * v2 - u2 * v1
-    local size = math.max(math.sqrt(x * x + y * y + z * z), 1e-300)
-    return x / size, y / size, z / size
-  end
-  for t, label in ipairs(labels) do
-    if label == old then
-      local p = triangles[t]
-      for k = 1, 3 do
-        local a, b = p[k], p[k % 3 + 1]
-        if a > b then a, b = b, a end
-        local key = a * 4294967296 + b
-        at_edge[key] = at_edge[key] or {}
-        table.insert(at_edge[key], t)
-      end
-    end
-  end
-  local x, y, z = normal(first)
-  local number, min, queue, kept = #self.faces + 1, math.cos(angle), {first}, false
-  labels[first] = number
-  for _, t in ipairs(queue) do
-    local p = triangles[t]
-    for k = 1, 3 do
-      local a, b = p[k], p[k % 3 + 1]
-      if a > b then a, b = b, a end
-      for _, other in ipairs(at_edge[a * 4294967296 + b]) do
-        if labels[other] == old then
-          local u, v, w = normal(other)
-          if u * x + v * y + w * z >= min then
-            labels[other] = number
-            queue[#queue + 1] = other
-          end
-        end
-      end
-    end
-  end
-  for _, label in ipairs(labels) do kept = kept or label == old end
-  if not kept then return self, old end -- the whole face
-  labels = core.array.new(labels, "i32")
-  local faces = table.move(self.faces, 1, #self.faces, 1, {})
-  faces[number] = {name = ("patch %d"):format(number), kind = "free form"}
-  local out = {surface = self.surface, labels = labels, log = self.log, sound = self.sound}
-  out.faces = measure(self.surface, labels, faces, {[old] = true, [number] = true})
-  return out, number, old
 end
 
 -- ---- meshes ----------------------------------------------------------------------------------------

@@ -58,7 +58,7 @@ local function open_window(self, client)
   self.clients[client] = true
   notify(self, client, {type = "welcome", client = client, version = core.version})
   if self.scene then self.server:send(client, self.scene, {binary = true, replace = "scene"}) end
-  if self.state then notify(self, client, self.state) end
+  notify(self, client, self.state or {type = "state", revision = 0})
 end
 
 -- Long work during which windows open, `cancel` stops it, and an action makes it obsolete and is done then.
@@ -124,7 +124,7 @@ local handlers = {export = export}
 
 -- Actions that are done at once, by the method of the same name.
 for _, name in ipairs {"fix", "load", "pressure", "moment", "gravity", "change", "remove", "material", "lock",
-  "grow", "push", "radius", "offset", "thicken", "undo", "redo"} do
+  "symmetry", "grow", "patch", "push", "radius", "offset", "thicken", "undo", "redo"} do
   handlers[name] = function(self, _, _, given)
     local method = self.bench[name]
     if name == "undo" or name == "redo" then return method(self.bench) end
@@ -134,7 +134,7 @@ end
 
 -- Those that take long, and what they are called.
 local slow = {answer = "computing the answer", advice = "looking for advice", apply = "thickening",
-  optimise = "optimising", unit = "reading the file"}
+  optimise = "optimising", unit = "reading the file", thickness = "reading the file"}
 for name, what in pairs(slow) do
   handlers[name] = function(self, _, _, given)
     return long(self, what, self.bench[name], self.bench, given)

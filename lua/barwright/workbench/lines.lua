@@ -33,11 +33,11 @@ function lines.action(name, options)
   return ("assert(workbench:%s%s)"):format(name, next(options) and " " .. text_of(options) or "()")
 end
 
---- A script that opens a file and repeats actions.
-function lines.script(path, unit, list)
+--- A script that opens a file with options and repeats actions.
+function lines.script(path, options, list)
   local out = {'local bw = require "barwright"',
     ("local workbench = assert(bw.workbench.open(%s%s))"):format(text_of(path),
-      unit and ", " .. text_of {unit = unit} or "")}
+      next(options) and ", " .. text_of(options) or "")}
   table.move(list, 1, #list, 3, out)
   out[#out + 1] = "return workbench"
   return table.concat(out, "\n") .. "\n"

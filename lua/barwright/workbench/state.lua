@@ -76,11 +76,13 @@ return function(self, script)
   out.repair = {sound = entry.body.sound, log = json.list(entry.body.log)}
   out.faces, out.conditions = faces_of(entry), conditions_of(entry)
   out.material, out.materials = material_of(entry.material), json.list(core.material.names())
+  out.thickness = self.raw.thickness
   out.mass = entry.material.density and entry.material.density * volume or nil
   out.volume = volume
   out.script = json.list(script)
   out.undo, out.redo = self.position > 1, self.position < #self.history
-  out.answer, out.grown_face, out.note = answer_of(entry), self.grown_face, self.note
+  out.answer, out.note, out.symmetry = answer_of(entry), entry.note, entry.symmetry or "none"
+  out.grown_faces = json.list(self.grown_faces or {})
   out.advice = json.list {}
   for i, place in ipairs(entry.advice or {}) do
     out.advice[i] = {text = place.text, at = place.at, gain = place.gain}

@@ -1,0 +1,89 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What the actions of a workbench share: the entry in force, refusals, a further entry of the history, and how
+-- faces and vectors are read. `history` has what the actions made so far, `position` where undo and redo are. An
+-- entry is never changed: {body, conditions, material, material_options, locked, symmetry, line, edited = whether
+-- the shape was, note, answer, ...}.
+local core = require "barwright.core"
+local lines = require "barwright.workbench.lines"
+
+local raise = core.raise
+
+local session = {}
+
+function session.now(self)
+  return self.history[self.position]
+end
+
+-- Refusals of what this part, as it is, does not permit: nil, a sentence, details.
+function session.refuse(text, status)
+  return nil, text, {status = status or "unsupported"}
+end
+
+-- What an action made takes the place of all that was undone. `change`: what differs from the entry before.
+function session.act(self, name, given, change)
+  local before, entry = session.now(self), {}
+  for _, key in ipairs {"body", "conditions", "material", "material_options", "locked", "symmetry",
+    "edited"} do
+    entry[key] = before[key]
+    if change[key] ~= nil then entry[key] = change[key] end
+  end
+  entry.line, entry.note = lines.action(name, given), change.note
+  self.last_revision = self.last_revision + 1
+  entry.revision = self.last_revision
+  for i = #self.history, self.position + 1, -1 do self.history[i] = nil end
+  self.position = self.position + 1
+  self.history[self.position] = entry
+  self.revision, self.saved = self.revision + 1, false
+  return self
+end
+
+local function is_face(self, face)
+  return math.type(face) == "integer" and face >= 1 and face <= #session.now(self).body.faces
+end
+
+-- Faces that an action names: a list without doubles; or nil and a sentence.
+function session.read_faces(self, where, list)
+  if type(list) ~= "table" or #list == 0 then
+    raise(("%s: choose one face or more"):format(where))
+  end
+  local seen, out = {}, {}
+  for _, face in ipairs(list) do
+    if not is_face(self, face) then
+      raise(("%s: there is no face %s: the part has faces 1 to %d"):format(where, core.got(face),
+        #session.now(self).body.faces))
+    end
+    if not seen[face] then out[#out + 1] = face end
+    seen[face] = true
+  end
+  return out
+end
+
+local function are_numbers(value)
+  if type(value) ~= "table" or #value ~= 3 then return false end
+  for k = 1, 3 do
+    local x = value[k]
+    if type(x) ~= "number" or x ~= x or math.abs(x) == math.huge then return false end
+  end
+  return true
+end
+
+function session.vector(where, name, value)
+  if are_numbers(value) then return {value[1] + 0.0, value[2] + 0.0, value[3] + 0.0} end
+  raise(("%s: '%s': three numbers expected"):format(where, name))
+end
+
+-- The unit must be confirmed before anything is computed or a length is given.
+function session.unconfirmed(self)
+  if not self.doubt then return nil end
+  return ("%s Nothing was computed: choose the unit of the file first."):format(self.doubt)
+end
+
+--- Whether an entry has loads.
+function session.has_loads(entry)
+  for _, condition in ipairs(entry.conditions) do
+    if condition.kind ~= "all" and condition.kind ~= "normal" then return true end
+  end
+  return false
+end
+
+return session

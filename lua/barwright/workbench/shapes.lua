@@ -1,0 +1,164 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Actions of a workbench that change the shape of the part: they are put into its class.
+local advise = require "barwright.workbench.advise"
+local core = require "barwright.core"
+local edits = require "barwright.workbench.edits"
+local judge = require "barwright.workbench.judge"
+local mirror = require "barwright.workbench.mirror"
+local options = require "barwright.options"
+local session = require "barwright.workbench.session"
+
+local raise = core.raise
+local now, refuse, act = session.now, session.refuse, session.act
+local read_faces, vector, unconfirmed = session.read_faces, session.vector, session.unconfirmed
+
+local workbench = {}
+
+local push_rules = {faces = {type = "table", needed = true}, distance = {type = "number", needed = true}}
+
+local function locked_among(self, faces)
+  for _, face in ipairs(faces) do
+    if now(self).locked[face] then
+      return ("%s is locked: unlock it to move it."):format(now(self).body.faces[face].name)
+    end
+  end
+end
+
+local function may_edit(self, faces)
+  return unconfirmed(self) or locked_among(self, faces)
+end
+
+-- Faces with their mirror images where edits are symmetric; nil and a sentence where there is none.
+local function on_both_sides(self, faces)
+  local across, seen, out = now(self).symmetry, {}, {}
+  for _, face in ipairs(faces) do
+    local image = not across and face or mirror.face(now(self).body, across, face)
+    if not image then
+      return nil, ("Nothing lies opposite %s: switch the symmetry off to change it alone."):format(
+        now(self).body.faces[face].name)
+    end
+    for _, one in ipairs {face, image} do
+      if not seen[one] then out[#out + 1] = one end
+      seen[one] = true
+    end
+  end
+  return out
+end
+
+-- The body that a push makes, and what goes into the script.
+local function pushed(self, given)
+  local opts = options.read("push", given, push_rules)
+  local faces, message, details = read_faces(self, "push", opts.faces)
+  if not faces then return nil, message, details end
+  local both, alone = on_both_sides(self, faces)
+  local why = alone or may_edit(self, both)
+  if why then return refuse(why) end
+  local distances = {}
+  for _, face in ipairs(both) do distances[face] = opts.distance end
+  local made
+  made, message, details = edits.push(now(self).body, distances, now(self).locked, "This push")
+  if not made then return nil, message, details end
+  return made, {faces = faces, distance = opts.distance}
+end
+
+local radius_rules = {face = {type = "integer", needed = true},
+  radius = {type = "number", needed = true, above = 0}}
+
+local function resized(self, given)
+  local opts = options.read("radius", given, radius_rules)
+  local faces, message, details = read_faces(self, "radius", {opts.face})
+  if not faces then return nil, message, details end
+  local both, alone = on_both_sides(self, faces)
+  local why = alone or may_edit(self, both)
+  if why then return refuse(why) end
+  local about = now(self).body.faces[opts.face]
+  if about.kind ~= "cylinder" and about.kind ~= "sphere" then
+    return refuse(("%s has no radius: choose a hole or another round face, or push it."):format(about.name))
+  end
+  local made = now(self).body
+  for _, face in ipairs(both) do
+    made, message, details = edits.radius(made, face, opts.radius)
+    if not made then return nil, message, details end
+  end
+  return made, {face = opts.face, radius = opts.radius}
+end
+
+local function grown_all(self, given)
+  local opts = options.read("offset", given, {distance = {type = "number", needed = true}})
+  local why = unconfirmed(self)
+  if why then return refuse(why) end
+  local distances = {}
+  for face in ipairs(now(self).body.faces) do
+    if not now(self).locked[face] then distances[face] = opts.distance end
+  end
+  local made, message, details = edits.push(now(self).body, distances, now(self).locked, "This offset")
+  if not made then return nil, message, details end
+  return made, {distance = opts.distance}
+end
+
+local shapes = {push = pushed, radius = resized, offset = grown_all}
+
+for name, make in pairs(shapes) do
+  workbench[name] = function(self, given)
+    local made, line, details = make(self, given)
+    if not made then return nil, line, details end
+    return act(self, name, line, {body = made, edited = true})
+  end
+end
+
+--- A coarse answer for a shape that is tried, while a handle is dragged: {push | radius | offset = options}.
+--- Nothing changes. Returns the answer, the solution and the body.
+function workbench:try(given)
+  local name = next(given)
+  if not shapes[name] then raise("try: push, radius or offset expected") end
+  local made, line, details = shapes[name](self, given[name])
+  if not made then return nil, line, details end
+  local entry = now(self)
+  local answer, static, more = judge.statics(made, entry.material, entry.conditions, judge.elements.drag)
+  return answer, static, more, made
+end
+
+--- Does what an advice says.
+function workbench:apply(given)
+  local opts = options.read("apply", given, {advice = {type = "integer", needed = true}})
+  local entry = now(self)
+  local place = (entry.advice or {})[opts.advice]
+  if not place then
+    raise(("apply: there is no advice %d: ask for advice first"):format(opts.advice))
+  end
+  return self:thicken {at = place.at, radius = place.radius, offset = place.offset}
+end
+
+local thicken_rules = {at = {type = "table", needed = true}, radius = {type = "number", needed = true, above = 0},
+  offset = {type = "number", needed = true, above = 0}}
+
+--- Thickens the part around a point by a smooth bump.
+function workbench:thicken(given)
+  local opts = options.read("thicken", given, thicken_rules)
+  local why = unconfirmed(self)
+  if why then return refuse(why) end
+  local at, message, details = vector("thicken", "at", opts.at)
+  if not at then return nil, message, details end
+  local entry = now(self)
+  local made
+  made, message, details = advise.thickened(entry, {at = at, radius = opts.radius, offset = opts.offset})
+  if not made then return nil, message, details end
+  return act(self, "thicken", {at = at, radius = opts.radius, offset = opts.offset}, {body = made, edited = true})
+end
+
+local optimise_rules = {force = {type = "number", above = 0}, factor = {type = "number", above = 0, default = 1.0},
+  steps = {type = "integer", min = 1, max = 20, default = 5}}
+
+--- Thickens weak places until the part carries a force in the worst way, or its loads with a factor. The best that
+--- was found is kept, also where that is not reached.
+function workbench:optimise(given)
+  local opts = options.read("optimise", given, optimise_rules)
+  local why = unconfirmed(self)
+  if why then return refuse(why) end
+  local entry = now(self)
+  local made, report, details = advise.optimise(entry, opts, session.has_loads(entry))
+  if not made then return nil, report, details end
+  return act(self, "optimise", opts, {body = made, edited = true, note = report})
+end
+
+return workbench
