@@ -27,7 +27,8 @@ let counter = 0;
 let asked = null; // what waits for its answer: {id, what, since}
 let bending = true; // whether results are shown deformed, and trueScale in true size
 let trueScale = false;
-let splitting = null; // a patch that was asked for: {add}
+let splitting = null; // a patch that was asked for: {id, add}
+let released = 0; // the message of an edit that was dragged while there was an answer
 let clicked = null; // where the part was clicked last
 const counts = { states: 0, scenes: 0 };
 
@@ -83,11 +84,14 @@ const heard = {
     for (const condition of state.conditions || [])
       if (condition.kind === "all" || condition.kind === "normal") Object.assign(condition, { holds: condition.kind, kind: "fix" });
     if (asked && (message.reply === undefined || message.reply >= asked.id)) {
-      setText("latency", `The last step took ${Math.round(message.latency_ms ?? performance.now() - asked.since)} ms.`);
+      const took = message.latency_ms ?? performance.now() - asked.since;
+      setText("latency", `The last step took ${took < 2000 ? `${Math.round(took)} ms` : `${digits(took / 1000)} s`}.`);
+      if (asked.what === "advice" && state.advice && !state.advice.length && !state.message)
+        say("No place was found where thickening helps: choose a stronger material, or push a wall.");
       asked = null;
     }
     if (before && before.file !== state.file) chosen = new Set();
-    if (splitting && state.grown_faces) {
+    if (splitting?.done && state.grown_faces) {
       chosen = new Set([...(splitting.add ? chosen : []), ...state.grown_faces.map(indexOf)]);
       splitting = null;
     }
@@ -114,6 +118,12 @@ const heard = {
     enable();
   },
 
+  // An action was done; the state that it made follows.
+  done(message) {
+    if (splitting?.id === message.id) splitting.done = true;
+    if (released === message.id) ask(); // the converged answer of what was dragged
+  },
+
   // How far long work is: many small messages.
   busy(message) {
     if (!state) return;
@@ -125,7 +135,8 @@ const heard = {
   // The stresses of a shape that is tried while a handle is dragged.
   drag(message) {
     setText("latency", `While dragging: ${Math.round(message.latency_ms)} ms a step.`);
-    if (message.mass) setText("mass", grams(message.mass));
+    if (message.answer?.mass) setText("mass", grams(message.answer.mass));
+    if (pull.dragging && message.answer?.utilisation) setText("verdict-words", message.answer.sentence);
     pull.handled();
   },
 
@@ -321,8 +332,7 @@ listen(view, byId("frame"), () => pressed("box"), {
     }
     if (pressed("patch")) {
       if (!hit) return;
-      splitting = { add: add || draft.open };
-      if (!send("grow", { point: hit.rest, radius: reach(), angle: 1.05 })) splitting = null;
+      splitting = { add: add || draft.open, id: send("grow", { point: hit.rest, radius: reach(), angle: 1.05 }) };
       return;
     }
     clicked = hit ? hit.rest : null;
@@ -337,8 +347,7 @@ listen(view, byId("frame"), () => pressed("box"), {
     modes();
     if (faces.length) return choose(new Set([...(add ? chosen : []), ...faces]));
     // No whole face lies in the rectangle: what lies there becomes a face.
-    splitting = { add };
-    if (!send("patch", view.planes(...sides))) splitting = null;
+    splitting = { add, id: send("patch", view.planes(...sides)) };
   },
 });
 
@@ -363,7 +372,7 @@ function grow() {
 
 // ---- what is asked ------------------------------------------------------------------------------------------------
 
-const context = { byId, view, handles, send, say, symbols, numbers, chosen: () => chosen, state: () => state,
+const context = { byId, view, handles, send, released: (id) => (released = state.answer || pull.live ? id : 0), say, symbols, numbers, chosen: () => chosen, state: () => state,
   choose: (list) => choose(new Set(list.map(indexOf))) };
 const draft = new Draft(context);
 const pull = new Pull(context);
@@ -378,10 +387,11 @@ click("redo", () => send("redo"));
 click("save", () => send("save"));
 click("advice", () => send("advice"));
 click("cancel", () => send("cancel"));
-click("answer", () => {
+function ask() {
   const force = number("must-carry");
   send("answer", { accuracy: byId("accuracy").value, ...(!loaded() && force > 0 ? { force } : {}) });
-});
+}
+click("answer", ask);
 click("lock", () => {
   const all = new Set(state.faces.filter((f) => f.locked).map((f) => f.index));
   const on = byId("lock").textContent === "Lock";
@@ -526,7 +536,7 @@ enable();
 
 // For whoever drives the page by script.
 window.barwright = {
-  state: () => ({ connected, ...counts, revision: state?.revision, chosen: state ? numbers() : [], hovered: view.hovered,
+  state: () => ({ connected, ...counts, file: state?.file, revision: state?.revision, chosen: state ? numbers() : [], hovered: view.hovered,
     conditions: state?.conditions, faces: state?.faces, answer: state?.answer, material: state?.material?.name, mass: state?.mass,
     script: state?.script, undo: state?.undo, redo: state?.redo, busy: state?.busy, size: state?.size, saved: state?.saved,
     said: byId("said").textContent, verdict: byId("verdict").dataset.colour, symbols: view.symbols.count, factor: view.factor,

@@ -44,19 +44,27 @@ export class Pull {
         handle.length = base + this.distance;
         handle.words = `${this.distance > 0 ? "+" : ""}${digits(1000 * this.distance)} mm`;
         if (!this.live) this.preview(face, place.normal, this.distance);
-        if (this.state().conditions?.length && this.state().material) this.attempt(this.distance);
+        this.attempt(this.distance);
       },
       end: (_, cancelled) => {
         const { distance } = this;
-        this.distance = 0;
-        this.live = this.waiting = false;
-        this.wanted = null;
         if (distance && !cancelled) {
           this.byId("distance").value = digits(1000 * distance);
-          if (this.send("push", { faces: this.numbers(), distance })) return;
+          const id = this.send("push", { faces: this.numbers(), distance });
+          this.released(id);
+          this.rest();
+          if (id) return;
         }
+        this.rest();
         this.refused();
       } });
+  }
+
+  // Nothing is tried any more.
+  rest() {
+    this.distance = 0;
+    this.live = this.waiting = false;
+    this.wanted = null;
   }
 
   // A tenth of a millimetre, or finer for small parts.

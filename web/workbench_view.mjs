@@ -52,7 +52,7 @@ export class View {
 
   // A scene from the session. Whether its shape is another one than before.
   setScene(scene) {
-    const first = !this.surface;
+    const first = !this.surface || scene.kind === "file"; // another part has come
     this.scene = scene;
     this.colour = colourMap(scene.colours || [[33, 72, 160], [74, 160, 201], [240, 220, 120], [200, 60, 40]]);
     this.tree = null;

@@ -60,8 +60,8 @@ return {
     .. "is printed.",
   server = true,
   arguments = {{name = "model", type = "file", optional = true,
-    what = "surface (STL OBJ OFF PLY 3MF STEP IGES), mesh, drawing (SVG DXF), a script that returns a surface, or a "
-      .. "saved workbench; without one the page waits for a file to be dropped"}},
+    what = "surface (STL OBJ OFF PLY 3MF STEP IGES), mesh, drawing (SVG DXF), a script that returns a surface, "
+      .. "or a saved workbench; without one the page waits for a file to be dropped"}},
   options = {
     model.unit_option,
     {name = "port", value = "N", type = "integer", default = 0, min = 0, max = 65535,

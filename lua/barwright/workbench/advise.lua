@@ -59,8 +59,8 @@ local function kept(entry)
   end
 end
 
---- The body of an entry with a bump {at, radius, offset}, and its mirror image where edits are symmetric; nil and a
---- sentence where it would not stay sound.
+--- The body of an entry with a bump {at, radius, offset}, and its mirror image where edits are symmetric; nil and
+--- a sentence where it would not stay sound.
 function advise.thickened(entry, place)
   local places = {place}
   if entry.symmetry then
@@ -114,13 +114,15 @@ local function text_of(place)
 end
 
 -- Places under known loads with their gains, best first, and the bodies that they make.
-local function under_loads(entry)
+-- `factor`: nothing is looked for where the part carries so much of its loads.
+local function under_loads(entry, factor)
   local before, static, more = judge.statics(entry.body, entry.material, entry.conditions, judge.elements.coarse)
   if not before then return nil, static, more end
   if not before.utilisation then
     return nil, "The strength of the material is not known: give it with the material.", {status = "unsupported"}
   end
   local list = {}
+  if factor and before.high * factor <= 1 then return list, before end
   for _, place in ipairs(stressed(entry, static)) do
     if core.interrupted() then return nil, "interrupted", {status = "cancelled"} end
     local made = advise.thickened(entry, place)
@@ -169,13 +171,13 @@ local function optimise_loads(entry, opts)
   local best, used = entry, nil
   local first
   for _ = 1, opts.steps do
-    local list, before, details = under_loads(best)
+    local list, before, details = under_loads(best, opts.factor)
     if not list then
       if best == entry then return nil, before, details end
       break
     end
     first, used = first or before.utilisation, used or before.utilisation
-    if before.high * opts.factor <= 1 or not list[1] then break end
+    if not list[1] then break end
     best = setmetatable({body = list[1].body}, {__index = entry})
     used = list[1].used
   end

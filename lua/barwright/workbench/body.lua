@@ -74,7 +74,7 @@ function body.doubt(read, unit)
   return model.guess_unit(body.size(read.surface.box), read.metres_per_unit, unit ~= nil or read.exact_unit)
 end
 
--- ---- repair and faces ------------------------------------------------------------------------------
+-- ---- repair ----------------------------------------------------------------------------------------
 
 -- Kinds of defects in words, one and many.
 local words = {["open edge"] = {"open edge", "open edges"},
@@ -115,22 +115,7 @@ local function sound(surface)
   return repaired, log, false
 end
 
-local function with_faces(self)
-  local faces, labels, details = model.try(self.surface.faces, self.surface)
-  if not faces then return nil, labels, details end
-  self.faces, self.labels = faces, labels
-  return self
-end
-
---- The body of a surface that was read: repaired where it must be, with its faces. nil, message, details where it
---- cannot be repaired.
-function body.new(surface)
-  local repaired, log, is_sound = sound(surface)
-  if not repaired then return nil, log, is_sound end
-  return with_faces {surface = repaired, log = log, sound = is_sound}
-end
-
--- ---- faces of edited bodies ------------------------------------------------------------------------
+-- ---- faces -----------------------------------------------------------------------------------------
 
 --- Area, centre and mean normal of some faces, from their triangles. `wanted`: set of faces, or nil for all.
 function body.measure(surface, labels, faces, wanted)
@@ -212,6 +197,49 @@ local function spread(surface, labels)
     end
   end
   return core.array.new(list, "i32")
+end
+
+-- A part is sculpted where its largest face is free form and has so much of the area. What is found there on few
+-- triangles and little area by chance is no face that a person would pick.
+local SCULPTED, SPECK, FEW = 0.3, 2e-3, 12
+
+-- The faces without specks, whose triangles take the faces around them.
+local function without_specks(self)
+  local total, largest = 0, self.faces[1]
+  for _, face in ipairs(self.faces) do
+    total = total + face.area
+    if face.area > largest.area then largest = face end
+  end
+  if not largest or largest.kind ~= "free form" or largest.area < SCULPTED * total then return self end
+  local number, kept = {}, {}
+  for i, face in ipairs(self.faces) do
+    number[i] = 0
+    if face.area >= SPECK * total or face.triangle_count > FEW then
+      kept[#kept + 1] = face
+      number[i] = #kept
+    end
+  end
+  if #kept == #self.faces then return self end
+  local labels = self.labels:totable()
+  for t, label in ipairs(labels) do labels[t] = number[label] or 0 end
+  self.labels = spread(self.surface, core.array.new(labels, "i32"))
+  self.faces = body.measure(self.surface, self.labels, kept)
+  return self
+end
+
+local function with_faces(self)
+  local faces, labels, details = model.try(self.surface.faces, self.surface)
+  if not faces then return nil, labels, details end
+  self.faces, self.labels = faces, labels
+  return without_specks(self)
+end
+
+--- The body of a surface that was read: repaired where it must be, with its faces. nil, message, details where it
+--- cannot be repaired.
+function body.new(surface)
+  local repaired, log, is_sound = sound(surface)
+  if not repaired then return nil, log, is_sound end
+  return with_faces {surface = repaired, log = log, sound = is_sound}
 end
 
 --- The body with another surface, whose triangles take the faces of those that they lie on.

@@ -4,6 +4,7 @@
 local core = require "barwright.core"
 local model = require "barwright.command.model"
 local mirror = require "barwright.workbench.mirror"
+local nearest = require "barwright.workbench.nearest"
 local options = require "barwright.options"
 local patches = require "barwright.workbench.patches"
 local session = require "barwright.workbench.session"
@@ -212,8 +213,10 @@ function workbench:grow(given)
   if opts.point then
     local message, details
     point = vector("grow", "point", opts.point)
-    first, message, details = patches.nearest(part, point)
-    if not first then return nil, message, details end
+    local found
+    found, message, details = nearest(part.surface, {point})
+    if not found then return nil, message, details end
+    first = found[1]
   end
   local made, list, parts = patches.grown(part, first, opts.angle, opts.radius or math.huge, point)
   return with_patches(self, "grow", {triangle = opts.triangle, point = point, angle = opts.angle,

@@ -43,7 +43,8 @@ local function publish(self)
 end
 
 local function say(self, text, details)
-  self.message = {text = text, details = details and tostring(details.status or "") or nil}
+  local more = type(details) == "table" and (details.element and ("element %d"):format(details.element)) or nil
+  self.message = {text = text, details = more}
 end
 
 local stages = {coarse = "a first answer"}
@@ -165,10 +166,12 @@ function handlers.drag(self, _, _, given)
   local answer, static, more = self.bench:try(given)
   if not answer then return nil, static, more end
   self.latency = 1e3 * (core.seconds() - start)
-  local bytes = frame.result(static, more.labels, self.bench:current().revision)
-  if bytes then send_all(self, bytes, "scene") end
+  local bytes = static and frame.result(static, more.labels, self.bench:current().revision)
+  if bytes then
+    send_all(self, bytes, "scene")
+    self.shown = nil -- the scene is that of the drag
+  end
   notify_all(self, {type = "drag", answer = answer, latency_ms = self.latency})
-  self.shown = nil -- the scene is that of the drag
   return true
 end
 

@@ -184,6 +184,23 @@ function judge.statics(self, material, conditions, elements, former)
   return answer, static, {measure = fine, part = part, held = held, labels = labels}
 end
 
+--- An answer from one coarse solution alone, without an estimate of its error: what is shown while a face is
+--- dragged.
+function judge.quick(static, material, seconds)
+  local node = static.von_mises:argmax()
+  local nodes = static.mesh.nodes
+  local used = material.strength and static.utilisation:max() or nil
+  local verdict = model.verdict(used, 0.5)
+  return {kind = "statics", verdict = verdict, colour = colours[verdict], notes = {}, singular = false,
+    utilisation = used, low = used and 0.5 * used, high = used and 1.5 * used, factor = used and 1 / used,
+    error = 0.5,
+    at = {nodes(node, 1), nodes(node, 2), nodes(node, 3)}, max_stress = static.von_mises[node],
+    max_displacement = static.displacement:map "norm(a)":max(), elements = static.mesh.element_count,
+    mass = material.density and material.density * static.mesh.volume, seconds = seconds,
+    sentence = used and ("About %s of the strength."):format(shown.percent(used))
+      or ("The largest stress is about %s."):format(core.quantity(static.von_mises[node], "Pa"))}
+end
+
 --- The first natural frequency (Hz) of a body that is held, or of the free body.
 function judge.frequency(solved)
   return frequency(solved.part, solved.held)

@@ -3,7 +3,6 @@
 -- lines around them.
 local body = require "barwright.workbench.body"
 local core = require "barwright.core"
-local model = require "barwright.command.model"
 
 local patches = {}
 
@@ -69,19 +68,6 @@ local function split(self, chosen)
   local array = core.array.new(labels, "i32")
   return {surface = self.surface, labels = array, log = self.log, sound = self.sound,
     faces = body.measure(self.surface, array, faces, wanted)}, list, parts
-end
-
---- The triangle of a body's surface that is nearest to a point; or nil, message, details.
-function patches.nearest(self, point)
-  local numbers, small = {}, 1e-9 * model.diagonal(self.surface.box)
-  for t = 1, self.surface.triangle_count do numbers[t] = t end
-  local at, message, details = core.surface.new {triangles = {{1, 2, 3}}, points = {point,
-    {point[1] + small, point[2], point[3]}, {point[1], point[2] + small, point[3]}}}
-  if not at then return nil, message, details end
-  local found
-  found, message, details = core.face_labels(self.surface, core.array.new(numbers, "i32"), at)
-  if not found then return nil, message, details end
-  return math.tointeger(found[1])
 end
 
 --- A face of the triangles around one, within its face: their normals differ by at most an angle (rad) from that

@@ -2,6 +2,7 @@
 -- Actions of a workbench that change the shape of the part: they are put into its class.
 local advise = require "barwright.workbench.advise"
 local core = require "barwright.core"
+local drag = require "barwright.workbench.drag"
 local edits = require "barwright.workbench.edits"
 local judge = require "barwright.workbench.judge"
 local mirror = require "barwright.workbench.mirror"
@@ -106,16 +107,42 @@ for name, make in pairs(shapes) do
   end
 end
 
+-- The length of an edit, in proportion to which it moves points: of a radius what it changes.
+local function length_of(self, name, given)
+  if name ~= "radius" then return given.distance end
+  return given.radius - now(self).body.faces[given.face].radius
+end
+
+-- Which edit it is, whatever its length.
+local function same(name, given)
+  return name .. table.concat(given.faces or {given.face}, ",")
+end
+
 --- A coarse answer for a shape that is tried, while a handle is dragged: {push | radius | offset = options}.
---- Nothing changes. Returns the answer, the solution and the body.
+--- Nothing changes. Returns the answer, the solution and the labels of its facets. Without loads the answer has
+--- the mass only.
 function workbench:try(given)
   local name = next(given)
   if not shapes[name] then raise("try: push, radius or offset expected") end
+  local entry, trial = now(self), self.trial
+  if trial and trial.entry == entry and trial.key == same(name, given[name]) then
+    local answer, static, more = drag.step(trial, length_of(self, name, given[name]))
+    if answer then return answer, static, more end
+  end
   local made, line, details = shapes[name](self, given[name])
   if not made then return nil, line, details end
-  local entry = now(self)
-  local answer, static, more = judge.statics(made, entry.material, entry.conditions, judge.elements.drag)
-  return answer, static, more, made
+  if not session.has_loads(entry) then
+    return {kind = "shape", mass = entry.material.density and entry.material.density * made.surface.volume}
+  end
+  local length = length_of(self, name, line)
+  if length == 0 then
+    return judge.statics(made, entry.material, entry.conditions, judge.elements.drag)
+  end
+  local message, why
+  trial, message, why = drag.begin(entry, made, length)
+  if not trial then return nil, message, why end
+  trial.key, self.trial = same(name, line), trial
+  return drag.step(trial, length)
 end
 
 --- Does what an advice says.
