@@ -249,7 +249,9 @@ local function report_faces(surface, opts, page, out)
       out:say("  %-12s %s", face.name, core.quantity(face.area, "m2"))
     end
   end
-  if #named > 0 then page.tables[#page.tables + 1] = {"Faces that the file names", {"face", "area"}, named_rows} end
+  if #named > 0 then
+    page.tables[#page.tables + 1] = {"Faces that the file names", {"face", "area"}, named_rows}
+  end
   if #named > MAX_FACES then out:say("  and %d smaller ones.", #named - MAX_FACES) end
   out:json {faces = list, named_faces = #named > 0 and entries or nil}
   return true
