@@ -13,9 +13,10 @@ typedef struct format {
 } format;
 
 static const format formats[] = {
-    {"stl", false, false, false}, {"obj", false, true, false}, {"off", false, false, false},
-    {"ply", true, true, true},    {"3mf", true, true, false},  {"glb", true, true, false},
-    {"usda", true, true, true},   {"vtu", false, false, true}, {"msh", false, false, false}};
+    {"stl", false, false, false}, {"obj", false, true, false},   {"off", false, false, false},
+    {"ply", true, true, true},    {"3mf", true, true, false},    {"glb", true, true, false},
+    {"usda", true, true, true},   {"step", false, false, false}, {"stp", false, false, false},
+    {"vtu", false, false, true},  {"msh", false, false, false}};
 
 static const format *format_of(const char *path) {
   for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
@@ -30,7 +31,7 @@ static bw_status check(bw_context *context, const bw_surface *surface, const cha
   if (!found)
     return bw_fail(context, BW_INVALID,
                    "%s: the ending '%s' names no format that surfaces are written in: use .stl "
-                   ".obj .ply .off .3mf .glb .usda .vtu or .msh",
+                   ".obj .ply .off .3mf .glb .usda .step .vtu or .msh",
                    path, bwi_ending(path));
   if (options->colour && !found->point_colours)
     return bw_fail(context, BW_INVALID, "%s: .%s has no colours: use .glb .usda .ply .obj or .3mf",
@@ -71,7 +72,9 @@ bw_status bw_surface_write_with(bw_context *context, const bw_surface *surface, 
   status = bw_writer_open(context, path, &writer);
   if (status != BW_OK)
     return status;
-  status = bwi_has_ending(path, "stl")   ? bwi_stl_write(writer, surface, options->ascii)
+  bool step = bwi_has_ending(path, "step") || bwi_has_ending(path, "stp");
+  status = step                          ? bwi_step_write(writer, surface, options)
+           : bwi_has_ending(path, "stl") ? bwi_stl_write(writer, surface, options->ascii)
            : bwi_has_ending(path, "obj") ? bwi_obj_write(writer, surface, options)
            : bwi_has_ending(path, "off") ? bwi_off_write(writer, surface)
            : bwi_has_ending(path, "ply") ? bwi_ply_write(writer, surface, options)

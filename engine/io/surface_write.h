@@ -19,6 +19,8 @@ bw_status bwi_obj_write(bw_writer *writer, const bw_surface *surface,
                         const bw_surface_write_options *options);
 bw_status bwi_ply_write(bw_writer *writer, const bw_surface *surface,
                         const bw_surface_write_options *options);
+bw_status bwi_step_write(bw_writer *writer, const bw_surface *surface,
+                         const bw_surface_write_options *options);
 bw_status bwi_usd_write(bw_writer *writer, const bw_surface *surface,
                         const bw_surface_write_options *options);
 

@@ -327,10 +327,12 @@ function surface_module.implicit(value, options) end
 local Surface = {}
 
 ---Writes the surface to a file, whose ending decides the format: .stl (binary), .obj, .ply, .off, .3mf, .glb (glTF 2.0), .usda (USD),
----.vtu or .msh. With `values`, .glb, .usda, .ply, .obj and .3mf have the colours of a picture, as vertex colours or colours of
+---.step, .vtu or .msh. A STEP file has closed solids with flat faces: triangles in one plane are one face, and curved faces stay
+---the triangles that they are. With `values`, .glb, .usda, .ply, .obj and .3mf have the colours of a picture, as vertex colours or colours of
 ---triangles. A format that cannot hold the colours or fields raises.
 ---
----Errors: io (the file cannot be written), limit (more than 4 GB as .glb or .3mf).
+---Errors: io (the file cannot be written), limit (more than 4 GB as .glb or .3mf), geometry (of .step: the surface is not closed,
+---or not oriented).
 ---```lua
 ---local ball = bw.surface.sphere {radius = 0.01}
 ---assert(ball:write("ball.glb", {values = ball.points:column(3)}))

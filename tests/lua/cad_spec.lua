@@ -179,6 +179,72 @@ describe("a STEP or IGES file", function()
   end)
 end)
 
+describe("a STEP file that barwright writes", function()
+  -- Corners of a solid with flat faces: read back by OpenCASCADE, which knows nothing of the triangles.
+  local function back(name, surface, unit)
+    local path = folder .. "/" .. name .. ".step"
+    assert(surface:write(path, {unit = unit}))
+    local read, info = assert(bw.surface.read(path))
+    assert.is_true(read:check().sound, name)
+    near(surface.volume, info.exact_volume, 1e-6, name .. " volume")
+    near(surface.area, info.exact_area, 1e-6, name .. " area")
+    for k = 1, 3 do near(surface.box.size[k], read.box.size[k], 1e-6, name .. " box") end
+    return info
+  end
+  local box = bw.surface.box {max = {0.03, 0.02, 0.01}}
+
+  it("has volume and area, and a face for each plane, in any unit", function()
+    for unit, metres in pairs {mm = 1e-3, cm = 1e-2, m = 1, ["in"] = 0.0254, ft = 0.3048} do
+      local info = back("own_box", box, unit)
+      assert.equal(6, #info.faces)
+      assert.equal(metres, info.metres_per_unit)
+    end
+    local hole = bw.surface.cylinder {base = {0.015, 0.01, -0.01}, axis = {0, 0, 0.05}, radius = 0.004, segments = 24}
+    local plate = assert(box:difference(hole))
+    assert.equal(6 + 24, #back("own_plate", plate).faces)
+    assert.equal(6 + 24, #back("own_turned", assert(plate:rotate({1, 2, 3}, 0.7))).faces)
+    assert.equal(320, #back("own_ball", bw.surface.sphere {radius = 0.01, subdivisions = 2}).faces)
+  end)
+
+  it("has voids, and bodies in voids", function()
+    local pocket = bw.surface.box {min = {0.01, 0.005, 0.002}, max = {0.02, 0.015, 0.008}}
+    local hollow = assert(box:difference(pocket))
+    local info = back("own_hollow", hollow)
+    assert.equal(12, #info.faces)
+    assert.equal(1, #info.bodies)
+    local core = bw.surface.box {min = {0.012, 0.007, 0.004}, max = {0.018, 0.013, 0.006}}
+    assert.equal(2, #back("own_core", assert(hollow:union(core))).bodies)
+  end)
+
+  it("holds a part that was made elsewhere", function()
+    for _, name in ipairs {"gear_spur.stl", "anchor.off"} do
+      local path = check.root .. "/../shared/models/" .. name
+      local file = io.open(path, "rb")
+      if file then
+        file:close()
+        back("own_part", (assert(bw.surface.read(path))))
+      end
+    end
+  end)
+
+  it("is refused where the surface is open or turned, and has the same bytes again", function()
+    local open = bw.surface.new {points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, triangles = {{1, 2, 3}}}
+    local nothing, message = open:write(folder .. "/open.step")
+    assert.is_nil(nothing)
+    assert.truthy(message:find "two")
+    nothing, message = assert(box:transform {{-1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, 1, 0}}):write(folder .. "/a.step")
+    assert.is_true(nothing, message)
+    local points, triangles = box.points, box.triangles:totable()
+    for _, t in ipairs(triangles) do t[1], t[2] = t[2], t[1] end
+    nothing, message = bw.surface.new({points = points, triangles = triangles}):write(folder .. "/b.step")
+    assert.is_nil(nothing)
+    assert.truthy(message:find "inside out")
+    assert(box:write(folder .. "/c.step"))
+    assert(box:write(folder .. "/d.step"))
+    assert.equal(content "c.step", content "d.step")
+  end)
+end)
+
 describe("commands on a STEP file", function()
   it("check prints the unit of the file, volumes, and no more than that", function()
     local status, text = run("check " .. folder .. "/plate_INCH.step")

@@ -12,7 +12,7 @@ extern "C" {
 /* How a surface is written; all zeros are the defaults. Pointers are borrowed. */
 typedef struct bw_surface_write_options {
   bool ascii;  /* text where the format has both; default false */
-  double unit; /* (m) of one unit of the points, which .3mf and .usda name and .glb needs; default
+  double unit; /* (m) of one unit of the points, which .3mf .usda .step name and .glb needs; default
                   0: 1 */
   const unsigned char *colour; /* (-, 3 each) red, green and blue in sRGB; default NULL: none */
   bool colour_on_facets;       /* one for each facet; default false: for each point */
@@ -20,11 +20,12 @@ typedef struct bw_surface_write_options {
   const bw_field *fields;      /* (field_count) on points or facets, as numbers */
 } bw_surface_write_options;
 
-/* By the ending of the path, .glb (glTF 2.0, in metres, y up) and .usda (USD as text, z up) beside
- * those of bw_surface_write. Colours go to .glb .usda .ply .3mf, and on points to .obj. Fields go
- * to .vtu, and those of one component to .ply and .usda; BW_INVALID for another ending, as for
- * colours and fields that the format cannot hold, and units that 3MF does not know. BW_LIMIT beyond
- * 4 GB. */
+/* By the ending of the path, .glb (glTF 2.0, in metres, y up), .usda (USD as text, z up) and .step
+ * (solids with flat faces) beside those of bw_surface_write. Colours go to .glb .usda .ply .3mf,
+ * and on points to .obj. Fields go to .vtu, and those of one component to .ply and .usda;
+ * BW_INVALID for another ending, as for colours and fields that the format cannot hold, and units
+ * that 3MF or STEP does not know. BW_GEOMETRY where the shells of a .step are not closed and
+ * oriented. BW_LIMIT beyond 4 GB. */
 BW_API bw_status bw_surface_write_with(bw_context *context, const bw_surface *surface,
                                        const char *path, const bw_surface_write_options *options);
 

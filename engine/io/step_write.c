@@ -1,0 +1,670 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* STEP (ISO 10303-21, AP214): closed shells as solids with flat faces. Facets in one plane, of one
+ * group and joined by edges, are one face; points within a straight border are left out. A shell
+ * inside of another one is a void of it. What was curved is written as the flat facets that it has.
+ *
+ * Here a side is an edge of a facet, in its direction (bwi_topology). A chain is what the border of
+ * two faces has from one kept point to the next, a straight edge of the solid. */
+#include "io/surface_write.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "barwright/base.h"
+#include "mesh/surface_topology.h"
+
+/* Points this near to a plane or line lie in it, over the diagonal of the box: numbers of 32 bits
+ * have such errors. */
+#define FLAT 1e-7
+
+typedef struct step {
+  bw_context *context;
+  const bw_surface *surface;
+  bw_writer *writer;
+  double unit, tolerance;
+  bwi_topology *topology;
+  int32_t face_count;
+  int32_t *face_of; /* per facet */
+  int32_t *seed;    /* per face: its largest facet */
+  uint8_t *kept;    /* per point: it is a vertex of the solid */
+  int64_t *loop;    /* loops: a side of each; then their faces' order */
+  int64_t loop_count;
+  int64_t *chain; /* per edge that names a chain: its number in the file, 0: not there yet */
+  int32_t *chain_from;
+  int64_t *vertex; /* per point: the number of its VERTEX_POINT; the point's is one less */
+  int64_t next;    /* number of the next entity */
+} step;
+
+static bw_status fail_repair(bw_context *context, const char *what) {
+  return bw_fail(context, BW_GEOMETRY, "STEP holds closed solids, but %s: repair it first", what);
+}
+
+/* ---- faces ----------------------------------------------------------------------------------- */
+
+static int64_t opposite(const bwi_topology *t, int64_t side) {
+  int64_t first = t->start[t->edge_of[side]];
+  return t->side[first] == side ? t->side[first + 1] : t->side[first];
+}
+
+static int64_t following(int64_t side) {
+  return side % 3 == 2 ? side - 2 : side + 1;
+}
+
+static bw_status check_closed(bw_context *context, const bwi_topology *t) {
+  for (int32_t i = 0; i < t->facets; i++)
+    if (t->degenerate[i])
+      return fail_repair(context, "a triangle has two equal corners");
+  for (int64_t e = 0; e < t->edges; e++) {
+    if (t->start[e + 1] - t->start[e] != 2)
+      return fail_repair(context, "an edge has a number of triangles other than two");
+    int64_t a = t->side[t->start[e]], b = t->side[t->start[e] + 1];
+    if (bwi_side_from(t, a) != bwi_side_to(t, b) || bwi_side_to(t, a) != bwi_side_from(t, b))
+      return fail_repair(context, "neighbouring triangles face in different directions");
+  }
+  return BW_OK;
+}
+
+static void normal_of(const bwi_topology *t, int32_t facet, double n[3]) {
+  const int32_t *c = t->corner + 3 * (size_t)facet;
+  const double *a = t->point + 3 * (size_t)c[0], *b = t->point + 3 * (size_t)c[1],
+               *d = t->point + 3 * (size_t)c[2];
+  const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  const double v[3] = {d[0] - a[0], d[1] - a[1], d[2] - a[2]};
+  bw_cross(u, v, n);
+}
+
+typedef struct sized {
+  double area;
+  int32_t facet;
+} sized;
+
+static int largest_first(const void *left, const void *right) {
+  const sized *a = (const sized *)left, *b = (const sized *)right;
+  return a->area != b->area ? (a->area < b->area) - (a->area > b->area)
+                            : (a->facet > b->facet) - (a->facet < b->facet);
+}
+
+/* Whether a facet lies in the plane through `at` with the unit normal n, and faces as it does. */
+static bool lies_in(const step *s, int32_t facet, const double at[3], const double n[3]) {
+  const bwi_topology *t = s->topology;
+  double own[3];
+  for (int k = 0; k < 3; k++) {
+    const double *x = t->point + 3 * (size_t)t->corner[3 * (size_t)facet + (size_t)k];
+    double off = (x[0] - at[0]) * n[0] + (x[1] - at[1]) * n[1] + (x[2] - at[2]) * n[2];
+    if (fabs(off) > s->tolerance)
+      return false;
+  }
+  normal_of(t, facet, own);
+  return bw_dot(own, n) >= 0;
+}
+
+static bw_status find_faces(step *s) {
+  bw_status status = BW_OK;
+  const bwi_topology *t = s->topology;
+  const int32_t *group = s->surface->group;
+  sized *order = BW_NEW(s->context, sized, t->facets + 1);
+  int32_t *stack = BW_NEW(s->context, int32_t, t->facets + 1);
+  BW_TRY_MEMORY(order && stack);
+  for (int32_t i = 0; i < t->facets; i++) {
+    double n[3];
+    normal_of(t, i, n);
+    order[i] = (sized){bw_norm(n), i};
+    s->face_of[i] = -1;
+  }
+  qsort(order, (size_t)t->facets, sizeof *order, largest_first);
+  for (int32_t k = 0; k < t->facets; k++) {
+    int32_t seed = order[k].facet, depth = 0;
+    double n[3];
+    if (s->face_of[seed] >= 0)
+      continue;
+    if (!(order[k].area > 0))
+      BW_TRY(fail_repair(s->context, "a triangle has no area"));
+    normal_of(t, seed, n);
+    for (int j = 0; j < 3; j++)
+      n[j] /= order[k].area;
+    const double *at = t->point + 3 * (size_t)t->corner[3 * (size_t)seed];
+    s->seed[s->face_count] = seed;
+    s->face_of[seed] = s->face_count;
+    stack[depth++] = seed;
+    while (depth > 0) {
+      int32_t facet = stack[--depth];
+      for (int64_t side = 3 * (int64_t)facet; side < 3 * (int64_t)facet + 3; side++) {
+        int32_t other = (int32_t)(opposite(t, side) / 3);
+        if (s->face_of[other] >= 0 || (group && group[other] != group[seed]) ||
+            !lies_in(s, other, at, n))
+          continue;
+        s->face_of[other] = s->face_count;
+        stack[depth++] = other;
+      }
+    }
+    s->face_count++;
+  }
+done:
+  bw_free(order);
+  bw_free(stack);
+  return status;
+}
+
+/* ---- borders --------------------------------------------------------------------------------- */
+
+static bool is_border(const step *s, int64_t side) {
+  return s->face_of[side / 3] != s->face_of[opposite(s->topology, side) / 3];
+}
+
+/* The side that follows on the border of the face. */
+static int64_t next_border(const step *s, int64_t side) {
+  side = following(side);
+  while (!is_border(s, side))
+    side = following(opposite(s->topology, side));
+  return side;
+}
+
+/* Whether the middle of three points lies on the line between the others. */
+static bool is_straight(const step *s, int32_t from, int32_t middle, int32_t to) {
+  const double *a = s->topology->point + 3 * (size_t)from,
+               *b = s->topology->point + 3 * (size_t)middle,
+               *c = s->topology->point + 3 * (size_t)to;
+  const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  const double v[3] = {c[0] - b[0], c[1] - b[1], c[2] - b[2]};
+  const double whole[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+  double cross[3], length = bw_norm(whole);
+  bw_cross(u, v, cross);
+  return bw_dot(u, v) > 0 && bw_norm(cross) <= s->tolerance * length;
+}
+
+/* Points where more than two border edges meet, or two at an angle. */
+static bw_status find_kept(step *s) {
+  bw_status status = BW_OK;
+  const bwi_topology *t = s->topology;
+  int32_t *near = BW_NEW(s->context, int32_t, 2 * (size_t)t->points + 1);
+  uint8_t *edges = BW_NEW0(s->context, uint8_t, t->points + 1);
+  BW_TRY_MEMORY(near && edges);
+  for (int64_t e = 0; e < t->edges; e++) {
+    int64_t side = t->side[t->start[e]];
+    if (!is_border(s, side))
+      continue;
+    int32_t end[2] = {bwi_side_from(t, side), bwi_side_to(t, side)};
+    for (int k = 0; k < 2; k++) {
+      uint8_t *count = &edges[end[k]];
+      if (*count < 2)
+        near[2 * (size_t)end[k] + *count] = end[1 - k];
+      *count = *count < 3 ? *count + 1 : 3;
+    }
+  }
+  for (int32_t i = 0; i < t->points; i++)
+    s->kept[i] = edges[i] > 2 || (edges[i] == 2 &&
+                                  !is_straight(s, near[2 * (size_t)i], i, near[2 * (size_t)i + 1]));
+done:
+  bw_free(near);
+  bw_free(edges);
+  return status;
+}
+
+/* Each loop by its first side, in the order of faces; loops of fewer than three kept points keep
+ * all. */
+static bw_status find_loops(step *s) {
+  bw_status status = BW_OK;
+  const bwi_topology *t = s->topology;
+  int64_t sides = 3 * (int64_t)t->facets;
+  uint8_t *seen = BW_NEW0(s->context, uint8_t, sides + 1);
+  BW_TRY_MEMORY(seen);
+  for (int64_t side = 0; side < sides; side++) {
+    if (seen[side] || !is_border(s, side))
+      continue;
+    int64_t at = side;
+    int kept = 0;
+    do {
+      seen[at] = 1;
+      kept += s->kept[bwi_side_from(t, at)];
+      at = next_border(s, at);
+    } while (at != side);
+    s->loop[s->loop_count++] = side;
+    for (bool more = kept < 3; more; more = at != side) {
+      s->kept[bwi_side_from(t, at)] = 1;
+      at = next_border(s, at);
+    }
+  }
+done:
+  bw_free(seen);
+  return status;
+}
+
+/* ---- entities -------------------------------------------------------------------------------- */
+
+/* Reals of STEP have a point. */
+static void put_real(bw_writer *writer, double value) {
+  char text[BW_NUMBER_BYTES];
+  bw_format_number(value, text);
+  size_t digits = strcspn(text, "eE");
+  bw_writer_bytes(writer, text, digits);
+  if (!memchr(text, '.', digits))
+    bw_writer_bytes(writer, ".", 1);
+  if (text[digits])
+    bw_writer_print(writer, "E%s", text + digits + 1);
+}
+
+static void put_triple(bw_writer *writer, const double x[3]) {
+  for (int k = 0; k < 3; k++) {
+    bw_writer_bytes(writer, k ? "," : "(", 1);
+    put_real(writer, x[k]);
+  }
+  bw_writer_bytes(writer, ")", 1);
+}
+
+/* Those with one list of three numbers; gives the number of the entity. */
+static int64_t put_vector(step *s, const char *type, const double x[3]) {
+  bw_writer_print(s->writer, "#%lld=%s('',", (long long)s->next, type);
+  put_triple(s->writer, x);
+  bw_writer_print(s->writer, ");\n");
+  return s->next++;
+}
+
+static int64_t vertex_of(step *s, int32_t point) {
+  if (s->vertex[point] == 0) {
+    int64_t own = put_vector(s, "CARTESIAN_POINT", s->topology->point + 3 * (size_t)point);
+    bw_writer_print(s->writer, "#%lld=VERTEX_POINT('',#%lld);\n", (long long)s->next,
+                    (long long)own);
+    s->vertex[point] = s->next++;
+  }
+  return s->vertex[point];
+}
+
+/* The chain that begins with a side at a kept point: its number, whether it runs the same way, and
+ * the side behind it. */
+static int64_t chain_of(step *s, int64_t side, bool *same, int64_t *behind) {
+  const bwi_topology *t = s->topology;
+  int32_t from = bwi_side_from(t, side), to = bwi_side_to(t, side);
+  int64_t name = t->edge_of[side];
+  for (*behind = next_border(s, side); !s->kept[to]; *behind = next_border(s, *behind)) {
+    to = bwi_side_to(t, *behind);
+    name = t->edge_of[*behind] < name ? t->edge_of[*behind] : name;
+  }
+  if (s->chain[name] == 0) {
+    const double *a = t->point + 3 * (size_t)from, *b = t->point + 3 * (size_t)to;
+    double along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, length = bw_norm(along);
+    int64_t first = vertex_of(s, from), last = vertex_of(s, to);
+    for (int k = 0; k < 3; k++)
+      along[k] /= length;
+    int64_t direction = put_vector(s, "DIRECTION", along);
+    bw_writer_print(s->writer, "#%lld=VECTOR('',#%lld,1.);\n#%lld=LINE('',#%lld,#%lld);\n",
+                    (long long)s->next, (long long)direction, (long long)s->next + 1,
+                    (long long)first - 1, (long long)s->next);
+    bw_writer_print(s->writer, "#%lld=EDGE_CURVE('',#%lld,#%lld,#%lld,.T.);\n",
+                    (long long)s->next + 2, (long long)first, (long long)last,
+                    (long long)s->next + 1);
+    s->next += 3;
+    s->chain[name] = s->next - 1;
+    s->chain_from[name] = from;
+  }
+  *same = s->chain_from[name] == from;
+  return s->chain[name];
+}
+
+/* The EDGE_LOOP of a loop; sides: room for its entities. */
+static int64_t put_loop(step *s, int64_t side, int64_t *entity) {
+  const bwi_topology *t = s->topology;
+  while (!s->kept[bwi_side_from(t, side)])
+    side = next_border(s, side);
+  int64_t at = side, count = 0;
+  do {
+    bool same;
+    int64_t edge = chain_of(s, at, &same, &at);
+    bw_writer_print(s->writer, "#%lld=ORIENTED_EDGE('',*,*,#%lld,%s);\n", (long long)s->next,
+                    (long long)edge, same ? ".T." : ".F.");
+    entity[count++] = s->next++;
+  } while (at != side);
+  bw_writer_print(s->writer, "#%lld=EDGE_LOOP('',(", (long long)s->next);
+  for (int64_t i = 0; i < count; i++)
+    bw_writer_print(s->writer, "%s#%lld", i ? "," : "", (long long)entity[i]);
+  bw_writer_print(s->writer, "));\n");
+  return s->next++;
+}
+
+static double area_of_loop(const step *s, int64_t side, const double n[3]) {
+  const bwi_topology *t = s->topology;
+  const double *origin = t->point + 3 * (size_t)bwi_side_from(t, side);
+  double sum[3] = {0, 0, 0};
+  int64_t at = side;
+  do {
+    const double *a = t->point + 3 * (size_t)bwi_side_from(t, at),
+                 *b = t->point + 3 * (size_t)bwi_side_to(t, at);
+    const double u[3] = {a[0] - origin[0], a[1] - origin[1], a[2] - origin[2]};
+    const double v[3] = {b[0] - origin[0], b[1] - origin[1], b[2] - origin[2]};
+    double cross[3];
+    bw_cross(u, v, cross);
+    for (int k = 0; k < 3; k++)
+      sum[k] += cross[k];
+    at = next_border(s, at);
+  } while (at != side);
+  return bw_dot(sum, n);
+}
+
+/* The PLANE of a face: through the first corner of its largest facet. */
+static int64_t put_plane(step *s, int32_t face) {
+  const bwi_topology *t = s->topology;
+  const int32_t *c = t->corner + 3 * (size_t)s->seed[face];
+  const double *a = t->point + 3 * (size_t)c[0], *b = t->point + 3 * (size_t)c[1];
+  double n[3], along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  normal_of(t, s->seed[face], n);
+  double area = bw_norm(n), length = bw_norm(along);
+  for (int k = 0; k < 3; k++)
+    n[k] /= area, along[k] /= length;
+  int64_t point = put_vector(s, "CARTESIAN_POINT", a), axis = put_vector(s, "DIRECTION", n);
+  int64_t reference = put_vector(s, "DIRECTION", along);
+  bw_writer_print(s->writer,
+                  "#%lld=AXIS2_PLACEMENT_3D('',#%lld,#%lld,#%lld);\n#%lld=PLANE('',#%lld);\n",
+                  (long long)s->next, (long long)point, (long long)axis, (long long)reference,
+                  (long long)s->next + 1, (long long)s->next);
+  s->next += 2;
+  return s->next - 1;
+}
+
+/* A face with its loops, the outer one first; bound: room for them. */
+static int64_t put_face(step *s, int32_t face, const int64_t *loop, int64_t loops, int64_t *bound,
+                        int64_t *entity) {
+  double n[3], most = -HUGE_VAL;
+  int64_t outer = 0;
+  normal_of(s->topology, s->seed[face], n);
+  for (int64_t i = 0; i < loops; i++) {
+    double area = area_of_loop(s, loop[i], n);
+    outer = area > most ? i : outer;
+    most = area > most ? area : most;
+  }
+  for (int64_t i = 0; i < loops; i++) {
+    int64_t own = put_loop(s, loop[i == 0 ? outer : i == outer ? 0 : i], entity);
+    bw_writer_print(s->writer, "#%lld=%s('',#%lld,.T.);\n", (long long)s->next,
+                    i == 0 ? "FACE_OUTER_BOUND" : "FACE_BOUND", (long long)own);
+    bound[i] = s->next++;
+  }
+  int64_t plane = put_plane(s, face);
+  bw_writer_print(s->writer, "#%lld=ADVANCED_FACE('face %d',(", (long long)s->next, (int)face + 1);
+  for (int64_t i = 0; i < loops; i++)
+    bw_writer_print(s->writer, "%s#%lld", i ? "," : "", (long long)bound[i]);
+  bw_writer_print(s->writer, "),#%lld,.T.);\n", (long long)plane);
+  return s->next++;
+}
+
+static int by_face(const void *left, const void *right, void *data) {
+  const step *s = (const step *)data;
+  int64_t a = *(const int64_t *)left, b = *(const int64_t *)right;
+  int32_t fa = s->face_of[a / 3], fb = s->face_of[b / 3];
+  return fa != fb ? (fa > fb) - (fa < fb) : (a > b) - (a < b);
+}
+
+/* All faces; entity[face]: their numbers. */
+static bw_status put_faces(step *s, int64_t *face_entity) {
+  bw_status status = BW_OK;
+  int64_t sides = 3 * (int64_t)s->topology->facets;
+  int64_t *bound = BW_NEW(s->context, int64_t, s->loop_count + 1);
+  int64_t *entity = BW_NEW(s->context, int64_t, sides + 1);
+  BW_TRY_MEMORY(bound && entity);
+  qsort_r(s->loop, (size_t)s->loop_count, sizeof *s->loop, by_face, s);
+  for (int64_t i = 0, end; i < s->loop_count; i = end) {
+    int32_t face = s->face_of[s->loop[i] / 3];
+    for (end = i + 1; end < s->loop_count && s->face_of[s->loop[end] / 3] == face;)
+      end++;
+    face_entity[face] = put_face(s, face, s->loop + i, end - i, bound, entity);
+    if (face % 4096 == 0)
+      BW_TRY(bw_check_cancel(s->context));
+  }
+done:
+  bw_free(bound);
+  bw_free(entity);
+  return status;
+}
+
+/* ---- solids ---------------------------------------------------------------------------------- */
+
+/* How often a shell winds around a point. */
+static double winding(const bwi_topology *t, int32_t shell, const double at[3]) {
+  double sum = 0;
+  for (int32_t i = 0; i < t->facets; i++) {
+    double r[3][3], length[3], cross[3];
+    if (t->shell[i] != shell)
+      continue;
+    for (size_t k = 0; k < 3; k++) {
+      const double *x = t->point + 3 * (size_t)t->corner[3 * (size_t)i + k];
+      for (size_t j = 0; j < 3; j++)
+        r[k][j] = x[j] - at[j];
+      length[k] = bw_norm(r[k]);
+    }
+    bw_cross(r[1], r[2], cross);
+    sum += 2 * atan2(bw_dot(r[0], cross),
+                     length[0] * length[1] * length[2] + bw_dot(r[0], r[1]) * length[2] +
+                         bw_dot(r[1], r[2]) * length[0] + bw_dot(r[2], r[0]) * length[1]);
+  }
+  return fabs(sum) / (4 * M_PI);
+}
+
+/* For each shell the one whose void it is, or -1. */
+static bw_status find_owners(const step *s, const int32_t *depth, int32_t *owner) {
+  const bwi_topology *t = s->topology;
+  for (int32_t v = 0; v < t->shells; v++) {
+    owner[v] = -1;
+    if (depth[v] % 2 == 0)
+      continue;
+    int32_t facet = 0;
+    while (t->shell[facet] != v)
+      facet++;
+    const double *at = t->point + 3 * (size_t)t->corner[3 * (size_t)facet];
+    for (int32_t o = 0; o < t->shells && owner[v] < 0; o++)
+      if (depth[o] == depth[v] - 1 && winding(t, o, at) > 0.5)
+        owner[v] = o;
+    if (owner[v] < 0)
+      return fail_repair(s->context, "a shell lies neither inside nor outside of another one");
+  }
+  return BW_OK;
+}
+
+static bw_status check_volumes(const step *s, const int32_t *depth, double *volume) {
+  const bwi_topology *t = s->topology;
+  for (int32_t i = 0; i < t->facets; i++) {
+    const int32_t *c = t->corner + 3 * (size_t)i;
+    double cross[3];
+    bw_cross(t->point + 3 * (size_t)c[1], t->point + 3 * (size_t)c[2], cross);
+    volume[t->shell[i]] += bw_dot(t->point + 3 * (size_t)c[0], cross) / 6;
+  }
+  for (int32_t k = 0; k < t->shells; k++)
+    if (!(depth[k] % 2 == 0 ? volume[k] > 0 : volume[k] < 0))
+      return fail_repair(s->context, "a shell is turned inside out");
+  return BW_OK;
+}
+
+/* CLOSED_SHELL of each shell. */
+static void put_shells(step *s, const int64_t *face_entity, int64_t *shell_entity) {
+  const bwi_topology *t = s->topology;
+  for (int32_t k = 0; k < t->shells; k++) {
+    bool any = false;
+    bw_writer_print(s->writer, "#%lld=CLOSED_SHELL('',(", (long long)s->next);
+    for (int32_t f = 0; f < s->face_count; f++)
+      if (t->shell[s->seed[f]] == k) {
+        bw_writer_print(s->writer, "%s#%lld", any ? ",\n" : "", (long long)face_entity[f]);
+        any = true;
+      }
+    bw_writer_print(s->writer, "));\n");
+    shell_entity[k] = s->next++;
+  }
+}
+
+/* The entity of the solid of a shell. */
+static int64_t put_solid(step *s, int32_t shell, const int32_t *owner, int64_t *shell_entity) {
+  const bwi_topology *t = s->topology;
+  bool voids = false;
+  for (int32_t v = 0; v < t->shells; v++)
+    if (owner[v] == shell) {
+      bw_writer_print(s->writer, "#%lld=ORIENTED_CLOSED_SHELL('',*,#%lld,.T.);\n",
+                      (long long)s->next, (long long)shell_entity[v]);
+      shell_entity[v] = s->next++;
+      voids = true;
+    }
+  bw_writer_print(s->writer, "#%lld=%s('solid %d',#%lld", (long long)s->next,
+                  voids ? "BREP_WITH_VOIDS" : "MANIFOLD_SOLID_BREP", (int)shell + 1,
+                  (long long)shell_entity[shell]);
+  bool any = false;
+  for (int32_t v = 0; v < t->shells; v++)
+    if (owner[v] == shell) {
+      bw_writer_print(s->writer, "%s#%lld", any ? "," : ",(", (long long)shell_entity[v]);
+      any = true;
+    }
+  bw_writer_print(s->writer, voids ? "));\n" : ");\n");
+  return s->next++;
+}
+
+/* ---- the file -------------------------------------------------------------------------------- */
+
+/* Entities 10 to 14: the units; false where STEP has no such. */
+static bool put_units(step *s) {
+  static const struct {
+    double metres;
+    const char *prefix;
+  } si[] = {{1, "$"}, {1e-3, ".MILLI."}, {1e-2, ".CENTI."}, {1e-6, ".MICRO."}, {1e3, ".KILO."}};
+  bw_writer *writer = s->writer;
+  const char *prefix = NULL, *name = s->unit == 0.0254 ? "INCH" : s->unit == 0.3048 ? "FOOT" : NULL;
+  for (size_t i = 0; i < sizeof si / sizeof *si; i++)
+    if (s->unit == si[i].metres)
+      prefix = si[i].prefix;
+  if (!prefix && !name)
+    return false;
+  bw_writer_print(writer, "#10=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(%s,.METRE.));\n",
+                  name ? ".MILLI." : prefix);
+  if (name) {
+    bw_writer_print(writer, "#11=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(");
+    put_real(writer, 1e3 * s->unit);
+    bw_writer_print(writer,
+                    "),#10);\n#12=DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);\n"
+                    "#13=(CONVERSION_BASED_UNIT('%s',#11)LENGTH_UNIT()NAMED_UNIT(#12));\n",
+                    name);
+  }
+  bw_writer_print(writer, "#14=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));\n"
+                          "#15=(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT());\n"
+                          "#16=UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(");
+  put_real(writer, s->tolerance);
+  int length = name ? 13 : 10;
+  bw_writer_print(writer,
+                  "),#%d,'distance_accuracy_value','');\n"
+                  "#17=(GEOMETRIC_REPRESENTATION_CONTEXT(3)"
+                  "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#16))"
+                  "GLOBAL_UNIT_ASSIGNED_CONTEXT((#%d,#14,#15))REPRESENTATION_CONTEXT('',''));\n",
+                  length, length);
+  return true;
+}
+
+/* The date is the same for all: the same surface gives the same bytes. */
+static bool put_head(step *s) {
+  bw_writer_print(
+      s->writer,
+      "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('solids with flat faces'),'2;1');\n"
+      "FILE_NAME('part','1980-01-01T00:00:00',(''),(''),'barwright','barwright','');\n"
+      "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;\nDATA;\n"
+      "#1=APPLICATION_CONTEXT('core data for automotive mechanical design processes');\n"
+      "#2=APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,#1);\n"
+      "#3=PRODUCT_CONTEXT('',#1,'mechanical');\n#4=PRODUCT('part','part','',(#3));\n"
+      "#5=PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,(#4));\n"
+      "#6=PRODUCT_DEFINITION_FORMATION('','',#4);\n"
+      "#7=PRODUCT_DEFINITION_CONTEXT('part definition',#1,'design');\n");
+  bw_writer_print(s->writer, "#8=PRODUCT_DEFINITION('design','',#6,#7);\n"
+                             "#9=PRODUCT_DEFINITION_SHAPE('','',#8);\n");
+  s->next = 18;
+  return put_units(s);
+}
+
+static bw_status put_solids(step *s, const int64_t *face_entity) {
+  bw_status status = BW_OK;
+  const bwi_topology *t = s->topology;
+  const double origin[3] = {0, 0, 0}, z[3] = {0, 0, 1}, x[3] = {1, 0, 0};
+  uint8_t *closed = BW_NEW(s->context, uint8_t, t->shells + 1);
+  int32_t *depth = BW_NEW0(s->context, int32_t, t->shells + 1);
+  int32_t *owner = BW_NEW(s->context, int32_t, t->shells + 1);
+  int64_t *shell_entity = BW_NEW(s->context, int64_t, t->shells + 1);
+  double *volume = BW_NEW0(s->context, double, t->shells + 1);
+  BW_TRY_MEMORY(closed && depth && owner && shell_entity && volume);
+  memset(closed, 1, (size_t)t->shells);
+  BW_TRY(bwi_shell_depths(s->context, t, closed, t->degenerate, depth));
+  BW_TRY(check_volumes(s, depth, volume));
+  BW_TRY(find_owners(s, depth, owner));
+  put_shells(s, face_entity, shell_entity);
+  for (int32_t k = 0; k < t->shells; k++)
+    if (owner[k] < 0)
+      shell_entity[k] = put_solid(s, k, owner, shell_entity);
+  int64_t point = put_vector(s, "CARTESIAN_POINT", origin), axis = put_vector(s, "DIRECTION", z);
+  int64_t reference = put_vector(s, "DIRECTION", x);
+  bw_writer_print(s->writer, "#%lld=AXIS2_PLACEMENT_3D('',#%lld,#%lld,#%lld);\n",
+                  (long long)s->next, (long long)point, (long long)axis, (long long)reference);
+  bw_writer_print(s->writer, "#%lld=ADVANCED_BREP_SHAPE_REPRESENTATION('',(#%lld",
+                  (long long)s->next + 1, (long long)s->next);
+  for (int32_t k = 0; k < t->shells; k++)
+    if (owner[k] < 0)
+      bw_writer_print(s->writer, ",#%lld", (long long)shell_entity[k]);
+  bw_writer_print(s->writer,
+                  "),#17);\n#%lld=SHAPE_DEFINITION_REPRESENTATION(#9,#%lld);\nENDSEC;\n"
+                  "END-ISO-10303-21;\n",
+                  (long long)s->next + 2, (long long)s->next + 1);
+done:
+  bw_free(closed);
+  bw_free(depth);
+  bw_free(owner);
+  bw_free(shell_entity);
+  bw_free(volume);
+  return status;
+}
+
+static double diagonal(const bwi_topology *t) {
+  double sum = 0;
+  for (int k = 0; k < 3; k++) {
+    double min = HUGE_VAL, max = -HUGE_VAL;
+    for (int32_t i = 0; i < t->points; i++) {
+      double x = t->point[3 * (size_t)i + (size_t)k];
+      min = x < min ? x : min;
+      max = x > max ? x : max;
+    }
+    sum += (max - min) * (max - min);
+  }
+  return sqrt(sum);
+}
+
+bw_status bwi_step_write(bw_writer *writer, const bw_surface *surface,
+                         const bw_surface_write_options *options) {
+  bw_status status = BW_OK;
+  bw_context *context = bwi_writer_context(writer);
+  step s = {.context = context,
+            .surface = surface,
+            .writer = writer,
+            .unit = options->unit > 0 ? options->unit : 1};
+  int64_t *face_entity = NULL;
+  BW_TRY(bwi_topology_create(context, surface, &s.topology));
+  const bwi_topology *t = s.topology;
+  BW_TRY(check_closed(context, t));
+  s.tolerance = FLAT * diagonal(t);
+  s.face_of = BW_NEW(context, int32_t, t->facets + 1);
+  s.seed = BW_NEW(context, int32_t, t->facets + 1);
+  s.kept = BW_NEW0(context, uint8_t, t->points + 1);
+  s.loop = BW_NEW(context, int64_t, 3 * (size_t)t->facets + 1);
+  s.chain = BW_NEW0(context, int64_t, t->edges + 1);
+  s.chain_from = BW_NEW(context, int32_t, t->edges + 1);
+  s.vertex = BW_NEW0(context, int64_t, t->points + 1);
+  face_entity = BW_NEW0(context, int64_t, t->facets + 1);
+  BW_TRY_MEMORY(s.face_of && s.seed && s.kept && s.loop && s.chain && s.chain_from && s.vertex &&
+                face_entity);
+  BW_TRY(find_faces(&s));
+  BW_TRY(find_kept(&s));
+  BW_TRY(find_loops(&s));
+  if (!put_head(&s))
+    BW_TRY(bw_fail(context, BW_INVALID,
+                   "a unit of %g m is none of those written in STEP: um, mm, cm, m, km, in or ft",
+                   s.unit));
+  BW_TRY(put_faces(&s, face_entity));
+  BW_TRY(put_solids(&s, face_entity));
+  status = bw_writer_bytes(writer, NULL, 0);
+done:
+  bwi_topology_destroy(s.topology);
+  bw_free(s.face_of);
+  bw_free(s.seed);
+  bw_free(s.kept);
+  bw_free(s.loop);
+  bw_free(s.chain);
+  bw_free(s.chain_from);
+  bw_free(s.vertex);
+  bw_free(face_entity);
+  return status;
+}
