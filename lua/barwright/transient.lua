@@ -416,8 +416,9 @@ local function sorted_names(probes)
   return names
 end
 
---- Times, energies and probes as the columns of a CSV file.
+--- Times, energies and probes as the columns of a CSV file; the frames as .xdmf.
 function recording:write(path)
+  if path:lower():find "%.xdmf$" then return transient_frames.write(self, path) end
   local columns, heads = {self.time}, {"time_s"}
   for _, name in ipairs(energies) do
     columns[#columns + 1], heads[#heads + 1] = self.energy[name], name .. "_J"

@@ -7,6 +7,7 @@ local fine_boundary = require "barwright.fine_boundary"
 local html = require "barwright.html"
 local options = require "barwright.options"
 local shown = require "barwright.shown"
+local xdmf = require "barwright.xdmf"
 
 local raise = core.raise
 
@@ -52,6 +53,18 @@ end
 
 local function lengths(displacement)
   return displacement:map "norm(a)"
+end
+
+--- The frames as XDMF: the boundary with its displacement, and where stresses were recorded their von Mises
+--- stress.
+function transient_frames.write(recording, path)
+  local frames, states = recording.frames, {}
+  if not frames then raise "write: the recording has no frames for .xdmf: give run frames" end
+  for i, displacement in ipairs(frames.displacement) do
+    states[i] = {time = frames.time[i], fields = {displacement = displacement,
+      von_mises = frames.von_mises and frames.von_mises[i]}}
+  end
+  return xdmf.write(bodies_of[frames].surface, states, path)
 end
 
 --- A picture of the largest von Mises stress, or without stresses of the frame with the largest displacement;

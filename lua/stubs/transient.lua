@@ -123,7 +123,8 @@ function LinearTransient:run(options) end
 ---@field period_error? number (-) by which its periods are too long, estimated from `steps_per_period`; above 0.03 a warning names a shorter step
 local Recording = {}
 
----Writes times, energies and probes as columns of a CSV file.
+---Writes times, energies and probes as columns of a CSV file. To a path that ends in `.xdmf` it writes the frames: the boundary
+---with its displacement, and von Mises stress where that was recorded, at each time, for ParaView. Without frames that raises.
 ---
 ---Errors: `io` where the file cannot be written.
 ---@param path string of the file

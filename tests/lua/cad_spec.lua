@@ -199,7 +199,8 @@ describe("a STEP file that barwright writes", function()
       assert.equal(6, #info.faces)
       assert.equal(metres, info.metres_per_unit)
     end
-    local hole = bw.surface.cylinder {base = {0.015, 0.01, -0.01}, axis = {0, 0, 0.05}, radius = 0.004, segments = 24}
+    local hole = bw.surface.cylinder {base = {0.015, 0.01, -0.01}, axis = {0, 0, 0.05}, radius = 0.004,
+      segments = 24}
     local plate = assert(box:difference(hole))
     assert.equal(6 + 24, #back("own_plate", plate).faces)
     assert.equal(6 + 24, #back("own_turned", assert(plate:rotate({1, 2, 3}, 0.7))).faces)
@@ -232,8 +233,6 @@ describe("a STEP file that barwright writes", function()
     local nothing, message = open:write(folder .. "/open.step")
     assert.is_nil(nothing)
     assert.truthy(message:find "two")
-    nothing, message = assert(box:transform {{-1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, 1, 0}}):write(folder .. "/a.step")
-    assert.is_true(nothing, message)
     local points, triangles = box.points, box.triangles:totable()
     for _, t in ipairs(triangles) do t[1], t[2] = t[2], t[1] end
     nothing, message = bw.surface.new({points = points, triangles = triangles}):write(folder .. "/b.step")

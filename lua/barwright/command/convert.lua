@@ -5,8 +5,8 @@ local lengths = require "barwright.command.lengths"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 
-local surface_endings = {stl = true, obj = true, ply = true, off = true, ["3mf"] = true, glb = true, usda = true, step = true,
-  stp = true}
+local surface_endings = {stl = true, obj = true, ply = true, off = true, ["3mf"] = true, glb = true, usda = true,
+  step = true, stp = true}
 local coloured_endings = {obj = true, ply = true, ["3mf"] = true, glb = true, usda = true}
 local mesh_endings = {msh = true, pvtu = true, mesh = true, inp = true, node = true, ele = true}
 local drawing_endings = {svg = true, dxf = true}
@@ -92,8 +92,8 @@ local function fields_of(read)
   return fields and next(fields) and fields or nil
 end
 
--- A field of the mesh on its boundary: a row for each point or each triangle of the surface, or nil, message, details.
--- Vectors become their length.
+-- A field of the mesh on its boundary: a row for each point or each triangle of the surface, or nil, message,
+-- details. Vectors become their length.
 local function boundary_values(read, name, nodes)
   local fields, names = fields_of(read) or {}, {}
   for key in pairs(fields) do names[#names + 1] = key end
@@ -167,9 +167,9 @@ end
 return {
   summary = "from one file format into another, repaired or filled on the way",
   about = "The ending of OUT says the format: surfaces STL OBJ PLY OFF 3MF GLB USDA STEP VTU MSH, meshes of "
-    .. "tetrahedra MSH VTU MESH INP NODE, drawings SVG DXF. A mesh that is written in a format of surfaces gives its boundary; "
-    .. "a surface that is written as MESH, INP or NODE, or with --elements, is filled with tetrahedra. Surfaces "
-    .. "are written in millimetres and meshes in metres unless --out-unit says otherwise.\n\n"
+    .. "tetrahedra MSH VTU MESH INP NODE, drawings SVG DXF. A mesh that is written in a format of surfaces gives "
+    .. "its boundary; a surface that is written as MESH, INP or NODE, or with --elements, is filled with "
+    .. "tetrahedra. Surfaces are written in millimetres and meshes in metres unless --out-unit says otherwise.\n\n"
     .. output.codes "it was written",
   arguments = {{name = "in", type = "file", what = "the file to read"},
     {name = "out", type = "file", what = "the file to write"}},
