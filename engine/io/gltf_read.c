@@ -353,7 +353,7 @@ done:
 static bw_status count_work(gltf *g, int32_t value, const corners *c) {
   double memory = bw_available_memory();
   g->work += 1 + (double)(c->indexed ? c->index.count : c->position.count);
-  if (g->work <= REPEATED * g->bytes + SLACK &&
+  if (g->primitive < INT32_MAX && g->work <= REPEATED * g->bytes + SLACK &&
       (memory <= 0 || POINT_BYTES * g->work < memory + POINT_BYTES * SLACK))
     return BW_OK;
   fail_at(g, value,
