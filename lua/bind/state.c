@@ -281,8 +281,9 @@ static int core_warn(lua_State *L) {
   return lbw_leave(L, BW_OK, 0);
 }
 
-/* Whether standard output is a terminal. */
-LBW_PUSH(core_terminal, lua_pushboolean(L, isatty(STDOUT_FILENO)))
+/* terminal(input): whether standard output is a terminal; with true, whether standard input is. */
+LBW_PUSH(core_terminal,
+         lua_pushboolean(L, isatty(lua_toboolean(L, 1) ? STDIN_FILENO : STDOUT_FILENO)))
 
 LBW_PUSH(core_interrupted, lua_pushboolean(L, lbw_state_of(L)->stopping))
 LBW_PUSH(core_seconds, lua_pushnumber(L, bw_seconds()))

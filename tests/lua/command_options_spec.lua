@@ -110,8 +110,9 @@ local heads = {
     function(answer) return shown.number(tonumber(("%.3g"):format(answer.load_factor))) end},
   {"respond", "--base 0,0,1g --to 500 --damping 0.02", 0, {"It holds", "loads in phase", "2 % of critical"},
     function(answer) return shown.percent(answer.utilisation) end},
-  {"respond", "--base 0,0,1g --duration 1h --damping 0.02 --psd QUIET", 0, {"It holds", "probability below 0.001 %",
-    "Gaussian vibration"}, function(answer) return shown.percent(answer.utilisation) end},
+  {"respond", "--base 0,0,1g --duration 1h --damping 0.02 --psd QUIET", 0,
+    {"It holds", "probability below 0.001 %", "Gaussian vibration"},
+    function(answer) return shown.percent(answer.utilisation) end},
   -- Three root mean squares stay below the strength, and an hour has some of four.
   {"respond", "--base 0,0,1g --duration 1h --damping 0.02 --psd LOUD", 1, {"Not certain", "probability at most"},
     function(answer)

@@ -428,6 +428,7 @@ local function open(opts, out)
     out:json {sound = false}
     return nil, message, details
   end
+  read = model.settle_unit(read, opts, out) or read -- a doubt is a finding here
   message = made and made_of.fault(made, read)
   if not message and read.kind == "outline" and (opts.report or made) then
     message = ("option --%s: %s is a drawing, which is flat and has %s"):format(

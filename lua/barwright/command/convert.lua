@@ -135,6 +135,11 @@ local function run(opts, out)
   end
   local read, message, details = model.open(opts["in"], opts.unit, out)
   if not read then return out:fail(message, details) end
+  -- Where the unit counts: other numbers, lengths, or a file that says its unit.
+  if opts.out_unit or opts.edge or opts.elements or model.ending(opts.out) == "3mf" then
+    read, message, details = model.settle_unit(read, opts, out, opts["in"])
+    if not read then return out:fail(message, details) end
+  end
   local made
   made, message, details = converted(read, opts, out)
   if not made then return out:fail(message, details) end

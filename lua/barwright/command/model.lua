@@ -3,6 +3,7 @@
 -- large it is. Failures are nil, message, details, the message beginning with the file.
 local bw = require "barwright"
 local core = require "barwright.core"
+local file_unit = require "barwright.command.file_unit"
 local growth = require "barwright.singular_growth"
 local lengths = require "barwright.command.lengths"
 local made_of = require "barwright.command.made_of"
@@ -17,7 +18,7 @@ model.body_argument = {name = "model", type = "file",
   what = "surface (STL OBJ OFF PLY 3MF glTF STEP IGES) or mesh of tetrahedra (MSH VTU PVTU MEDIT INP TetGen)"}
 
 --- The option --unit of every command that reads a model.
-model.unit_option = {name = "unit", value = "UNIT", one_of = {"mm", "cm", "m", "km", "um", "in", "ft"},
+model.unit_option = {name = "unit", value = "UNIT", one_of = file_unit.names,
   what = "the unit of the numbers in the file; left out: what the "
     .. "file says for drawings, 3MF, glTF, STEP and IGES, else mm for surfaces, m for meshes of tetrahedra"}
 
@@ -188,38 +189,8 @@ function model.pick(keys, from)
   return out
 end
 
--- ---- units -----------------------------------------------------------------------------------------
-
--- What is made, printed, cast and tested lies mostly between these lengths.
-local SMALLEST, LARGEST = 5e-3, 3
-local units = {{"mm", 1e-3}, {"in", 0.0254}, {"cm", 1e-2}, {"m", 1}}
-
---- Whether the size makes sense, or a sentence on what unit the file may be in. `size` in metres as read with
---- `metres` to a unit of the file; asked: whether the unit was given.
-function model.guess_unit(size, metres, asked)
-  local longest = math.max(table.unpack(size))
-  if asked or longest >= SMALLEST and longest <= LARGEST then return nil end
-  local likely = {}
-  for _, unit in ipairs(units) do
-    local length = longest / metres * unit[2]
-    if length >= SMALLEST and length <= LARGEST and math.abs(unit[2] - metres) > 1e-9 then
-      likely[#likely + 1] = unit
-    end
-  end
-  local head = ("The numbers were taken as %s, which makes it %s: %s for a part."):format(
-    metres == 1 and "metres" or metres == 1e-3 and "millimetres" or ("%g m"):format(metres),
-    shown.size(size), longest < SMALLEST and "small" or "large")
-  if #likely == 0 then return head .. " Is that what is meant? (--unit)", {} end
-  local texts, names = {}, {}
-  local function scaled(by)
-    return {by * size[1], by * size[2], by * size[3]}
-  end
-  for i, unit in ipairs(likely) do
-    names[i] = unit[1]
-    texts[i] = ("--unit %s makes it %s"):format(unit[1], shown.size(scaled(unit[2] / metres)))
-  end
-  return head .. " " .. table.concat(texts, ", ") .. ".", names
-end
+--- Whether a size makes sense for a part: see file_unit.lua.
+model.guess_unit = file_unit.guess
 
 -- ---- reading ---------------------------------------------------------------------------------------
 
@@ -270,6 +241,32 @@ function model.read(path, unit)
   end
   return {kind = "surface", path = path, surface = surface, format = info.format, box = surface.box, unit = unit,
     metres_per_unit = info.metres_per_unit, info = info}
+end
+
+-- A file in a unit that was asked for.
+local function again(path, unit)
+  local read, message, details = model.read(path, unit)
+  core.warnings() -- they are shown already
+  return read, message, details
+end
+
+--- What was read of a body or a drawing, with its unit settled (file_unit.lua): a size that is implausible for a
+--- part is refused, as nil, message, details, unless the unit was given, here or on a terminal.
+function model.settle_unit(read, opts, out, path)
+  path = path or opts.model
+  local unit, message = file_unit.settle(read, path, opts, out)
+  if unit == false then return nil, message, {status = "misuse", units = out.object.unit_suggestions} end
+  if not unit then return read end
+  opts.unit = unit
+  opts.given["--unit"] = unit -- for commands that are advised
+  local metres = file_unit.metres(unit)
+  if math.abs(metres / file_unit.taken(read) - 1) > 1e-9 then
+    local other, why, details = again(path, unit)
+    if not other then return nil, why, details end
+    read = other
+  end
+  read.unit, read.metres_per_unit = unit, metres
+  return read
 end
 
 --- The same with what people want to hear of it.
@@ -452,17 +449,10 @@ function model.start(opts, out, one)
   if message then return nil, message, {status = "misuse"} end
   read, message, details = model.open(opts.model, opts.unit, out)
   if not read then return nil, message, details end
-  read.made = made
   out:say("%s: %s.", model.name(opts.model), read.format)
-  if read.kind ~= "outline" then
-    local size = {}
-    for i = 1, 3 do size[i] = read.box.max[i] - read.box.min[i] end
-    local doubt, likely = model.guess_unit(size, read.metres_per_unit or 1, opts.unit)
-    if doubt then
-      return nil, ("%s: %s Nothing was computed; --unit confirms a unit."):format(opts.model, doubt),
-        {status = "misuse", units = likely}
-    end
-  end
+  read, message, details = model.settle_unit(read, opts, out)
+  if not read then return nil, message, details end
+  read.made = made
   message = made_of.fault(made, read)
   if message then return nil, message, {status = "misuse"} end
   return read

@@ -1,0 +1,81 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The unit of a file that has none: said where it is assumed, asked for on a terminal, refused where it cannot be
+-- right.
+local bw = require "barwright"
+local check = require "check"
+
+local folder = check.folder()
+local function path(name) return folder .. "/" .. name end
+
+-- Commands that compute, with what they need besides the model.
+local computing = {["worst"] = "", ["strengthen"] = "--force 1N --out " .. path "o.stl", ["modes"] = "",
+  ["statics"] = "--fix min:x --force max:x=0,0,1N", ["buckle"] = "--fix min:x --force max:x=0,0,1N",
+  ["respond"] = "--fix min:x --base 0,0,1g --to 9 --damping 0.02", ["drop"] = "--height 1m",
+  ["heat"] = "--temperature min:x=80C --convection all=10,20C"}
+
+-- What the program prints on a terminal where somebody types lines; nil without the program that makes one.
+local function on_terminal(words, typed)
+  local pipe = assert(io.popen(("command -v script >/dev/null && printf '%s' | BARWRIGHT_QUIET=1 NO_COLOR=1 "
+    .. "script -qec \"%s %s\" /dev/null 2>&1"):format(typed, check.program, words)))
+  local text = pipe:read "a"
+  pipe:close()
+  return text ~= "" and text:gsub("\r", "") or nil
+end
+
+describe("the unit of a file that has none", function()
+  setup(function()
+    -- 1.016 x 0.1 x 0.1 of some unit
+    assert(bw.surface.box {max = {1.016e-3, 1e-4, 1e-4}}:write(path "tiny.stl"))
+    assert(bw.surface.box {max = {0.1, 0.01, 0.01}}:write(path "bar.stl"))
+    assert(bw.surface.box {max = {0.1, 0.01, 0.01}}:write(path "bar.3mf"))
+    assert(bw.surface.box {max = {1.016, 0.1, 0.1}}:write(path "large.stl", {unit = "um"}))
+  end)
+
+  for name, more in pairs(computing) do
+    it("is asked for before `barwright " .. name .. "` computes an implausible size", function()
+      for file, word in pairs {["tiny.stl"] = "small for a part", ["large.stl"] = "large for a part"} do
+        local status, _, fault = check.run(("%s %s %s"):format(name, path(file), more))
+        assert.equal(2, status, fault)
+        for _, text in ipairs {word, "Nothing was computed; --unit confirms a unit", "--unit "} do
+          assert.truthy(fault:find(text, 1, true), fault)
+        end
+      end
+    end)
+  end
+
+  it("is told where it is assumed", function()
+    local words = " --elements 200 --fix min:x --force max:x=0,0,1N"
+    local status, text = check.run("statics " .. path "bar.stl" .. words)
+    assert.equal(0, status)
+    assert.truthy(text:find("The file has no unit: its numbers are taken as mm (--unit gives another).", 1, true))
+    for _, known in ipairs {path "bar.stl" .. " --unit mm", path "bar.3mf"} do
+      status, text = check.run("statics " .. known .. words)
+      assert.equal(0, status)
+      assert.falsy(text:find("has no unit", 1, true), text)
+    end
+    assert.is_true(select(2, check.answer("statics " .. path "bar.stl" .. words)).unit_assumed)
+    assert.is_false(select(2, check.answer("statics " .. path "bar.3mf" .. words)).unit_assumed)
+  end)
+
+  it("counts in conversions that write it", function()
+    assert.equal(0, (check.run(("convert %s %s"):format(path "tiny.stl", path "same.off"))))
+    assert.equal(2, (check.run(("convert %s %s"):format(path "tiny.stl", path "tiny.3mf"))))
+    assert.equal(0, (check.run(("convert %s %s --unit in"):format(path "tiny.stl", path "tiny.3mf"))))
+  end)
+
+  it("is asked for on a terminal", function()
+    local text = on_terminal("check " .. path "bar.stl", "\\n")
+    if not text then return pending "there is no program `script`" end
+    assert.truthy(text:find("in mm it is 100 x 10 x 10 mm. Unit [mm]: ", 1, true), text)
+    assert.truthy(text:find("12 triangles, 100 x 10 x 10 mm", 1, true), text)
+    text = on_terminal("check " .. path "bar.stl", "cm\\n")
+    assert.truthy(text:find("12 triangles, 1000 x 100 x 100 mm", 1, true), text)
+    -- In doubt there is no default, and what is no unit is asked for again.
+    text = on_terminal("check " .. path "tiny.stl", "furlong\\n\\nin\\n")
+    assert.equal(2, select(2, text:gsub("One of mm, cm, m, km, um, in, ft is expected. Unit: ", "")), text)
+    assert.truthy(text:find("12 triangles, 25.81 x 2.54 x 2.54 mm", 1, true), text)
+    for _, words in ipairs {" --unit mm", " --json", " --quiet"} do
+      assert.falsy((on_terminal("check " .. path "bar.stl" .. words, "\\n") or ""):find("Unit", 1, true), words)
+    end
+  end)
+end)
