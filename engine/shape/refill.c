@@ -63,7 +63,8 @@ static bw_status check_kept(const bwi_refiller *r) {
     if (r->component_of[e] >= 0 || bwi_checked_quality(x) > 0)
       continue;
     bw_fail(r->context, BW_GEOMETRY,
-            "element %d near (%g, %g, %g) m is inverted and not among those to be replaced", e + 1,
+            "the mesh is folded over itself near (%g, %g, %g) m, which is not among what is to be "
+            "replaced",
             x[0][0], x[0][1], x[0][2]);
     bw_detail_number(r->context, "element", e + 1.0);
     return BW_GEOMETRY;
@@ -200,7 +201,6 @@ done:
 static bw_status check_boundary(const bwi_refiller *r, int32_t number, const bw_surface *surface,
                                 const int32_t *element_of) {
   bw_surface_report report = {0};
-  const bwi_component *p = &r->component[number];
   bw_status status;
   BW_TRY(bw_surface_check(r->context, surface, 1, &report));
   for (int64_t i = 0; i < report.defect_count; i++) {
@@ -213,20 +213,18 @@ static bw_status check_boundary(const bwi_refiller *r, int32_t number, const bw_
                                                               : "lies on itself";
     status =
         bw_fail(r->context, BW_GEOMETRY,
-                "the boundary of the %d elements to be replaced %s at (%g, %g, %g), by a facet "
-                "of element %d (%lld such places): undo the edit or make it smaller",
-                p->element_count, what, d->at[0], d->at[1], d->at[2], element_of[d->facet] + 1,
-                (long long)report.count[d->kind]);
+                "the boundary of what is to be replaced %s at (%g, %g, %g) m (%lld such places): "
+                "undo the edit or make it smaller",
+                what, d->at[0], d->at[1], d->at[2], (long long)report.count[d->kind]);
     bw_detail_number(r->context, "element", element_of[d->facet] + 1.0);
     bw_detail_number(r->context, "component", number + 1.0);
     goto done;
   }
   if (!(report.volume > 0)) {
     status = bw_fail(r->context, BW_GEOMETRY,
-                     "the boundary of the %d elements to be replaced has inward normals: it "
-                     "encloses %g m3 near (%g, %g, %g) m",
-                     p->element_count, report.volume, surface->point[0], surface->point[1],
-                     surface->point[2]);
+                     "the boundary of what is to be replaced has inward normals: it encloses %g m3 "
+                     "near (%g, %g, %g) m",
+                     report.volume, surface->point[0], surface->point[1], surface->point[2]);
     bw_detail_number(r->context, "component", number + 1.0);
   }
 done:

@@ -227,10 +227,10 @@ static bw_status refuse(const relaxer *r, int32_t left, const double *before) {
   for (int k = 0; k < 4; k++)
     constrained += !r->is_free[c[k]];
   bw_fail(r->context, BW_GEOMETRY,
-          "moving inner nodes leaves %d of %d elements inverted; the worst is element %d "
-          "near (%g, %g, %g) m with shape quality %.3g, %d of whose corners are on the boundary or "
-          "must stay: undo the edit, make it smaller, or remesh there",
-          left, r->report.inverted, now.worst + 1, x[0], x[1], x[2], now.worst_before, constrained);
+          "moving inner nodes leaves the mesh folded over itself at %d of %d places, at worst near "
+          "(%g, %g, %g) m, where %d of 4 corners are on the boundary or must stay: undo the edit, "
+          "make it smaller, or remesh there",
+          left, r->report.inverted, x[0], x[1], x[2], constrained);
   bw_detail_number(r->context, "element", now.worst + 1.0);
   bw_detail_number(r->context, "inverted", left);
   return BW_GEOMETRY;

@@ -81,11 +81,12 @@ static bw_status check_meetings(const labels *l) {
       int32_t there = l->element_subdomain[rigid[i]];
       if (here == there)
         continue;
-      bw_fail(
-          l->context, BW_INVALID,
-          "element %d of bone \"%s\" and element %d of bone \"%s\" share node %d: elements that "
-          "follow no bone alone (type F) must lie between",
-          rigid[i] + 1, bone_name(l, there), e + 1, bone_name(l, here), i + 1);
+      bw_fail(l->context, BW_INVALID,
+              "bones \"%s\" and \"%s\" touch at (%g, %g, %g) m: elements that follow no bone alone "
+              "(type "
+              "F) must lie between",
+              bone_name(l, there), bone_name(l, here), mesh->node[3 * (size_t)i],
+              mesh->node[3 * (size_t)i + 1], mesh->node[3 * (size_t)i + 2]);
       BW_TRY(fail_at(l->context, rigid[i], e));
     }
   for (int32_t e = 0; e < mesh->element_count; e++)

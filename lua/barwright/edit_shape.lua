@@ -90,17 +90,27 @@ local function is_far(topology, nodes)
   return false
 end
 
--- What is reported of the worst element.
+-- So many bones are named in a message.
+local NAMED <const> = 4
+
+-- The bones whose subdomain an element is in: "near neck", "between thigh and shin".
+local function near_bones(topology, element)
+  local bones = topology.subdomains[topology.subdomains.element_subdomain[element]].bones
+  if #bones == 1 then return "near " .. bones[1] end
+  local names = {table.unpack(bones, 1, math.min(#bones, NAMED))}
+  local last = #bones > NAMED and ("%d others"):format(#bones - NAMED) or table.remove(names)
+  return ("between %s and %s"):format(table.concat(names, ", "), last)
+end
+
+-- A sentence on the worst of the elements that are inverted, and the details of the failure.
 local function refusal(topology, nodes, judged)
-  local element, x, y, z = judged.worst, 0, 0, 0
+  local element, at = judged.worst, {0, 0, 0}
   local corners = topology.mesh.elements:rows(element, element):totable()[1]
   for k = 1, 4 do
-    x, y, z = x + nodes(corners[k], 1), y + nodes(corners[k], 2), z + nodes(corners[k], 3)
+    for i = 1, 3 do at[i] = at[i] + nodes(corners[k], i) / 4 end
   end
-  local subdomain = topology.subdomains[topology.subdomains.element_subdomain[element]]
-  return ("the edit inverts %d element%s; the worst is element %d at %s, between %s")
-    :format(judged.inverted, judged.inverted == 1 and "" or "s", element, core.point {x / 4, y / 4, z / 4},
-      table.concat(subdomain.bones, ", "))
+  return ("the edit folds the part over itself, at worst at %s, %s"):format(core.point(at),
+    near_bones(topology, element)), {status = "geometry", element = element, inverted = judged.inverted, at = at}
 end
 
 -- Relaxing in two rounds: blended subdomains alone, then with their neighbours.
@@ -123,7 +133,7 @@ function edit_shape.of(topology, pose, opts)
   nodes, message, details = topology.subdomains:posed_nodes(maps)
   if not nodes then return nil, message, details end
   if is_far(topology, nodes) then
-    return nil, ("the edit takes nodes farther away than %.0f times the part's size: is a factor or a length "
+    return nil, ("the edit takes the part farther away than %.0f times its size: is a factor or a length "
       .. "wrong?"):format(farthest), {status = "geometry"}
   end
   local shape = {topology = topology, maps = maps, rotations = rotations, how = "posed",
@@ -140,9 +150,8 @@ function edit_shape.of(topology, pose, opts)
     end
     if not final and inverted.inverted == 0 then final = nodes end -- poor, but sound
     if not final then
-      return nil, refusal(topology, nodes, inverted), {status = "geometry",
-        element = inverted.worst, inverted = inverted.inverted},
-        {nodes = nodes, maps = maps, subdomains = poor_subdomains(topology, nodes)}
+      message, details = refusal(topology, nodes, inverted)
+      return nil, message, details, {nodes = nodes, maps = maps, subdomains = poor_subdomains(topology, nodes)}
     end
   end
   shape.mesh, message, details = topology.mesh:moved(final)
@@ -168,7 +177,7 @@ local function refill(topology, inverted)
   for d in pairs(inverted.subdomains) do
     if topology.list[d].type == "F" then set[d], any = true, true end
   end
-  if not any then return nil, "no blended subdomain is inverted", {status = "geometry"} end
+  if not any then return nil, "the fold is where the part follows one bone alone", {status = "geometry"} end
   local mask = edit_shape.flags(topology, set):gather(topology.subdomains.element_subdomain)
   local mesh, node_from, element_from = topology.mesh:refill(inverted.nodes, mask)
   if not mesh then return nil, node_from, element_from end
@@ -185,7 +194,7 @@ end
 function edit_shape.repaired(topology, pose, opts)
   local shape, message, details, inverted = edit_shape.of(topology, pose, opts)
   if shape or not inverted then return shape, message, details end
-  local tried = opts.relax and "; inner nodes could not be relaxed" or ""
+  local tried = opts.relax and "; moving what lies inside does not mend it" or ""
   if opts.refill then
     local other, why, about = refill(topology, inverted)
     if other then
@@ -194,10 +203,11 @@ function edit_shape.repaired(topology, pose, opts)
       if shape then return shape end
     end
     if about.status ~= "geometry" then return nil, why, about end
-    tried = tried .. ("; new elements could not be filled in (%s)"):format(
+    tried = tried .. (opts.relax and ", nor does filling it again (%s)"
+      or "; filling it again does not mend it (%s)"):format(
       (why:gsub(": undo the edit or make it smaller$", "")))
   end
-  return nil, message .. tried .. ": make the edit smaller", details
+  return nil, message .. tried .. ": make the edit smaller, or divide it between more bones", details
 end
 
 return edit_shape

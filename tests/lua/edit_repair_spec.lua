@@ -47,7 +47,7 @@ describe("an edit that inverts elements", function()
     local ok = strict:bone("neck"):set {rotation = {z = degrees}}
     if not ok then
       ok, message, details = strict:bone("neck"):set {rotation = {z = degrees}}
-      check.fails("geometry", "the worst is element", ok, message, details)
+      check.fails("geometry", "folds the part over itself", ok, message, details)
     end
   end)
 
@@ -158,8 +158,11 @@ describe("an edit that inverts elements", function()
     local _, message, details = turn_until(session, "y", "refused")
     assert.equal("geometry", details.status)
     assert.truthy(details.inverted > 0 and details.element > 0)
-    assert.truthy(message:find "the edit inverts %d+ elements?; the worst is element %d+ at %(")
-    assert.truthy(message:find("could not be filled in", 1, true))
+    assert.truthy(message:find "the edit folds the part over itself, at worst at %([^()]+%) mm, between %a")
+    assert.truthy(message:find("nor does filling it again (", 1, true))
+    assert.truthy(message:find("make the edit smaller", 1, true))
+    assert.falsy(message:find "element")
+    assert.equal(3, #details.at)
     assert.equal(1, #session.edits)
     assert.is_true(same_nodes(mesh, session.mesh))
     compare(session, assert(session:solve()))

@@ -92,7 +92,7 @@ describe("a controller", function()
     local answer = talk.say(1, {type = "edit", bone = "nose", change = bent, seq = 7})
     assert.equal("refused", answer.type)
     assert.equal(7, answer.seq)
-    assert.truthy(answer.message:find "inverts %d+ elements")
+    assert.truthy(answer.message:find "folds the part over itself, at worst at")
     assert.equal(0, #talk.object.edits)
     -- In a drag the shape before stays, and is what the drag's end makes an edit of.
     talk.say(1, {type = "begin", bone = "nose", seq = 1})

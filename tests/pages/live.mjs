@@ -115,7 +115,7 @@ export async function live({ browser, root, folder, test, assert, pictures }) {
     await until(page, () => window.barwright.state().said.includes("name of a bone"));
     await page.evaluate(() => window.barwright.send({ type: "edit", bone: "nose",
       change: { rotate: { axis: [0, 1, 0], degrees: -170 } } }));
-    await until(page, () => window.barwright.state().said.includes("inverts"));
+    await until(page, () => window.barwright.state().said.includes("folds the part over itself"));
     await picture(page, "live_refused");
     const after = await state(page);
     assert(after.edits === before.edits && difference(after.positions, before.positions) === 0, "it changed");

@@ -178,7 +178,7 @@ static void test_refusals(void **state) {
   for (int k = 0; k < 3; k++)
     node[3 * corner + k] += 1.2;
   memcpy(before, node, 24 * (size_t)mesh->node_count);
-  check_fails(context, BW_GEOMETRY, "the worst is element",
+  check_fails(context, BW_GEOMETRY, "folded over itself",
               bw_mesh_relax(context, mesh, may, node, &report));
   assert_memory_equal(node, before, 24 * (size_t)mesh->node_count);
   /* An inner node pushed far with nothing allowed to move. */
@@ -186,7 +186,7 @@ static void test_refusals(void **state) {
   memset(may, 0, (size_t)mesh->node_count);
   node[3 * inner] += 0.5;
   memcpy(before, node, 24 * (size_t)mesh->node_count);
-  check_fails(context, BW_GEOMETRY, "4 of whose corners",
+  check_fails(context, BW_GEOMETRY, "where 4 of 4 corners",
               bw_mesh_relax(context, mesh, may, node, &report));
   assert_memory_equal(node, before, 24 * (size_t)mesh->node_count);
   node[3 * inner] = NAN;
@@ -198,7 +198,7 @@ static void test_refusals(void **state) {
               bw_mesh_refill(context, mesh, node, replace, &refilled, NULL, NULL));
   replace[5] = 1;
   node[3 * inner] += 0.5;
-  check_fails(context, BW_GEOMETRY, "not among those",
+  check_fails(context, BW_GEOMETRY, "not among what",
               bw_mesh_refill(context, mesh, node, replace, &refilled, NULL, NULL));
   node[3 * inner] = INFINITY;
   check_fails(context, BW_INVALID, "finite",

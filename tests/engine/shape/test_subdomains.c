@@ -341,7 +341,7 @@ static void test_assign(void **state) {
   for (int32_t e = 0; e < l.mesh->element_count; e++)
     if (d->element_subdomain[e] == 3)
       element[count++] = e;
-  check_fails(context, BW_INVALID, "share node",
+  check_fails(context, BW_INVALID, "touch at (",
               bw_subdomains_assign(context, d, count, element, 0, &changed));
   element[0] = l.mesh->element_count;
   check_fails(context, BW_INVALID, "does not exist",
