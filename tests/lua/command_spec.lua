@@ -149,6 +149,7 @@ end)
 describe("sentences of the engine", function()
   it("have their lengths in mm, and all else as it was", function()
     for text, expected in pairs {
+      ["a support of 2.46e-08 m2"] = "a support of 0.0246 mm2",
       ["the mesh fills the box (-0.002, 0, 1e-05) to (0.25, 0.4, 0.2) m"] =
         "the mesh fills the box (-2, 0, 0.01) to (250, 400, 200) mm",
       ["nothing deforms. Move the load or fix less; coordinates and tolerances are in metres"] =

@@ -55,6 +55,10 @@ end
 local function report(found, loads, opts, out)
   local buckling, errors, factors = found.buckling, found.errors, found.buckling.factors:totable()
   local verdict, words = judge(buckling, errors, opts.sign)
+  local governing = found.governing
+  if verdict == "holds" and governing and governing.used > 1 then
+    verdict, words = "unsure", "the part does not buckle, and the material may fail under the load itself"
+  end
   out:say("")
   local say, sentences = out:recorded()
   if #factors == 0 then
@@ -67,7 +71,7 @@ local function report(found, loads, opts, out)
     say("  %2d. %10s, about %s too large in size", i, shown.number(factor), shown.error(errors[i]))
   end
   say("With these errors, or %s where that is more, %s.", shown.error(MIN_ERROR), words)
-  local governing, used = found.governing, nil
+  local used
   if governing and buckling.factor then
     used = governing.used * buckling.factor
     if used > 1 then

@@ -1,6 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Lengths in sentences of the engine, which are in m ("moved by 0.002 m", "at (0, 0.1, 0) m", "2 x 3 x 4 m"), as
--- commands print them: in mm.
+-- commands print them: in mm; and areas ("2e-8 m2") in the unit that commands choose.
+local core = require "barwright.core"
+
 local NUMBER = "^[-+]?%d[%d.]*e?[-+]?%d*$"
 
 local function in_mm(word)
@@ -26,7 +28,7 @@ end
 -- A hint for scripts, which give lengths in m; on the command line they have units.
 local HINT = "; coordinates and tolerances are in metres"
 
---- The sentence with its lengths in mm.
+--- The sentence with its lengths in mm, and its areas.
 return function(text)
   local at = text:find(HINT, 1, true)
   if at then text = text:sub(1, at - 1) .. text:sub(at + #HINT) end
@@ -41,6 +43,9 @@ return function(text)
   text = text:gsub("%f[-+%d][-+%d.e][-+%d.e xto]* m%f[^%w_/^]", function(found)
     local numbers = run_of(found:sub(1, -3))
     return numbers and numbers .. " mm"
+  end)
+  text = text:gsub("%f[-+%d]([-+%d][%d.e+-]*) m2%f[^%w_/^]", function(number)
+    return number:match(NUMBER) and tonumber(number) and core.quantity(tonumber(number), "m2")
   end)
   return text
 end
