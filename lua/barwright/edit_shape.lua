@@ -194,7 +194,7 @@ end
 function edit_shape.repaired(topology, pose, opts)
   local shape, message, details, inverted = edit_shape.of(topology, pose, opts)
   if shape or not inverted then return shape, message, details end
-  local tried = opts.relax and "; moving what lies inside does not mend it" or ""
+  local tried = opts.relax and "; moving what lies inside does not help" or ""
   if opts.refill then
     local other, why, about = refill(topology, inverted)
     if other then
@@ -204,7 +204,7 @@ function edit_shape.repaired(topology, pose, opts)
     end
     if about.status ~= "geometry" then return nil, why, about end
     tried = tried .. (opts.relax and ", nor does filling it again (%s)"
-      or "; filling it again does not mend it (%s)"):format(
+      or "; filling it again does not help (%s)"):format(
       (why:gsub(": undo the edit or make it smaller$", "")))
   end
   return nil, message .. tried .. ": make the edit smaller, or divide it between more bones", details

@@ -179,8 +179,8 @@ describe("a wrong invocation", function()
   end
 
   it("says where standard output cannot be written", function()
-    for _, words in ipairs {"materials", "check part.stl", "check part.stl --json", "--help", "manual", "check --help",
-      "-e 'print(1)'"} do
+    for _, words in ipairs {"materials", "check part.stl", "check part.stl --json", "--help", "manual",
+      "check --help", "-e 'print(1)'"} do
       local code, err = run(words, "/dev/full")
       assert.equal(3, code, words)
       assert.truthy(err:find("standard output: ", 1, true), err)

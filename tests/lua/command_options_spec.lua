@@ -109,7 +109,8 @@ local heads = {
   {"buckle", "--force max:x=-1N,0,0", 0, {"It does not buckle", "Assumption", "perfect shape"},
     function(answer) return shown.number(tonumber(("%.3g"):format(answer.load_factor))) end},
   -- It does not buckle, and the load itself is too much.
-  {"buckle", "--force max:x=-1N,0,0 --material young=2GPa,poisson=0.3,strength=5kPa", 1, {"Not certain", "The material may fail before"},
+  {"buckle", "--force max:x=-1N,0,0 --material young=2GPa,poisson=0.3,strength=5kPa", 1,
+    {"Not certain", "The material may fail before"},
     function(answer) return shown.percent(answer.utilisation_at_factor) end},
   {"respond", "--base 0,0,1g --to 500 --damping 0.02", 0, {"It holds", "loads in phase", "2 % of critical"},
     function(answer) return shown.percent(answer.utilisation) end},

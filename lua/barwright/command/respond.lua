@@ -118,7 +118,7 @@ local MOST_LIKELY <const> = 0.01
 
 -- The verdict on a random vibration that is `used` of the strength, and its words. Three root mean squares are
 -- exceeded now and then, and more often in a longer time.
-local function judge_random(used, estimated, margins)
+local function random_verdict(used, estimated, margins)
   local verdict, words = judge(used, estimated)
   local likely = margins.first_passage[margins.node]
   if verdict ~= "holds" or likely <= MOST_LIKELY then return verdict, words end
@@ -132,7 +132,7 @@ local function judged(found, errors)
   local governing, coarse = found.governing, found.coarse
   if not governing then return nil, nil, "unsure" end
   if not found.singular and found.margins then
-    return governing.used, errors.stress, judge_random(governing.used, errors.stress, found.margins)
+    return governing.used, errors.stress, random_verdict(governing.used, errors.stress, found.margins)
   end
   if not found.singular then return governing.used, errors.stress, judge(governing.used, errors.stress) end
   if not found.mean then
