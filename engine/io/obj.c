@@ -237,8 +237,10 @@ bw_status bwi_obj_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *
   BW_TRY(read_facets(&again, &soup, &scratch, &names));
   BW_TRY(bwi_soup_finish(&soup, "OBJ", false, surface, info));
   status = name_groups(cursor->context, &names, *surface, info);
-  if (status != BW_OK)
+  if (status != BW_OK) {
     bw_release(*surface);
+    *surface = NULL;
+  }
 done:
   bw_free(names.number);
   bw_free(names.slot);

@@ -9,7 +9,6 @@
 
 #include "mesh/mesh_internal.h"
 #include "mesh/surface_internal.h"
-#include "mesh/surface_tree.h"
 
 static void names_destroy(void *object) {
   bw_face_names *names = object;
@@ -50,11 +49,6 @@ bool bw_face_names_is(const bw_face_names *names, int32_t group, const char *nam
 }
 
 /* ---- surfaces ------------------------------------------------------------------------------ */
-
-void bwi_keep_names(const bw_surface *from, bw_surface *to) {
-  if (to->group && from->names && !to->names)
-    to->names = bw_retain(from->names);
-}
 
 bw_status bw_surface_with_names(bw_context *context, const bw_surface *surface,
                                 const int32_t *group, const bw_face_names *names,
@@ -141,60 +135,35 @@ done:
 
 /* ---- meshes -------------------------------------------------------------------------------- */
 
-bw_status bwi_mesh_take_names(bw_context *context, const bw_surface *surface, bw_mesh *mesh) {
-  bw_status status = BW_OK;
-  bwi_tree *tree = NULL;
-  int32_t *group = NULL, nearest = -1;
-  if (!surface->names || surface->triangle_count == 0)
-    return BW_OK;
-  BW_TRY(bwi_tree_create(context, surface->point, surface->triangle_count, surface->triangle, NULL,
-                         &tree));
-  group = BW_NEW(context, int32_t, mesh->facet_count);
-  BW_TRY_MEMORY(group);
-  for (int32_t t = 0; t < mesh->facet_count; t++) {
-    const int32_t *corner = mesh->facet + (size_t)t * (size_t)mesh->nodes_per_facet;
-    double middle[3] = {0}, place[3];
-    if (t % 4096 == 0)
-      BW_TRY(bw_check_cancel(context));
-    for (int k = 0; k < 9; k++)
-      middle[k % 3] += mesh->node[3 * (size_t)corner[k / 3] + (size_t)(k % 3)] / 3;
-    bwi_tree_nearest(tree, middle, nearest, 0, place, &nearest);
-    group[t] = nearest < 0 ? -1 : surface->group[nearest];
-  }
-  bw_free(mesh->facet_group);
-  bw_release(mesh->names);
-  mesh->facet_group = group;
-  group = NULL;
-  mesh->names = bw_retain(surface->names);
-done:
-  bw_free(group);
-  bwi_tree_destroy(tree);
-  return status;
-}
-
 bw_status bwi_mesh_keep_names(bw_context *context, const bw_mesh *from, const int32_t *element_from,
-                              bw_mesh *mesh) {
-  bw_status status = BW_OK;
-  int32_t *side = NULL, *group = NULL, facet = 0; /* of each side of an element there; -1 inside */
-  if (!from->names || mesh->names)
+                              bw_mesh **mesh) {
+  bw_mesh *made = *mesh;
+  if (!from->names || made->names)
     return BW_OK;
-  side = BW_NEW(context, int32_t, 4 * (size_t)from->element_count);
-  group = BW_NEW(context, int32_t, mesh->facet_count);
+  bw_status status = BW_OK;
+  int32_t facet = 0;
+  /* The group of each side of an element there; -1 inside. */
+  int32_t *side = BW_NEW(context, int32_t, 4 * (size_t)from->element_count);
+  int32_t *group = BW_NEW(context, int32_t, made->facet_count);
   BW_TRY_MEMORY(side && group);
   /* Facets come in the order of their elements and sides. */
   for (size_t i = 0; i < 4 * (size_t)from->element_count; i++)
     side[i] = from->neighbour[i] < 0 ? from->facet_group[facet++] : -1;
   facet = 0;
-  for (size_t i = 0; i < 4 * (size_t)mesh->element_count; i++)
-    if (mesh->neighbour[i] < 0) {
+  for (size_t i = 0; i < 4 * (size_t)made->element_count; i++)
+    if (made->neighbour[i] < 0) {
       int64_t e = element_from ? element_from[i / 4] : (int64_t)(i / 4);
       group[facet++] = e < 0 || e >= from->element_count ? -1 : side[4 * (size_t)e + i % 4];
     }
-  mesh->facet_group = group;
+  made->facet_group = group;
   group = NULL;
-  mesh->names = bw_retain(from->names);
+  made->names = bw_retain(from->names);
 done:
   bw_free(side);
   bw_free(group);
+  if (status != BW_OK) {
+    bw_release(made);
+    *mesh = NULL;
+  }
   return status;
 }

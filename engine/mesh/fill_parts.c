@@ -168,6 +168,8 @@ static bw_status refine_pair(filling *f, int32_t p, int32_t q, bool *changed) {
   for (int k = 0; k < 2; k++) {
     bw_surface **own = &f->surface[k == 0 ? p : q];
     *changed = *changed || made[k]->triangle_count != (*own)->triangle_count;
+    if ((*own)->names)
+      BW_TRY(bwi_take_groups(f->context, *own, made[k]));
     bw_release(*own);
     *own = made[k];
     made[k] = NULL;

@@ -196,9 +196,7 @@ bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order
   (*out)->surface_moved = mesh->surface_moved;
   element = NULL;
   node = NULL;
-  status = bwi_mesh_keep_names(context, mesh, NULL, *out);
-  if (status != BW_OK)
-    bw_release(*out);
+  status = bwi_mesh_keep_names(context, mesh, NULL, out);
 done:
   if (status != BW_OK) {
     bw_free(element);
@@ -241,9 +239,7 @@ bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t
                        &regions, subset));
   element = NULL;
   node = NULL;
-  status = bwi_mesh_keep_names(context, mesh, from, *subset);
-  if (status != BW_OK)
-    bw_release(*subset);
+  status = bwi_mesh_keep_names(context, mesh, from, subset);
 done:
   bw_free(region);
   bw_free(from);

@@ -29,9 +29,10 @@ bw_status bwi_mesh_set_regions(bw_context *context, bw_mesh *mesh, const bw_mesh
  * where that has names. */
 bw_status bwi_mesh_take_names(bw_context *context, const bw_surface *surface, bw_mesh *mesh);
 /* ... or those of another mesh: element_from (index, element_count of the mesh just made) are the
- * elements there, -1 for none; NULL: its own numbers. Corners of an element have the same order. */
+ * elements there, -1 for none; NULL: its own numbers. Corners of an element have the same order. On
+ * failure the mesh just made is released, and *mesh is NULL. */
 bw_status bwi_mesh_keep_names(bw_context *context, const bw_mesh *from, const int32_t *element_from,
-                              bw_mesh *mesh);
+                              bw_mesh **mesh);
 
 /* Six times the signed volume of the tetrahedron, and a bound on the rounding error in it that
  * covers the rounding of the coordinates themselves. */

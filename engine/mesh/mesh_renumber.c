@@ -145,11 +145,7 @@ bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t *
                        &regions, out));
   node = NULL;
   element = NULL;
-  status = bwi_mesh_keep_names(context, mesh, of_element, *out);
-  if (status != BW_OK) {
-    bw_release(*out);
-    goto done;
-  }
+  BW_TRY(bwi_mesh_keep_names(context, mesh, of_element, out));
   if (node_from) {
     *node_from = of_node;
     of_node = NULL;

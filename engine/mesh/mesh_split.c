@@ -221,9 +221,7 @@ bw_status bw_mesh_separate(bw_context *context, const bw_mesh *mesh, int32_t reg
   node = NULL;
   element = NULL;
   (*separated)->surface_moved = mesh->surface_moved;
-  status = bwi_mesh_keep_names(context, mesh, NULL, *separated);
-  if (status != BW_OK)
-    bw_release(*separated);
+  status = bwi_mesh_keep_names(context, mesh, NULL, separated);
 done:
   bw_free(node);
   bw_free(element);

@@ -108,6 +108,11 @@ done:
   return status;
 }
 
+void bwi_keep_names(const bw_surface *from, bw_surface *to) {
+  if (to->group && from->names && !to->names)
+    to->names = bw_retain(from->names);
+}
+
 void bw_surface_box(const bw_surface *surface, double min[3], double max[3]) {
   for (int k = 0; k < 3; k++)
     min[k] = max[k] = surface->point_count ? surface->point[k] : 0;

@@ -5,9 +5,6 @@
 
 #include <string.h>
 
-#include "mesh/surface_internal.h"
-#include "mesh/surface_tree.h"
-
 bw_status bwi_cgal_surface(bw_context *context, const char *what, const bwi_child_limits *limits,
                            bwi_child_work *work, void *job, bw_surface **surface) {
   bw_status status = BW_OK;
@@ -47,28 +44,5 @@ done:
   bw_free(point);
   bw_free(triangle);
   bw_free(group);
-  return status;
-}
-
-bw_status bwi_take_groups(bw_context *context, const bw_surface *from, bw_surface *to) {
-  bw_status status = BW_OK;
-  bwi_tree *tree = NULL;
-  int32_t *group = NULL, nearest = -1;
-  if (!from->group || to->group || from->triangle_count == 0)
-    return BW_OK;
-  BW_TRY(bwi_tree_create(context, from->point, from->triangle_count, from->triangle, NULL, &tree));
-  group = BW_NEW(context, int32_t, to->triangle_count);
-  BW_TRY_MEMORY(group);
-  for (int64_t t = 0; t < to->triangle_count; t++) {
-    double middle[3] = {0}, place[3];
-    for (int k = 0; k < 9; k++)
-      middle[k % 3] += to->point[3 * (int64_t)to->triangle[3 * t + k / 3] + k % 3] / 3;
-    bwi_tree_nearest(tree, middle, nearest, 0, place, &nearest);
-    group[t] = from->group[nearest];
-  }
-  to->group = group;
-  bwi_keep_names(from, to);
-done:
-  bwi_tree_destroy(tree);
   return status;
 }

@@ -16,10 +16,11 @@ bw_status bwi_surface_select(bw_context *context, const bw_surface *surface, con
   bw_surface *loose = NULL;
   int32_t *group = NULL;
   size_t all = (size_t)surface->triangle_count + (size_t)extra;
+  const bool grouped = surface->group && (extra == 0 || extra_from);
   int32_t *triangle = BW_NEW(context, int32_t, 3 * all);
-  if (surface->group)
+  if (grouped)
     group = BW_NEW(context, int32_t, all);
-  BW_TRY_MEMORY(triangle && (!surface->group || group));
+  BW_TRY_MEMORY(triangle && (group || !grouped));
   for (int64_t t = 0; t < surface->triangle_count; t++)
     if (!keep || keep[t]) {
       memcpy(triangle + 3 * count, surface->triangle + 3 * t, 3 * sizeof *triangle);
@@ -30,7 +31,7 @@ bw_status bwi_surface_select(bw_context *context, const bw_surface *surface, con
   for (int64_t i = 0; i < extra; i++) {
     memcpy(triangle + 3 * count, extra_triangle + 3 * i, 3 * sizeof *triangle);
     if (group)
-      group[count] = extra_from ? surface->group[extra_from[i]] : 0;
+      group[count] = surface->group[extra_from[i]];
     count++;
   }
   BW_TRY(bw_surface_copy(context, surface->point_count, surface->point, count, triangle, group,

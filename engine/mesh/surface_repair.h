@@ -52,7 +52,8 @@ bw_status bwi_separate(bw_context *context, const bw_surface *surface, double ga
                        int64_t *changed);
 
 /* The facets with keep[t] (all when NULL) and `extra` more triangles of the same points (group:
- * that of extra_from[i], when given). Points are welded exactly. */
+ * that of extra_from[i]; where that is NULL and there are any, no facet has a group). Points are
+ * welded exactly. */
 bw_status bwi_surface_select(bw_context *context, const bw_surface *surface, const uint8_t *keep,
                              int64_t extra, const int32_t *extra_triangle,
                              const int32_t *extra_from, bw_surface **out);

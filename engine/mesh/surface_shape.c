@@ -6,12 +6,14 @@
 
 #include "barwright/mesh.h"
 
-/* Gives a surface just made, which has groups 0 to count - 1, names for them. */
-static bw_status name_faces(bw_context *context, bw_surface *surface, int32_t count,
-                            const bw_name *name) {
-  bw_status status = bw_face_names_create(context, count, name, &surface->names);
-  if (status != BW_OK)
-    bw_release(surface);
+/* Gives a surface just made, which has groups 0 to count - 1, names for them, or releases it. */
+static bw_status name_faces(bw_context *context, int32_t count, const bw_name *name,
+                            bw_surface **surface) {
+  bw_status status = bw_face_names_create(context, count, name, &(*surface)->names);
+  if (status != BW_OK) {
+    bw_release(*surface);
+    *surface = NULL;
+  }
   return status;
 }
 
@@ -31,7 +33,7 @@ bw_status bw_surface_box_shape(bw_context *context, const double min[3], const d
     for (int k = 0; k < 3; k++)
       point[3 * i + k] = i >> k & 1 ? max[k] : min[k];
   bw_status status = bw_surface_copy(context, 8, point, 12, triangle, group, surface);
-  return status == BW_OK ? name_faces(context, *surface, 6, name) : status;
+  return status == BW_OK ? name_faces(context, 6, name, surface) : status;
 }
 
 /* An icosahedron, each facet cut in four `subdivisions` times, points on the sphere. */
@@ -91,7 +93,7 @@ bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], d
   BW_TRY(
       bw_surface_copy(context, (int64_t)(3 * all), corner, (int64_t)all, triangle, group, &loose));
   BW_TRY(bw_surface_weld(context, loose, 0, surface));
-  status = name_faces(context, *surface, 1, &(bw_name){"sphere"});
+  status = name_faces(context, 1, &(bw_name){"sphere"}, surface);
 done:
   bw_release(loose);
   bw_free(corner);
@@ -140,7 +142,7 @@ bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3], c
   }
   BW_TRY(bw_surface_copy(context, 2 * (int64_t)segments + 2, point, 4 * (int64_t)segments, triangle,
                          group, surface));
-  status = name_faces(context, *surface, 3, name);
+  status = name_faces(context, 3, name, surface);
 done:
   bw_free(point);
   bw_free(triangle);

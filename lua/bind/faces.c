@@ -142,12 +142,12 @@ static bool mark_named(const bw_mesh *mesh, const char *name, uint8_t *mask) {
   return some;
 }
 
-/* "'top', 'bolt hole', " */
+/* ", or 'top', or 'bolt hole'" */
 static void list_names(const bw_face_names *names, char *text, size_t size) {
   size_t used = 0;
-  for (int32_t i = 0; names && i < names->count && used + BW_NAME + 5 < size; i++)
+  for (int32_t i = 0; names && i < names->count && used + BW_NAME + 8 < size; i++)
     if (names->name[i].text[0])
-      used += (size_t)snprintf(text + used, size - used, "'%s', ", names->name[i].text);
+      used += (size_t)snprintf(text + used, size - used, ", or '%s'", names->name[i].text);
 }
 
 static bw_status select_face(bw_context *context, const bw_mesh *mesh, const opts *w, uint8_t *mask,
@@ -168,9 +168,9 @@ static bw_status select_face(bw_context *context, const bw_mesh *mesh, const opt
       snprintf(asked, sizeof asked, "%lld", (long long)w->number);
     list_names(mesh->names, known, sizeof known);
     status = bw_fail(context, BW_EMPTY,
-                     "the boundary has no face %s: %sthe name of one of its %d faces, or a number "
-                     "from 1 to %d, expected; print(mesh:surface()) lists them",
-                     asked, known, faces->count, faces->count);
+                     "the boundary has no face %s: the name of one of its %d faces, or a number "
+                     "from 1 to %d, expected%s; print(mesh:surface()) lists them",
+                     asked, faces->count, faces->count, known);
     goto done;
   }
   for (int32_t t = 0; t < mesh->facet_count; t++)

@@ -563,6 +563,8 @@ function Surface:named(name, face) end
 function Surface:face_names() end
 
 ---The mirror image at a plane.
+---
+---Errors: only those that every function may give.
 ---```lua
 ---local left = bw.surface.box {max = {0.02, 0.01, 0.01}}
 ---print(left:mirror({1, 0, 0}).box.min[1]) -- -0.02

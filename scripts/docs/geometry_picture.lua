@@ -12,16 +12,8 @@ local opts = script.read {
 
 local mm = 1e-3
 
--- Every face of a solid in a colour of its own, by the number of its name.
 local function draw(surface, path, options)
-  local number, shade = {}, {}
-  for t, group in ipairs(surface.groups:totable()) do
-    local name = surface:face_names()[group]
-    number[name] = number[name] or group
-    shade[t] = number[name]
-  end
-  options.values = bw.array.new(shade)
-  for key, value in pairs {width = 480, height = 380, edges = false} do options[key] = options[key] or value end
+  for key, value in pairs {width = 480, height = 380} do options[key] = options[key] or value end
   assert(bw.picture(surface, path, options))
 end
 

@@ -261,9 +261,9 @@ describe("a name of a face", function()
     end
     local torn = assert(bw.surface.new {points = part.points, triangles = triangles, groups = groups,
       face_names = part:face_names()})
-    local mended = sound((torn:repair()))
-    check.near(TOP, area_of(mended, "top"), 1e-9)
-    check.near(ROUND, area_of(mended, "bolt hole"), 1e-9)
+    local repaired = sound((torn:repair()))
+    check.near(TOP, area_of(repaired, "top"), 1e-9)
+    check.near(ROUND, area_of(repaired, "bolt hole"), 1e-9)
     assert.same({"a"}, part:named("a"):face_names())
     check.near(TOP, area_of(part:named("lid", "top"), "lid"), 1e-9)
     assert.error_matches(function() part:named("lid", "roof") end, "no face has the name 'roof'")

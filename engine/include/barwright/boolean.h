@@ -25,8 +25,8 @@ BW_API bw_status bw_surface_boolean(bw_context *context, const bw_surface *first
                                     const bw_surface *second, bw_boolean operation,
                                     bw_surface **result);
 
-/* The group of the facet of the surface that is nearest to the middle of each facet of a mesh's
- * boundary: group (index, facet_count). BW_INVALID for a surface without groups. */
+/* The group of each facet of a mesh's boundary, group (index, facet_count): of the nearest facet of
+ * the surface, or of one beside it that faces as it does. BW_INVALID for one without groups. */
 BW_API bw_status bw_groups_on_mesh(bw_context *context, const bw_surface *surface,
                                    const bw_mesh *mesh, int32_t *group);
 

@@ -528,8 +528,8 @@ BW_API bw_status bw_mesh_mapped_box(bw_context *context, const int cells[3], int
                                     void *data, bw_mesh **mesh);
 /* The region of the plane that lies inside an odd number of closed polygons, cut into triangles
  * between their corners only. Polygon i has the points start[i] to start[i + 1] - 1 of point (m, x
- * 2). *triangle (index, *count x 3), counter-clockwise, is a block for the caller to bw_free.
- * BW_GEOMETRY where polygons cross or touch each other or themselves, or have no area. */
+ * 2); start (polygons + 1). *triangle (index, *count x 3), counter-clockwise, is a block for the
+ * caller to bw_free. BW_GEOMETRY where polygons cross or touch, or have no area. */
 BW_API bw_status bw_polygons_triangles(bw_context *context, int32_t polygons, const int32_t *start,
                                        const double *point, int32_t **triangle, int64_t *count);
 /* A box of twelve facets between two corners: "left" and "right" along x, "front" and "back" along
