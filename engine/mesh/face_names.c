@@ -135,6 +135,19 @@ done:
 
 /* ---- meshes -------------------------------------------------------------------------------- */
 
+void bwi_mesh_adopt_groups(bw_mesh *mesh, int32_t *group, bw_face_names *names) {
+  /* The block belongs to whoever owns the topology. */
+  const bw_mesh *shared = ((const bwi_mesh *)mesh)->topology;
+  bw_mesh *owner = shared ? (bw_mesh *)(uintptr_t)shared : mesh;
+  bw_free(owner->facet_group);
+  owner->facet_group = mesh->facet_group = group;
+  for (int i = 0; i < (shared ? 2 : 1); i++) {
+    bw_mesh *one = i ? owner : mesh;
+    bw_release(one->names);
+    one->names = bw_retain(names);
+  }
+}
+
 bw_status bwi_mesh_keep_names(bw_context *context, const bw_mesh *from, const int32_t *element_from,
                               bw_mesh **mesh) {
   bw_mesh *made = *mesh;
@@ -155,9 +168,8 @@ bw_status bwi_mesh_keep_names(bw_context *context, const bw_mesh *from, const in
       int64_t e = element_from ? element_from[i / 4] : (int64_t)(i / 4);
       group[facet++] = e < 0 || e >= from->element_count ? -1 : side[4 * (size_t)e + i % 4];
     }
-  made->facet_group = group;
+  bwi_mesh_adopt_groups(made, group, from->names);
   group = NULL;
-  made->names = bw_retain(from->names);
 done:
   bw_free(side);
   bw_free(group);

@@ -25,6 +25,8 @@ bw_status bwi_mesh_adopt(bw_context *context, int order, int64_t nodes, double *
 /* Gives a mesh that has elements and no regions its regions, which may be NULL. */
 bw_status bwi_mesh_set_regions(bw_context *context, bw_mesh *mesh, const bw_mesh_regions *regions);
 
+/* A mesh just made takes over a block with the group of each boundary facet, and shares names. */
+void bwi_mesh_adopt_groups(bw_mesh *mesh, int32_t *group, bw_face_names *names);
 /* A mesh just made gets the groups and names of the facets of a surface that it was filled from,
  * where that has names. */
 bw_status bwi_mesh_take_names(bw_context *context, const bw_surface *surface, bw_mesh *mesh);

@@ -371,11 +371,11 @@ bw_status bw_mesh_refine(bw_context *context, const bw_mesh *mesh, const uint8_t
   f.mesh = made;
   BW_TRY(find_facets(&r, &f, cell_of));
   if (mesh->names) {
-    made->facet_group = BW_NEW(context, int32_t, made->facet_count);
-    BW_TRY_MEMORY(made->facet_group);
+    int32_t *group = BW_NEW(context, int32_t, made->facet_count);
+    BW_TRY_MEMORY(group);
     for (int32_t t = 0; t < made->facet_count; t++)
-      made->facet_group[t] = mesh->facet_group[f.facet_parent[t]];
-    made->names = bw_retain(mesh->names);
+      group[t] = mesh->facet_group[f.facet_parent[t]];
+    bwi_mesh_adopt_groups(made, group, mesh->names);
   }
   *refinement = f;
   f = (bw_refinement){.mesh = NULL};

@@ -141,11 +141,8 @@ bw_status bwi_mesh_take_names(bw_context *context, const bw_surface *surface, bw
   int32_t *group = BW_NEW(context, int32_t, mesh->facet_count);
   BW_TRY_MEMORY(group);
   BW_TRY(bw_groups_on_mesh(context, surface, mesh, group));
-  bw_free(mesh->facet_group);
-  bw_release(mesh->names);
-  mesh->facet_group = group;
+  bwi_mesh_adopt_groups(mesh, group, surface->names);
   group = NULL;
-  mesh->names = bw_retain(surface->names);
 done:
   bw_free(group);
   return status;

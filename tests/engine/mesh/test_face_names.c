@@ -88,10 +88,12 @@ static void test_booleans(void **state) {
   check_ok(context, bw_face_names_create(context, 1, &hole, &names));
   check_ok(context, bw_surface_with_names(context, drill, group, names, &named));
   check_ok(context, bw_surface_boolean(context, box, named, BW_BOOLEAN_DIFFERENCE, &made));
-  int32_t count = 0;
-  for (int32_t t = 0; t < made->triangle_count; t++)
-    count += bw_face_names_is(made->names, made->group[t], "hole");
-  assert_int_equal(count, 16);
+  int32_t count[2] = {0, 0};
+  for (int32_t t = 0; t < made->triangle_count; t++) {
+    count[0] += bw_face_names_is(made->names, made->group[t], "hole");
+    count[1] += bw_face_names_is(made->names, made->group[t], "top");
+  }
+  assert_true(count[0] >= 16 && count[1] >= 10);
   bw_surface *bare = NULL, *none = NULL;
   check_ok(context, bw_surface_copy(context, box->point_count, box->point, box->triangle_count,
                                     box->triangle, NULL, &bare));
