@@ -50,7 +50,8 @@ local list = {
     {30 * mm, 30 * mm, 45 * mm}}}))},
   {"loft", assert(bw.surface.loft({square, bw.outline.circle {radius = 8 * mm}}, {heights = {0, 30 * mm}}))},
   {"difference, polar_array", flange},
-  {"cone, prism, torus", assert(assert(bw.surface.cone {axis = {0, 0, 20 * mm}, radius = 12 * mm, top_radius = 5 * mm}
+  {"cone, prism, torus", assert(assert(bw.surface.cone {axis = {0, 0, 20 * mm}, radius = 12 * mm,
+    top_radius = 5 * mm}
     :union(bw.surface.prism {base = {0, 0, -6 * mm}, axis = {0, 0, 8 * mm}, radius = 16 * mm, sides = 6}))
     :union(bw.surface.torus {centre = {0, 0, 20 * mm}, radius = 6 * mm, tube = 2.5 * mm}))},
 }
