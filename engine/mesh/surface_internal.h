@@ -38,8 +38,8 @@ void bwi_keep_names(const bw_surface *from, bw_surface *to);
  * caller to release; a facet without a name gets the group of an empty one. Else *names is NULL. */
 bw_status bwi_name_alike(bw_context *context, int32_t count, bw_surface **surface,
                          bw_face_names **names);
-/* Give the facets of a surface just made, which has no groups, the groups of the nearest facets, and
- * their names. */
+/* Give the facets of a surface just made, which has no groups, the groups of the nearest facets,
+ * and their names. */
 bw_status bwi_take_groups(bw_context *context, const bw_surface *from, bw_surface *to);
 
 #ifdef __cplusplus
