@@ -151,6 +151,7 @@ const heard = {
     a.href = message.path;
     a.download = "";
     a.click();
+    if (message.note) say(message.note);
   },
 };
 

@@ -21,6 +21,7 @@ local edit_script = require "barwright.edit_script"
 local edit_shape = require "barwright.edit_shape"
 local edit_surface = require "barwright.edit_surface"
 local optimise = require "barwright.optimise"
+local original_surface = require "barwright.original_surface"
 
 local raise = core.raise
 
@@ -30,7 +31,7 @@ local properties = {}
 local rules = {
   skeleton = {type = "skeleton"}, -- left out: extracted from the surface
   bones = {type = "integer", default = 0, min = 0}, -- wanted of the extracted one
-  surface = {type = "surface"}, -- that the mesh was made from, which is edited along
+  surface = {type = "any"}, -- that the mesh was made from, which is edited along; false: the mesh's boundary
   subdomains = {type = "subdomains"}, -- left out: from weights and thresholds
   -- of the subdomains; left out: the engine's own
   threshold = {type = "number", above = 0, max = 1},
@@ -99,6 +100,11 @@ end
 local function begin(part, given)
   options.object("edit", "part", part, "model")
   local opts = options.read("edit", given, rules)
+  if opts.surface == nil then
+    opts.surface = original_surface.of(part)
+  elseif opts.surface ~= false then
+    options.object("edit", "surface", opts.surface, "surface")
+  end
   if opts.rotate_material and part.material.rotated_by_element then
     raise("edit: option 'rotate_material': the material axes of the part differ by element already")
   end
@@ -442,10 +448,20 @@ function properties:edits()
   return list
 end
 
---- The surface as it is now, to write as STL, and a report: the one given as option `surface`, edited as the mesh
---- was, else the boundary of the mesh.
+--- The surface as it is now, to write as STL, and a report: the one that the mesh was made from, edited as the
+--- mesh was. Where it would cross itself by the edit, and without one, the boundary of the mesh.
 function class:surface()
   return edit_surface.of(current(self).shape, self.opts.surface)
+end
+
+--- Writes the surface as it is now to a file, by its ending. Options: unit. Returns the report of `surface`.
+function class:export(path, given)
+  local surface, report, details = self:surface()
+  if not surface then return nil, report, details end
+  local ok, message
+  ok, message, details = surface:write(path, given)
+  if not ok then return nil, message, details end
+  return report
 end
 
 -- The last result, if it is of the current state.
@@ -535,6 +551,7 @@ end
 
 arguments.methods("session", class, class, {
   adopt = "fork: any", undo = "", redo = "", reset = "", synchronise = "", surface = "", close = "",
+  export = "path: string, options?: options",
   commit = "change: table",
   bone = "name: string|integer", pose = "changes: table", limit = "name: string|integer, limit?: options",
   reach = "target: string|integer|table, at?: any, options?: options",

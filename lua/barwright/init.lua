@@ -3,6 +3,7 @@
 -- from the C module; the analyses that are loops over engine calls are Lua files beside this one.
 local core = require "barwright.core"
 core.library() -- errors of misuse name the first line outside of this file's folder
+require "barwright.original_surface"
 
 local raise = core.raise
 

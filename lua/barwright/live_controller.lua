@@ -258,9 +258,9 @@ function handlers.stop() end
 
 local files = {
   stl = {path = "part.stl", mime = "model/stl", write = function(session, path)
-    local surface, why = session:surface()
-    if not surface then return nil, why end
-    return surface:write(path)
+    local report, why = session:export(path)
+    if not report then return nil, why end
+    return true, tostring(report)
   end},
   lua = {path = "edits.lua", mime = "text/plain; charset=utf-8", write = function(session, path)
     return session:save(path)
@@ -269,11 +269,18 @@ local files = {
 
 function handlers.export(self, client, message)
   local file = files[message.format]
-  local function write(path) return file.write(self.session, path) end
+  local note
+  local function write(path)
+    local ok, words = file.write(self.session, path)
+    if not ok then return nil, words end
+    note = message.format == "stl" and words or nil
+    return true
+  end
   local bytes, why = shared.written("." .. message.format, write)
   if not bytes then return refuse(self, client, message, why) end
   self.server:serve(file.path, file.mime, bytes, self.about.name .. "." .. message.format)
-  notify(self, client, {type = "file", path = file.path, format = message.format, bytes = #bytes})
+  notify(self, client, {type = "file", path = file.path, format = message.format, bytes = #bytes,
+    note = note})
 end
 
 -- ---- the controller ------------------------------------------------------------------------------------

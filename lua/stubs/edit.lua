@@ -80,7 +80,7 @@ function edit_module.begin(script, session) end
 ---@field thresholds? table<string, number> in its place, for single bones by name. Default: none
 ---@field fraction? number (-) thresholds are lowered until each bone has this fraction of the elements that it moves most; 0: never. Range: 0 to 1. Default: 0.35
 ---@field heat? number (-) of the skinning weights, above 0; larger: more elements follow one bone. Default: 20
----@field surface? bw.Surface that the mesh was made from: `session:surface` is this one, edited. Default: the boundary of the mesh
+---@field surface? bw.Surface|false that the mesh was made from: `session:surface` is this one, edited; false: the boundary of the mesh. Default: what `bw.mesh.fill` filled, where the part's mesh comes from it
 ---@field subdomains? bw.Subdomains of the part's own mesh. Default: made from skeleton and weights
 ---@field quality? number (-) elements of a lower shape quality (`mesh:shapes`) are relaxed. Range: 0 to 0.5. Default: 0.02
 ---@field relax? boolean relax inner nodes where an edit inverts elements. Default: true
@@ -120,7 +120,11 @@ local Session = {}
 ---@field triangles_before integer (count) of the surface that was given
 ---@field largest_displacement number (m) of a point by the edits
 ---@field deviation number (m) largest distance between the result and the boundary of the mesh, which is what was analysed
----@field sound boolean closed, oriented and free of crossings; where false, make the edit smaller
+---@field source "original"|"boundary" the surface that the mesh was made from, or the boundary of the mesh
+---@field sound boolean no defects: closed, oriented and free of crossings
+---@field defects integer (count) crossings, triangles without area and other defects of the result
+---@field defects_before integer (count) of the surface before the edit
+---@field defects_of_original? integer (count) that the edit would give the original, where the boundary is the result in its place
 
 ---An edit of a session.
 ---@class bw.SessionEdit
@@ -315,15 +319,25 @@ function Session:synchronise() end
 ---@return bw.Details? details
 function Session:moved(part) end
 
----The surface as it is now: `session:surface():write("part.stl")`. It is the option `surface` of `bw.edit`, moved as the mesh was:
----its points and triangles stay, and are split only where the edit bends within a triangle. Without that option it is the boundary
----of the mesh.
+---The surface as it is now: `session:surface():write("part.stl")`. It is the surface that the mesh was made from, moved as the mesh
+---was: its points stay in their order, and its triangles are split only where the edit bends within one. Flat parts that bend may get
+---other triangles. Where the edit makes it cross itself, and where the mesh was not filled from a surface, it is the boundary of the mesh.
 ---
 ---Errors: memory, limit (it would have too many triangles), cancelled.
 ---@return bw.Surface? surface with outward facets
 ---@return bw.EditedSurface|string report what was done, or the message
 ---@return bw.Details? details
 function Session:surface() end
+
+---Writes the surface as it is now to a file: `print(session:export("part.stl", {unit = "mm"}))`.
+---
+---Errors: those of `surface`; io (the file cannot be written), unsupported (an ending that is not known).
+---@param path string the file: STL, OBJ, PLY, OFF or 3MF by its ending
+---@param options? bw.SurfaceWriteOptions the unit
+---@return bw.EditedSurface? report what was done, with the deviation from what was analysed
+---@return string? message
+---@return bw.Details? details
+function Session:export(path, options) end
 
 ---Writes the fields of the current shape to a .vtu file: those of `static:write`, and the subdomains.
 ---

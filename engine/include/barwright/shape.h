@@ -233,11 +233,11 @@ BW_API void bw_pose_joints(const bw_skeleton *skeleton, const double *map, doubl
 BW_API bw_status bw_pose_nodes(bw_context *context, const bw_subdomains *subdomains,
                                const double *map, double *node);
 /* The surface that the mesh of the subdomains was made from, under map (m, bone_count x 12): its
- * own points first, in their order, each moved by the blend of maps at the nearest facet of the
- * mesh's boundary at rest. It is split at midpoints of edges where within a triangle the map
- * differs by more than `tolerance` (m), 0: 1e-4 of the surface's size, from its interpolation;
- * *moved (m), which may be NULL, is how far a point moved at most. BW_EMPTY without facets,
- * BW_LIMIT where it would have more than 2^31 / 3 of them. */
+ * own points first, in their order, each moved by the maps of the nodes around it, interpolated.
+ * Its edges are split where within a triangle the map differs by more than `tolerance` (m), 0: 1e-4
+ * of the surface's size, from its interpolation, and where a narrow triangle would fold over. Edges
+ * in flat parts that bend are flipped. *moved (m), which may be NULL, is how far a point moved at
+ * most. BW_EMPTY without facets, BW_LIMIT where it would have more than 2^31 / 3 of them. */
 BW_API bw_status bw_pose_surface(bw_context *context, const bw_subdomains *subdomains,
                                  const double *map, const bw_surface *surface, double tolerance,
                                  bw_surface **posed, double *moved);
