@@ -19,8 +19,8 @@ local function judgement(self)
   elseif self.sound then
     return "closed and free of crossings"
   elseif self.defects_before > 0 then
-    return ("it has %s; before the edit it had %d: `surface:repair()` before the mesh is filled corrects that"):format(
-      counted(self.defects, "defect", "defects"), self.defects_before)
+    return ("it has %s; before the edit it had %d: `surface:repair()` before the mesh is filled corrects that")
+      :format(counted(self.defects, "defect", "defects"), self.defects_before)
   end
   return ("it has %s (crossings, triangles without area), none before the edit, and the boundary of the analysed "
     .. "mesh crosses itself as well: make the edit smaller"):format(counted(self.defects, "defect", "defects"))

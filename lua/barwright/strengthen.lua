@@ -125,10 +125,16 @@ local function apply(self, from)
     :format(core.point(places[1].at)), {status = "geometry"}
 end
 
+-- What is told of a surface and its analysis, or nil, message, details.
 local function summary(breaking, surface, material)
   local volume = math.abs(surface.volume)
-  return {force = breaking.force, low = breaking.low, high = breaking.high, at = breaking.at,
-    estimated_error = breaking.estimated_error, singular = breaking.singular, contact = breaking.contact,
+  local boundary, message, details = breaking.mesh:surface()
+  if not boundary then return nil, message, details end
+  local deviation
+  deviation, message, details = surface:distance(boundary)
+  if not deviation then return nil, message, details end
+  return {deviation = deviation, force = breaking.force, low = breaking.low, high = breaking.high,
+    at = breaking.at, estimated_error = breaking.estimated_error, singular = breaking.singular, contact = breaking.contact,
     volume = volume, mass = material.density and material.density * volume}
 end
 
@@ -289,14 +295,17 @@ function strengthen.run(surface, given)
   breaking, message, details = analyse(self, self.surface)
   if not breaking then return nil, message, details end
   self.length = breaking.length
-  self.before, self.breaking = summary(breaking, self.surface, opts.material), breaking
+  self.before, message, details = summary(breaking, self.surface, opts.material)
+  if not self.before then return nil, message, details end
+  self.breaking = breaking
   if breaking.low < opts.force then
     local ok
     ok, message, details = run(self, breaking, progress)
     if not ok then return nil, message, details end
   end
   breaking:close()
-  self.after = summary(self.breaking, self.surface, opts.material)
+  self.after, message, details = summary(self.breaking, self.surface, opts.material)
+  if not self.after then return nil, message, details end
   self.reached = self.after.low >= opts.force
   self.added_volume = self.after.volume - self.before.volume
   self.seconds = core.seconds() - start

@@ -74,6 +74,7 @@ function bw.strengthen(surface, options) end
 ---@field singular? bw.SingularFinding why the stress there has no finite value
 ---@field contact number (m2) the area that the force presses on
 ---@field volume number (m3) of the surface
+---@field deviation number (m) largest distance between the surface and the boundary of the mesh that was analysed
 ---@field mass? number (kg) nil where the density is not known
 
 ---One round.

@@ -2,6 +2,7 @@
 -- barwright strengthen MODEL: thicken it around its weak places until it carries a force.
 local bw = require "barwright"
 local core = require "barwright.core"
+local holes = require "barwright.command.holes"
 local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
@@ -13,7 +14,8 @@ local writable = require "barwright.writable"
 local function fields_of(one)
   return {breaking_force_n = one.force, breaking_force_low_n = one.low, breaking_force_high_n = one.high,
     estimated_error = one.estimated_error, at_m = one.at, singular = one.singular ~= nil,
-    contact_area_m2 = one.contact, volume_m3 = one.volume, mass_kg = one.mass}
+    contact_area_m2 = one.contact, deviation_m = one.deviation,
+    volume_m3 = one.volume, mass_kg = one.mass}
 end
 
 local function row(name, one, out)
@@ -35,6 +37,9 @@ local function report(result, moved, opts, out)
       and core.quantity(density * result.added_volume, "kg") or core.quantity(result.added_volume, "m3"),
       shown.percent(fraction), model.count(#result.steps, "step"), core.quantity(moved:max(), "m"))
   end
+  out:say("The surface is that of the file, split only where it was thickened: %d triangles, %d before. "
+    .. "The mesh that was analysed lies up to %s from it.", result.surface.triangle_count,
+    result.original.triangle_count, core.quantity(result.after.deviation, "m"))
   if result.reached then
     out:say("%s is reached: the whole interval lies above.", core.quantity(opts.force, "N"))
   else
@@ -73,13 +78,31 @@ local function write_files(result, moved, read, opts, out)
   return true
 end
 
+-- Whether a point must not move: a function, false where all may, or nil, message, details.
+local function kept(read, opts, out)
+  local list, tests = {}, {}
+  for _, place in ipairs(opts.keep) do
+    if place == "holes" then
+      local found, message, details = holes.of(read.surface)
+      if not found then return nil, message, details end
+      out:say("Kept: %s.", #found > 0 and model.count(#found, "round hole") or "no round hole is there")
+      tests[1] = holes.test(found)
+    else
+      list[#list + 1] = place
+    end
+  end
+  if #list > 0 then tests[#tests + 1] = places.test(list, read.box) end
+  if #tests < 2 then return tests[1] or false end
+  return function(...) return tests[1](...) or tests[2](...) end
+end
+
 local function strengthen(opts, out)
   local start = bw.seconds()
   if opts.threads then bw.threads(opts.threads) end
   local ok, message, details = writable(opts.out)
   if not ok then return nil, message, details end
   for _, place in ipairs(opts.keep) do
-    ok, message = places.check(place, true)
+    if place ~= "holes" then ok, message = places.check(place, true) end
     if not ok then return nil, "option --keep: " .. message, {status = "misuse"} end
   end
   local read
@@ -91,12 +114,14 @@ local function strengthen(opts, out)
       {status = "unsupported"}
   end
   local material = read.made.default
-  local result
+  local result, keep
+  keep, message, details = kept(read, opts, out)
+  if keep == nil then return nil, message, details end
   local steps = 0
   result, message, details = model.try(bw.strengthen, read.surface, {material = material, force = opts.force,
     contact = opts.contact, elements = opts.elements, length = opts.length,
     modes = opts.modes, regions = opts.regions, unit = read.metres_per_unit,
-    steps = opts.steps, keep = #opts.keep > 0 and places.test(opts.keep, read.box) or nil,
+    steps = opts.steps, keep = keep or nil,
     progress = function(step)
       steps = steps + 1
       out:say("  step %d: %s thickened by up to %s in this step; now it breaks at %s", steps,
@@ -123,7 +148,7 @@ local options = {
     what = "where the strengthened surface goes, in the unit of the input"},
   made_of.one_option,
   {name = "keep", value = "PLACE", many = true,
-    what = "where the surface must not move"},
+    what = "where the surface must not move; `holes`: on the walls of round holes"},
   model.contact_option,
   model.length_option,
   {name = "steps", value = "N", type = "integer", default = 8, min = 1, max = 100,
@@ -150,7 +175,8 @@ return {
   options = options,
   examples = {"barwright strengthen hook.stl --force 50N --out stronger.stl",
     {"barwright strengthen hook.stl --force 50N --out stronger.stl --keep min:z --picture where.png",
-      "the face that it stands on stays"}},
+      "the face that it stands on stays"},
+    {"barwright strengthen hook.stl --force 50N --out stronger.stl --keep holes", "bolts still fit"}},
   run = function(opts, out)
     local result, message, details = strengthen(opts, out)
     if not result then return out:fail(message, details) end
