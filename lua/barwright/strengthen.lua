@@ -128,14 +128,16 @@ end
 -- What is told of a surface and its analysis, or nil, message, details.
 local function summary(breaking, surface, material)
   local volume = math.abs(surface.volume)
-  local boundary, message, details = breaking.mesh:surface()
-  if not boundary then return nil, message, details end
   local deviation
-  deviation, message, details = surface:distance(boundary)
-  if not deviation then return nil, message, details end
+  if breaking.mesh then
+    local boundary, message, details = breaking.mesh:surface()
+    if not boundary then return nil, message, details end
+    deviation, message, details = surface:distance(boundary)
+    if not deviation then return nil, message, details end
+  end
   return {deviation = deviation, force = breaking.force, low = breaking.low, high = breaking.high,
-    at = breaking.at, estimated_error = breaking.estimated_error, singular = breaking.singular, contact = breaking.contact,
-    volume = volume, mass = material.density and material.density * volume}
+    at = breaking.at, estimated_error = breaking.estimated_error, singular = breaking.singular,
+    contact = breaking.contact, volume = volume, mass = material.density and material.density * volume}
 end
 
 -- Analyses that may follow, each as much work.
@@ -296,7 +298,10 @@ function strengthen.run(surface, given)
   if not breaking then return nil, message, details end
   self.length = breaking.length
   self.before, message, details = summary(breaking, self.surface, opts.material)
-  if not self.before then return nil, message, details end
+  if not self.before then
+    breaking:close()
+    return nil, message, details
+  end
   self.breaking = breaking
   if breaking.low < opts.force then
     local ok
