@@ -410,9 +410,8 @@ click("true", () => {
 });
 click("place", () => {
   const at = state.answer.at;
-  const centre = view.rest.min.clone().add(view.rest.max).multiplyScalar(0.5).toArray();
-  const away = at.map((x, k) => x - centre[k] + (k === 1 ? -0.2 : 0.15) * view.size);
-  view.fit(away);
+  const [x, y, z] = view.outwards(at);
+  view.fit([x + 0.3, y - 0.4, z + (z < -0.5 ? -0.3 : 0.3)]); // from outside, and not along the face's normal
 });
 const tools = ["box", "probe", "patch"]; // of which one is in use
 for (const id of [...tools, "edges", "cut", "flip"])

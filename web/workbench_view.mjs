@@ -271,6 +271,20 @@ export class View {
       within[triangles[3 * t]] && within[triangles[3 * t + 1]] && within[triangles[3 * t + 2]])).map(([face]) => face);
   }
 
+  // The outward normal of the triangle whose middle is nearest to a point.
+  outwards(point) {
+    const { positions, triangles } = this.scene;
+    let [best, min] = [0, Infinity];
+    for (let t = 0; t < triangles.length / 3; t++) {
+      let away = 0;
+      for (let k = 0; k < 3; k++)
+        away += ((positions[3 * triangles[3 * t] + k] + positions[3 * triangles[3 * t + 1] + k] +
+          positions[3 * triangles[3 * t + 2] + k]) / 3 - point[k]) ** 2;
+      if (away < min) [best, min] = [t, away];
+    }
+    return new THREE.Vector3().fromArray(this.surface.facets, 3 * best).normalize().toArray();
+  }
+
   // Planes {x, y, z, d}, x X + y Y + z Z >= d, of a rectangle of the window, and the direction to the viewer.
   planes(left, top, right, bottom) {
     const corners = [[left, top], [right, top], [right, bottom], [left, bottom]].map((corner) => this.ray(...corner));

@@ -11,25 +11,26 @@
 ---@class bw.WorkbenchModule
 local workbench_module = {}
 
----Opens a file as a workbench: surfaces, meshes and scripts that return a surface. The surface is repaired where it must be, and
+---Opens a file as a workbench: surfaces, meshes, drawings and scripts that return a surface. The surface is repaired where it must be, and
 ---its faces are found. The material is PLA until another is chosen.
 ---
----Errors: io, format, unsupported (a drawing), empty (no triangles), geometry (it cannot be repaired).
+---Errors: io, format, empty (no triangles), geometry (it cannot be repaired).
 ---```lua
 ---bw.surface.box {max = {0.1, 0.02, 0.01}}:write "beam.stl"
 ---local bench = assert(bw.workbench.open("beam.stl", {unit = "mm"}))
 ---print(#bench:state().faces) -- 6
 ---```
 ---@param path string the file
----@param options? bw.WorkbenchOpenOptions its unit
+---@param options? bw.WorkbenchOpenOptions its unit and thickness
 ---@return bw.Workbench? workbench the workbench
 ---@return string? message
 ---@return bw.Details? details
 function workbench_module.open(path, options) end
 
----The unit of a file.
+---The unit of a file, and the thickness of a drawing.
 ---@class bw.WorkbenchOpenOptions
 ---@field unit? "mm"|"cm"|"m"|"km"|"um"|"in"|"ft" of the numbers in the file; confirms it where the size is implausible. Default: what the file says, else mm
+---@field thickness? number (m) of the body of a drawing, above 0. Default: 3e-3
 
 ---A part with its supports, loads and answer. Every action is a method and a line of `script`; `undo` takes it back. What cannot be
 ---done returns nil and a sentence that says what to do instead.
@@ -171,7 +172,8 @@ function Workbench:lock(options) end
 ---@class bw.WorkbenchFaces
 ---@field faces integer[] (index from 1, n × 1) the faces, as in `state`
 
----Makes a face of the triangles around one. They lie within its face, and their normals differ by at most an angle from that of the first. Supports and loads of the former face keep all of it.
+---Makes a face of the triangles around one. They lie within its face, their normals differ by at most an angle from that of the
+---first, and they lie within a radius. Supports and loads of the former face keep all of it.
 ---
 ---Errors: invalid (with a sentence that says what to do).
 ---@param options bw.WorkbenchGrowOptions where, and how far
@@ -182,8 +184,50 @@ function Workbench:grow(options) end
 
 ---Where a face grows.
 ---@class bw.WorkbenchGrowOptions
----@field triangle integer (index from 1) of the surface
+---@field triangle? integer (index from 1) of the surface; this or `point` is needed
+---@field point? bw.Vector (m) near the surface
+---@field radius? number (m) above 0. Default: without limit
 ---@field angle? number (rad) Range: above 0 to pi. Default: 0.35
+
+---Makes faces of what lies within planes and looks towards a direction, such as a rectangle of the screen.
+---
+---Errors: empty (nothing lies there).
+---@param options bw.WorkbenchPatchOptions where
+---@return bw.Workbench? self the workbench
+---@return string? message
+---@return bw.Details? details
+function Workbench:patch(options) end
+
+---What lies within planes.
+---@class bw.WorkbenchPatchOptions
+---@field planes number[][] (any, n × 4) rows {x, y, z, d}: points p with (x, y, z) · p at least d
+---@field towards bw.Vector (-) faces look towards this direction
+
+---Does edits on both sides of the plane through the middle of the part. A part whose faces are no mirror images is refused.
+---
+---Errors: unsupported (the part is not symmetric).
+---@param options bw.WorkbenchSymmetryOptions the plane
+---@return bw.Workbench? self the workbench
+---@return string? message
+---@return bw.Details? details
+function Workbench:symmetry(options) end
+
+---A plane of symmetry.
+---@class bw.WorkbenchSymmetryOptions
+---@field across "x"|"y"|"z"|"none" the axis across which both sides are alike
+
+---Chooses the thickness of the body of a drawing. It is refused once the shape was edited.
+---
+---Errors: unsupported (the file is no drawing, or the shape was edited).
+---@param options bw.WorkbenchThicknessOptions the thickness
+---@return bw.Workbench? self the workbench
+---@return string? message
+---@return bw.Details? details
+function Workbench:thickness(options) end
+
+---A thickness.
+---@class bw.WorkbenchThicknessOptions
+---@field thickness number (m) above 0
 
 ---Chooses the unit of the file. It is refused once the shape was edited.
 ---
@@ -239,7 +283,8 @@ function Workbench:offset(options) end
 ---@class bw.WorkbenchOffsetOptions
 ---@field distance number (m) positive outwards
 
----A coarse answer for an edit that is not made: what a page shows while a face is dragged.
+---A coarse answer for an edit that is not made: what a page shows while a face is dragged. One mesh follows the steps of an edit.
+---A part without loads has its mass only. The second result is the solution, nil without loads.
 ---
 ---Errors: invalid (with a sentence that says what to do).
 ---@param options bw.WorkbenchTryOptions one of the edits
@@ -312,7 +357,7 @@ function Workbench:probe(options) end
 ---@class bw.WorkbenchProbe
 ---@field point bw.Vector (m) the point
 ---@field von_mises number (Pa) the von Mises stress
----@field displacement bw.Vector (m) the displacement
+---@field displacement? bw.Vector (m) the displacement; nil without loads, where the stress is the largest of all worst loads
 
 ---Places to thicken. Under loads each gain is that of an analysis of the thickened part on a coarse mesh. Without loads it is the advice about the breaking force, and the gain of the first is that of all together.
 ---

@@ -21,7 +21,8 @@ return {
     {"docs/howto_cluster.md", "More than one machine"},
     {"docs/howto_scenarios.md", "Test a requirement"},
     {"docs/command_line.md", "Use the command line"}, {"docs/sandbox.md", "Run scripts of others"},
-    {"docs/live.md", "Edit in the browser"}, {"docs/workbench.md", "Workbench"}, {"docs/formats.md", "Formats"},
+    {"docs/live.md", "Edit in the browser"}, {"docs/workbench.md", "Workbench"},
+    {"docs/workbench_tasks.md", "Twelve tasks"}, {"docs/formats.md", "Formats"},
   }},
   {title = "Theory", pages = {
     {"docs/theory/elements.md", "Elements"}, {"docs/theory/filling.md", "Filling a surface"},

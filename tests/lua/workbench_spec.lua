@@ -215,17 +215,92 @@ describe("the workbench", function()
     near(area, sum, 1e-9)
   end)
 
-  it("advises places that gain what a new analysis shows, and applies them", function()
-    local bench, left, right = beam()
+  it("advises places with gains of a new analysis, applies them, keeps the best of optimising", function()
+    local lever = bw.surface.box {max = {0.07, 0.02, 0.006}} -- with a neck in the middle
+    for _, y in ipairs {-0.01, 0.014} do
+      lever = assert(lever:difference(bw.surface.box {min = {0.03, y, -0.01}, max = {0.045, y + 0.016, 0.02}}))
+    end
+    local bench, left, right = assert(bw.workbench.open(file("lever.stl", lever))), nil, nil
+    for i, face in ipairs(bench:state().faces) do
+      if face.centre[1] < 1e-6 then left = i elseif face.centre[1] > 0.07 - 1e-6 then right = i end
+    end
     assert(bench:fix {faces = {left}})
-    assert(bench:load {faces = {right}, force = {0, 0, -20}})
+    assert(bench:load {faces = {right}, force = {0, 0, -12}})
     local before = assert(bench:answer {accuracy = "coarse"}).utilisation
     local list = assert(bench:advice())
+    assert.is_true(#list > 0)
     for i = 2, #list do assert.is_true(list[i].gain <= list[i - 1].gain) end
-    if #list > 0 then
-      assert(bench:apply {advice = 1})
-      near(before / (1 + list[1].gain), assert(bench:answer {accuracy = "coarse"}).utilisation, 1e-9)
+    assert(bench:apply {advice = 1})
+    near(before / (1 + list[1].gain), assert(bench:answer {accuracy = "coarse"}).utilisation, 1e-9)
+    assert(bench:undo())
+    assert(bench:optimise {factor = 1000, steps = 1})
+    assert.truthy(bench:state().note:find("the best that was found", 1, true))
+    near(before / (1 + list[1].gain), assert(bench:answer {accuracy = "coarse"}).utilisation, 1e-9)
+  end)
+
+  it("follows a dragged face with one coarse mesh, near the answer of the edit", function()
+    local bench, left, right, top = beam()
+    assert(bench:fix {faces = {left}})
+    assert(bench:load {faces = {right}, force = {0, 0, -20}})
+    local elements
+    for i = 1, 3 do
+      local distance = i * 1e-3
+      local answer, static = bench:try {push = {faces = {top}, distance = distance}}
+      assert(answer, static)
+      elements = elements or answer.elements
+      assert.equal(elements, answer.elements) -- the mesh of the first step
+      near(LENGTH * WIDTH * (HEIGHT + distance) * bw.material.pla.density, answer.mass, 1e-6)
+      near(20 * LENGTH ^ 3 / (3 * bw.material.pla.young * WIDTH * (HEIGHT + distance) ^ 3 / 12),
+        answer.max_displacement, 0.05)
     end
+    near(HEIGHT, bench:state().size[3], 1e-9) -- nothing has changed
+  end)
+
+  it("edits both sides of a symmetric part, and refuses what has no other side", function()
+    local bench, _, right, top = beam()
+    assert(bench:symmetry {across = "x"})
+    assert(bench:push {faces = {right}, distance = 0.002})
+    near(LENGTH + 0.004, bench:state().size[1], 1e-9)
+    assert(bench:thicken {at = {LENGTH, 0.01, 0.005}, radius = 0.004, offset = 0.001})
+    local box = bench:current().body.surface.box
+    near(box.max[1] - LENGTH, -box.min[1], 1e-6)
+    assert(bench:undo())
+    assert(bench:grow {point = {0.09, 0.01, HEIGHT}, radius = 0.008})
+    assert.equal("plane", bench:state().faces[bench.grown_faces[1]].kind)
+    local made, message = bench:push {faces = bench.grown_faces, distance = 1e-4}
+    assert.is_nil(made)
+    assert.truthy(message:find("Nothing lies opposite", 1, true))
+    assert.is_true(top > 0)
+    local lever = file("wedge.stl", assert(bw.surface.box({max = {0.04, 0.02, 0.01}}):difference(
+      bw.surface.box {min = {0.03, -0.01, 0.005}, max = {0.05, 0.03, 0.02}})))
+    made, message = assert(bw.workbench.open(lever)):symmetry {across = "x"}
+    assert.is_nil(made)
+    assert.truthy(message:find("no mirror images", 1, true))
+  end)
+
+  it("makes a body of a drawing, of the thickness that is chosen", function()
+    local path = folder .. "/sign.svg"
+    assert(bw.outline.rectangle({width = 0.06, height = 0.02}):write(path))
+    local bench = assert(bw.workbench.open(path))
+    near(0.003, bench:state().thickness, 1e-9)
+    assert(bench:thickness {thickness = 0.002})
+    near(0.06 * 0.02 * 0.002, bench:current().body.surface.volume, 1e-9)
+    assert.truthy(bench:script():find("thickness = 0.002", 1, true))
+    local made, message = beam():thickness {thickness = 0.002}
+    assert.is_nil(made)
+    assert.truthy(message:find("push a face", 1, true))
+  end)
+
+  it("makes faces of what lies in a rectangle, and keeps their supports", function()
+    local bench, _, _, top = beam()
+    assert(bench:fix {faces = {top}})
+    local planes = {{1, 0, 0, -1}, {-1, 0, 0, -LENGTH / 2}} -- x up to the middle
+    assert(bench:patch {planes = planes, towards = {0, 0, 1}})
+    assert.equal(7, #bench:state().faces)
+    assert.same({top, 7}, bench:current().conditions[1].faces)
+    local made, message = bench:patch {planes = {{1, 0, 0, 1}}, towards = {0, 0, 1}}
+    assert.is_nil(made)
+    assert.truthy(message:find("Nothing of the part", 1, true))
   end)
 end)
 

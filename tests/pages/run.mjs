@@ -15,6 +15,7 @@ import { plane } from "./plane.mjs";
 import { site } from "./site.mjs";
 import { study } from "./study.mjs";
 import { workbench } from "./workbench.mjs";
+import { workbenchTasks } from "./workbench_tasks.mjs";
 
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 const { chromium } = await import(path.join(root, "web/node_modules/playwright-core/index.mjs"));
@@ -302,6 +303,7 @@ await site({ browser, root, folder, test, assert, pictures: process.env.BARWRIGH
 await accessible({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await liveMore({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await workbench({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
+await workbenchTasks({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await live({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await plane({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 

@@ -261,9 +261,9 @@ export async function workbenchTasks({ browser, root, folder, test, assert, pict
     const after = await answer();
     assert(after.utilisation < before.utilisation, `${before.utilisation}, then ${after.utilisation}`);
     await done("undo", () => click("#undo"));
-    await type("#target", 10); // more than bumps can give: the best is kept
+    await type("#target", Number((1.1 / before.high).toPrecision(3))); // a tenth more than it carries for sure
     await done("optimise", () => click("#optimise"));
-    assert(/best that was found/.test(await page.textContent("#note")), await page.textContent("#note"));
+    assert(/fell from/.test(await page.textContent("#note")), await page.textContent("#note"));
     assert((await answer()).utilisation < before.utilisation, "optimising did not help");
     assert((await exported("3mf")) > 0.07 * 0.02 * 0.006 - 0.015 * 0.012 * 0.006, "the volume did not grow");
   });
@@ -298,6 +298,7 @@ export async function workbenchTasks({ browser, root, folder, test, assert, pict
     assert(found.kind === "worst" && found.force_low < found.force && found.force < found.force_high, found.sentence);
     assert(["green", "amber", "red"].includes(await page.getAttribute("#verdict", "data-colour")), "no colour");
     assert(/breaks at/.test(await page.textContent("#verdict-words")), await page.textContent("#verdict-words"));
+    assert(await page.isVisible("#legend"), "weak places are not coloured");
     await click("#place");
   });
 
@@ -335,12 +336,6 @@ export async function workbenchTasks({ browser, root, folder, test, assert, pict
     assert((await answer()).utilisation < before.utilisation, "it is not stronger");
     const { size } = await state();
     near(await exported("3mf"), size[0] * size[1] * size[2], 1e-6, "volume");
-  });
-
-  await test("the script of the tasks was never typed, and reruns", async () => {
-    const { script } = await state();
-    assert(script.length > 2, "no script");
-    assert((await page.locator("#script").evaluate((one) => one.isContentEditable)) === false, "the script can be typed");
   });
 
   await context.close();

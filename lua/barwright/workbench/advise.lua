@@ -14,8 +14,9 @@ local strengthen = require "barwright.strengthen"
 
 local advise = {}
 
--- Places that are tried under known loads, their radius over the diagonal, their offset over the radius.
-local PLACES, RADIUS, OFFSET = 3, 0.06, 0.25
+-- Places that are tried under known loads, the radii of bumps there over the diagonal, and their offset over the
+-- radius. A narrow bump adds less mass, and a wide one concentrates less stress at its foot.
+local PLACES, RADII, OFFSET = 2, {0.06, 0.16}, 0.25
 -- A point of a locked face is one so near to its primitive, over the diagonal.
 local ON_FACE = 1e-6
 -- A thickening that gains less is no advice.
@@ -88,7 +89,7 @@ end
 
 -- The most stressed places of the surface, of which no two lie in one bump.
 local function stressed(entry, static)
-  local radius, keep = RADIUS * diagonal(entry.body), kept(entry)
+  local size, keep = diagonal(entry.body), kept(entry)
   local mesh, list = static.mesh, {}
   local nodes, stress = mesh.nodes, static.von_mises
   for i, node in ipairs(mesh.boundary.nodes:totable()) do list[i] = {node = node, stress = stress[node]} end
@@ -98,11 +99,13 @@ local function stressed(entry, static)
   end)
   local places = {}
   for _, one in ipairs(list) do
-    if #places == PLACES then break end
+    if #places == PLACES * #RADII then break end
     local at = {nodes(one.node, 1), nodes(one.node, 2), nodes(one.node, 3)}
     local free = not (keep and keep(at[1], at[2], at[3]))
-    for _, other in ipairs(places) do free = free and distance(other.at, at) > 1.5 * radius end
-    if free then places[#places + 1] = {at = at, radius = radius, offset = OFFSET * radius} end
+    for _, other in ipairs(places) do free = free and distance(other.at, at) > 1.5 * RADII[1] * size end
+    for _, share in ipairs(free and RADII or {}) do
+      places[#places + 1] = {at = at, radius = share * size, offset = OFFSET * share * size}
+    end
   end
   return places
 end

@@ -72,7 +72,12 @@ function workbench:probe(given)
   if not point then return nil, message, details end
   local solved = now(self).solved
   local worst = solved and solved.breaking and solved.breaking.worst
-  local static, at = solved and solved.static or worst and worst.static, core.array.new {point}
+  local static, at = solved and solved.static, core.array.new {point}
+  if worst then
+    local found, missing, what = model.try(worst.mesh.sample, worst.mesh, worst.mesh:to_nodes(worst.weakness), at)
+    if not found then return nil, missing, what end
+    return {point = point, von_mises = found(1, 1)}
+  end
   if not static then return refuse "There is no result to read: ask for the answer first." end
   local stress, why, about = model.try(static.mesh.sample, static.mesh, static.von_mises, at)
   if not stress then return nil, why, about end

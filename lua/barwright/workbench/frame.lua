@@ -39,15 +39,24 @@ function frame.result(static, labels, revision)
   return live_pack.pack(header, blocks)
 end
 
+-- The largest stress of all worst loads, where each place is weak: on the boundary of the mesh.
+local function weakness(entry, worst)
+  local surface, nodes = worst.mesh:surface()
+  local labels = core.face_labels(entry.body.surface, entry.body.labels, worst.mesh)
+  local stress = surface and labels and worst.mesh:to_nodes(worst.weakness)
+  if not stress then return nil end
+  local header, blocks = header_of("result", surface, entry.revision), blocks_of(surface, labels)
+  header.von_mises_max = stress:max()
+  blocks[#blocks + 1] = {"von_mises", "f4", stress:gather(nodes):tostring "<f4"}
+  return live_pack.pack(header, blocks)
+end
+
 --- The scene of an entry of the history: its shape, or its result where there is one.
 function frame.entry(entry)
   local solved = entry.solved
-  local static, labels = solved and solved.static, solved and solved.labels
-  if solved and solved.breaking then
-    static = solved.breaking.worst and solved.breaking.worst.static or nil
-    labels = static and core.face_labels(entry.body.surface, entry.body.labels, static.mesh)
-  end
-  local bytes = static and labels and frame.result(static, labels, entry.revision)
+  local worst = solved and solved.breaking and solved.breaking.worst
+  local bytes = worst and weakness(entry, worst)
+    or solved and solved.static and frame.result(solved.static, solved.labels, entry.revision)
   if bytes then return bytes end
   return live_pack.pack(header_of("shape", entry.body.surface, entry.revision),
     blocks_of(entry.body.surface, entry.body.labels))
