@@ -136,7 +136,10 @@ const heard = {
   drag(message) {
     setText("latency", `While dragging: ${Math.round(message.latency_ms)} ms a step.`);
     if (message.answer?.mass) setText("mass", grams(message.answer.mass));
-    if (pull.dragging && message.answer?.utilisation) setText("verdict-words", message.answer.sentence);
+    if (pull.dragging && message.answer?.utilisation) {
+      setText("verdict-words", message.answer.sentence);
+      setText("verdict-more", answerLine({ ...message.answer, force: undefined }));
+    }
     pull.handled();
   },
 

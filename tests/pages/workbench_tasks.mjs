@@ -54,7 +54,7 @@ export async function workbenchTasks({ browser, root, folder, test, assert, pict
   const state = () => page.evaluate(() => window.barwright.state());
   // page.waitForFunction evaluates text inside the page, which the page's policy forbids.
   async function until(holds, what) {
-    for (const since = Date.now(); Date.now() - since < 120000; await page.waitForTimeout(30)) {
+    for (const since = Date.now(); Date.now() - since < 300000; await page.waitForTimeout(30)) {
       const now = await state();
       if (holds(now)) return now;
     }
