@@ -197,8 +197,9 @@ local function optimise_worst(entry, opts)
   if not opts.force then
     return nil, "Give the force that the part must carry, or add loads.", {status = "unsupported"}
   end
-  local found, message, details = model.try(strengthen.run, entry.body.surface, {force = opts.force,
-    material = entry.material, elements = judge.elements.default, steps = opts.steps, keep = kept(entry)})
+  local accuracy = entry.answer and entry.answer.accuracy or "default"
+  local found, message, details = model.try(strengthen, entry.body.surface, {force = opts.force,
+    material = entry.material, elements = judge.elements[accuracy], steps = opts.steps, keep = kept(entry)})
   if not found then return nil, message, details end
   local made, why, about = body.replaced(entry.body, found.surface)
   if not made then return nil, why, about end
