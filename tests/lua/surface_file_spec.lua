@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Surface files with colours and fields: glTF, USD, PLY, OBJ, 3MF; VTK, meshio and assimp where they are installed.
+-- Surface files with colours and fields: glTF, USD, PLY, OBJ, 3MF; by VTK, meshio, assimp where installed.
 local bw = require "barwright"
 local check = require "check"
 
@@ -59,7 +59,9 @@ describe("surface files with colours", function()
     local box, points, triangles, groups = bw.surface.box {max = {0.02, 0.02, 0.02}}, {}, {}, {}
     for k, body in ipairs {ball, box} do
       local first = #points
-      for i = 1, body.point_count do points[#points + 1] = {body.points(i, 1), body.points(i, 2), body.points(i, 3)} end
+      for i = 1, body.point_count do
+        points[#points + 1] = {body.points(i, 1), body.points(i, 2), body.points(i, 3)}
+      end
       for i = 1, body.triangle_count do
         local t = body.triangles
         triangles[#triangles + 1] = {first + t(i, 1), first + t(i, 2), first + t(i, 3)}
