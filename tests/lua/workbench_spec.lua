@@ -358,6 +358,11 @@ describe("the workbench's controller", function()
     assert.equal("shape", header.kind)
     message {id = 8, ["do"] = "export", format = "stl"}
     assert.equal(684, #pages[last "file".url])
+    local signs = {glb = "^glTF", usda = "^#usda 1.0", step = "^ISO%-10303%-21;", ["3mf"] = "^PK", off = "^OFF"}
+    for format, sign in pairs(signs) do
+      message {id = 8, ["do"] = "export", format = format}
+      assert.truthy(pages[last "file".url]:find(sign), format)
+    end
     message {id = 9, ["do"] = "export", format = "../x"}
     assert.equal(9, last "refused".id)
     message {id = 10, ["do"] = "open", path = beam_path}

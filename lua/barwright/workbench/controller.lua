@@ -95,7 +95,11 @@ end
 -- ---- files -----------------------------------------------------------------------------------------
 
 local mimes = {stl = "model/stl", obj = "model/obj", ply = "application/octet-stream", off = "text/plain",
-  ["3mf"] = "model/3mf", glb = "model/gltf-binary", lua = "text/plain; charset=utf-8"}
+  ["3mf"] = "model/3mf", glb = "model/gltf-binary", step = "model/step", usda = "text/plain; charset=utf-8",
+  lua = "text/plain; charset=utf-8"}
+local format_names = {}
+for name in pairs(mimes) do format_names[#format_names + 1] = name end
+table.sort(format_names)
 
 local function stem(self)
   return (model.name(self.bench.path):gsub("%.%w+$", ""):gsub("[^%w_.-]", "_"))
@@ -104,7 +108,8 @@ end
 local function export(self, client, message)
   local format = tostring(message.format or "stl"):lower()
   if not mimes[format] then
-    return nil, ("export: no such format '%s': stl, obj, ply, off or lua"):format(live_check.shown(format))
+    return nil, ("export: no such format '%s': one of %s expected"):format(live_check.shown(format),
+      table.concat(format_names, ", "))
   end
   local bytes, why
   if format == "lua" then
