@@ -1,7 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* STEP (ISO 10303-21, AP214): closed shells as solids with flat faces. Facets in one plane, of one
  * group and joined by edges, are one face; points within a straight border are left out. A shell
- * inside of another one is a void of it. What was curved is written as the flat facets that it has.
+ * inside of another one is a void of it. Faces have the names of the surface. What was curved is
+ * written as the flat facets that it has.
  *
  * Here a side is an edge of a facet, in its direction (bwi_topology). A chain is what the border of
  * two faces has from one kept point to the next, a straight edge of the solid. */
@@ -360,6 +361,39 @@ static int64_t put_plane(step *s, int32_t face) {
   return s->next - 1;
 }
 
+/* Text within apostrophes. What is no ASCII is written by the numbers of its characters, as ISO
+ * 10303-21 asks for; bytes that are no UTF-8 are '?'. */
+static void put_text(const step *s, const char *text) {
+  const unsigned char *at = (const unsigned char *)text;
+  while (*at) {
+    unsigned char lead = *at++;
+    int more = lead < 0xc0 ? 0 : lead < 0xe0 ? 1 : lead < 0xf0 ? 2 : lead < 0xf8 ? 3 : 0;
+    uint32_t character = more == 0 ? lead : lead & (0x3fU >> more);
+    for (; more > 0 && (*at & 0xc0) == 0x80; more--)
+      character = character << 6 | (*at++ & 0x3fU);
+    if (more > 0 || (lead >= 0x80 && lead < 0xc0) || lead >= 0xf8 || character > 0x10ffff)
+      character = '?';
+    if (lead < 0x80 && (lead == '\'' || lead == '\\'))
+      bw_writer_print(s->writer, "%c%c", lead, lead);
+    else if (character >= ' ' && character < 0x7f)
+      bw_writer_print(s->writer, "%c", (int)character);
+    else if (character <= 0xffff)
+      bw_writer_print(s->writer, "\\X2\\%04X\\X0\\", (unsigned)character);
+    else
+      bw_writer_print(s->writer, "\\X4\\%08X\\X0\\", (unsigned)character);
+  }
+}
+
+/* The name that the surface has for a face, or "face" and its number. */
+static void put_face_name(const step *s, int32_t face) {
+  const bw_face_names *names = s->surface->names;
+  int32_t group = names ? s->surface->group[s->seed[face]] : -1;
+  if (group >= 0 && group < names->count && names->name[group].text[0])
+    put_text(s, names->name[group].text);
+  else
+    bw_writer_print(s->writer, "face %d", (int)face + 1);
+}
+
 /* A face with its loops, the outer one first; bound: room for them. */
 static int64_t put_face(step *s, int32_t face, const int64_t *loop, int64_t loops, int64_t *bound,
                         int64_t *entity) {
@@ -378,7 +412,9 @@ static int64_t put_face(step *s, int32_t face, const int64_t *loop, int64_t loop
     bound[i] = s->next++;
   }
   int64_t plane = put_plane(s, face);
-  bw_writer_print(s->writer, "#%lld=ADVANCED_FACE('face %d',(", (long long)s->next, (int)face + 1);
+  bw_writer_print(s->writer, "#%lld=ADVANCED_FACE('", (long long)s->next);
+  put_face_name(s, face);
+  bw_writer_print(s->writer, "',(");
   for (int64_t i = 0; i < loops; i++)
     bw_writer_print(s->writer, "%s#%lld", i ? "," : "", (long long)bound[i]);
   bw_writer_print(s->writer, "),#%lld,.T.);\n", (long long)plane);

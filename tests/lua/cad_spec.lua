@@ -193,6 +193,19 @@ describe("a STEP file that barwright writes", function()
   end
   local box = bw.surface.box {max = {0.03, 0.02, 0.01}}
 
+  it("keeps the names of faces, with any characters", function()
+    local names = {left = "bolt hole", top = "Ø 6 'deep' \\ 5", right = "平面", front = "\u{1F600}"}
+    local box = bw.surface.box {max = {1, 2, 3}}
+    for face, name in pairs(names) do box = box:named(name, face) end
+    local path = folder .. "/names.step"
+    assert(box:write(path, {unit = "mm"}))
+    local found = assert(bw.surface.read(path)):face_names()
+    local expected = box:face_names()
+    table.sort(found)
+    table.sort(expected)
+    assert.same(expected, found)
+  end)
+
   it("has volume and area, and a face for each plane, in any unit", function()
     for unit, metres in pairs {mm = 1e-3, cm = 1e-2, m = 1, ["in"] = 0.0254, ft = 0.3048} do
       local info = back("own_box", box, unit)
