@@ -99,7 +99,7 @@ local wrong = {
   {"convert part.stl", 2, "is missing"},
   {"convert nofile.stl out.obj", 3, "nofile.stl: cannot be read"},
   {"convert part.stl out.doc", 2, "out.doc"},
-  {"convert part.stl part.step", 2, "STEP files are read, and not written"},
+  {"convert part.stl part.igs", 2, "IGES files are read, and not written"},
   {"convert part.stl /dev/full", 2, "/dev/full: the name has no ending, which says the format"},
   {"check /dev/null", 3, "/dev/null: cannot be read: it is not a regular file"},
   {"statics /dev/null" .. PUSHED, 3, "/dev/null: cannot be read: it is not a regular file"},

@@ -66,7 +66,7 @@ local function converted(read, opts, out)
       list {surface_endings, mesh_endings}), {status = "misuse"}
   end
   if not (surface_endings[ending] or mesh_endings[ending] or ending == "vtu") then
-    local read_only = {step = "STEP", stp = "STEP", iges = "IGES", igs = "IGES"}
+    local read_only = {iges = "IGES", igs = "IGES"}
     local what = read_only[ending] and read_only[ending] .. " files are read, and not written"
       or ending == "" and "the name has no ending, which says the format"
       or ("the ending .%s is not known"):format(ending)
