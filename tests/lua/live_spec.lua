@@ -444,7 +444,8 @@ describe("barwright live", function()
       ["x.lua y.lua"] = "one argument too many",
     } do
       local status, _, err = check.run("live " .. arguments)
-      assert.equal((text == "No such file" or text == "unexpected symbol") and 3 or 2, status, arguments .. ": " .. err)
+      local unreadable = text == "No such file" or text == "unexpected symbol"
+      assert.equal(unreadable and 3 or 2, status, arguments .. ": " .. err)
       assert.truthy(err:find(text, 1, true), err)
     end
     local status, out = check.run "live --help"
