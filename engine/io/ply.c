@@ -421,7 +421,16 @@ static void put_property(bw_writer *writer, const bw_field *field) {
   bw_writer_print(writer, "property double %s\n", name);
 }
 
-static void put_header(bw_writer *writer, const bw_surface *surface,
+/* The groups of facets, NULL where all are 0: these say nothing, and some readers know no facets
+ * with numbers. */
+static const int32_t *groups_of(const bw_surface *surface) {
+  for (int32_t i = 0; surface->group && i < surface->triangle_count; i++)
+    if (surface->group[i] != 0)
+      return surface->group;
+  return NULL;
+}
+
+static void put_header(bw_writer *writer, const bw_surface *surface, const int32_t *group,
                        const bw_surface_write_options *options) {
   static const char colours[] = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const bool coloured = options->colour != NULL;
@@ -434,7 +443,7 @@ static void put_header(bw_writer *writer, const bw_surface *surface,
     if (options->fields[k].place == BW_ON_NODES)
       put_property(writer, &options->fields[k]);
   bw_writer_print(writer, "element face %d\n%s%s", (int)surface->triangle_count,
-                  surface->group ? "property int group\n" : "",
+                  group ? "property int group\n" : "",
                   coloured && options->colour_on_facets ? colours : "");
   for (int k = 0; k < options->field_count; k++)
     if (options->fields[k].place == BW_ON_ELEMENTS)
@@ -474,7 +483,8 @@ static void put_values(bw_writer *writer, const bw_surface_write_options *option
 bw_status bwi_ply_write(bw_writer *writer, const bw_surface *surface,
                         const bw_surface_write_options *options) {
   const bool ascii = options->ascii;
-  put_header(writer, surface, options);
+  const int32_t *group = groups_of(surface);
+  put_header(writer, surface, group, options);
   for (int32_t i = 0; i < surface->point_count; i++) {
     bool begun = false;
     for (size_t k = 0; k < 3; k++) {
@@ -490,10 +500,10 @@ bw_status bwi_ply_write(bw_writer *writer, const bw_surface *surface,
   for (int32_t i = 0; i < surface->triangle_count; i++) {
     const int32_t *t = surface->triangle + 3 * (size_t)i;
     bool begun = false;
-    if (surface->group && ascii)
-      put_text(writer, surface->group[i], &begun);
-    else if (surface->group)
-      put_u32(writer, (uint32_t)surface->group[i]);
+    if (group && ascii)
+      put_text(writer, group[i], &begun);
+    else if (group)
+      put_u32(writer, (uint32_t)group[i]);
     put_values(writer, options, BW_ON_ELEMENTS, i, &begun);
     if (ascii) {
       bw_writer_print(writer, "%s3 %d %d %d\n", begun ? " " : "", (int)t[0], (int)t[1], (int)t[2]);
