@@ -87,7 +87,7 @@ describe("docs/tutorial.md", function()
     local text, folder = check.read(check.root .. "/docs/tutorial.md"), check.folder()
     local part = folder .. "/part.vtu"
     assert(assert(bw.mesh.box {min = {0, 0, 0}, max = {0.06, 0.02, 0.008}, cells = {6, 2, 1}}):write(part))
-    local status, out = check.run(("worst %s %s --material zp150"):format(part, small_options.worst))
+    local status, out = check.run(("worst %s %s --unit m --material zp150"):format(part, small_options.worst))
     assert.is_true(status <= 1, out)
     -- Sentences without their numbers, names and what only some answers have.
     local flat = text:gsub("\n *", " ")
