@@ -195,12 +195,12 @@ describe("a STEP file that barwright writes", function()
 
   it("keeps the names of faces, with any characters", function()
     local names = {left = "bolt hole", top = "Ø 6 'deep' \\ 5", right = "平面", front = "\u{1F600}"}
-    local box = bw.surface.box {max = {1, 2, 3}}
-    for face, name in pairs(names) do box = box:named(name, face) end
+    local body = bw.surface.box {max = {1, 2, 3}}
+    for face, name in pairs(names) do body = body:named(name, face) end
     local path = folder .. "/names.step"
-    assert(box:write(path, {unit = "mm"}))
+    assert(body:write(path, {unit = "mm"}))
     local found = assert(bw.surface.read(path)):face_names()
-    local expected = box:face_names()
+    local expected = body:face_names()
     table.sort(found)
     table.sort(expected)
     assert.same(expected, found)
