@@ -13,6 +13,7 @@
 
 #include "barwright/job.h"
 #include "io/json.h"
+#include "mesh/surface_internal.h"
 
 enum { REPEATED = 100, SLACK = 1 << 16, POINT_BYTES = 80 };
 #define MOST ((int64_t)1 << 32)
@@ -403,50 +404,20 @@ done:
   return status;
 }
 
-typedef struct placed_point {
-  double x[3];
-  int32_t number;
-} placed_point;
-
-static int compare_points(const void *left, const void *right) {
-  const placed_point *a = (const placed_point *)left, *b = (const placed_point *)right;
-  for (int k = 0; k < 3; k++)
-    if (a->x[k] != b->x[k])
-      return a->x[k] < b->x[k] ? -1 : 1;
-  return (a->number > b->number) - (a->number < b->number);
-}
-
 /* Merges equal points from `first` on, in the facets from `first_facet` on. */
 static bw_status weld(bwi_soup *soup, size_t first, size_t first_facet) {
   bw_status status = BW_OK;
-  size_t count = soup->point_count - first, kept = first;
-  placed_point *sorted = BW_NEW(soup->context, placed_point, count + 1);
-  int32_t *to = BW_NEW(soup->context, int32_t, count + 1);
-  BW_TRY_MEMORY(sorted && to);
-  for (size_t i = 0; i < count; i++) {
-    memcpy(sorted[i].x, soup->point + 3 * (first + i), sizeof sorted[i].x);
-    sorted[i].number = (int32_t)i;
-  }
-  qsort(sorted, count, sizeof *sorted, compare_points);
-  /* to: the first of equal points; then, in the order of the points, their new numbers. */
-  for (size_t i = 0; i < count; i++) {
-    bool same = i > 0 && sorted[i].x[0] == sorted[i - 1].x[0] &&
-                sorted[i].x[1] == sorted[i - 1].x[1] && sorted[i].x[2] == sorted[i - 1].x[2];
-    to[sorted[i].number] = same ? to[sorted[i - 1].number] : sorted[i].number;
-  }
-  for (size_t i = 0; i < count; i++) {
-    if (to[i] < (int32_t)i) {
-      to[i] = to[to[i]];
-      continue;
-    }
-    memmove(soup->point + 3 * kept, soup->point + 3 * (first + i), 3 * sizeof *soup->point);
-    to[i] = (int32_t)kept++;
-  }
-  soup->point_count = kept;
+  size_t count = soup->point_count - first;
+  double *point = soup->point + 3 * first;
+  int32_t kept, *to = BW_NEW(soup->context, int32_t, count + 1);
+  BW_TRY_MEMORY(to);
+  BW_TRY(bwi_weld_map(soup->context, (int64_t)count, point, NULL, 0, to, &kept));
+  for (size_t i = 0; i < count; i++) /* new numbers are no larger than the old ones */
+    memmove(point + 3 * (size_t)to[i], point + 3 * i, 3 * sizeof *point);
+  soup->point_count = first + (size_t)kept;
   for (size_t i = 3 * first_facet; i < 3 * soup->triangle_count; i++)
-    soup->triangle[i] = to[(size_t)soup->triangle[i] - first];
+    soup->triangle[i] = (int32_t)first + to[(size_t)soup->triangle[i] - first];
 done:
-  bw_free(sorted);
   bw_free(to);
   return status;
 }

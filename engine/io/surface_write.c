@@ -7,16 +7,51 @@
 #include "io/gltf.h"
 #include "io/raw.h"
 
+static bw_status write_stl(bw_writer *writer, const bw_surface *surface,
+                           const bw_surface_write_options *options) {
+  return bwi_stl_write(writer, surface, options->ascii);
+}
+
+static bw_status write_off(bw_writer *writer, const bw_surface *surface,
+                           const bw_surface_write_options *options) {
+  (void)options;
+  return bwi_off_write(writer, surface);
+}
+
+static bw_status write_vtu(bw_context *context, const bw_surface *surface, const char *path,
+                           const bw_surface_write_options *options) {
+  return bw_surface_write_vtu(context, surface, path, options->field_count, options->fields);
+}
+
+static bw_status write_msh(bw_context *context, const bw_surface *surface, const char *path,
+                           const bw_surface_write_options *options) {
+  return bwi_msh_write_surface(context, surface, path, options->ascii);
+}
+
+enum { POINT_COLOURS = 1, FACET_COLOURS = 2, FIELDS = 4, VECTORS = 8 };
+
 typedef struct format {
   const char *ending;
-  bool facet_colours, point_colours, fields;
+  int has; /* of the above; VECTORS: fields of several components */
+  bw_status (*write)(bw_writer *writer, const bw_surface *surface,
+                     const bw_surface_write_options *options);
+  bw_status (*write_file)(bw_context *context, const bw_surface *surface, const char *path,
+                          const bw_surface_write_options *options); /* where it opens the file */
 } format;
 
 static const format formats[] = {
-    {"stl", false, false, false}, {"obj", false, true, false},   {"off", false, false, false},
-    {"ply", true, true, true},    {"3mf", true, true, false},    {"glb", true, true, false},
-    {"usda", true, true, true},   {"step", false, false, false}, {"stp", false, false, false},
-    {"vtu", false, false, true},  {"msh", false, false, false}};
+    {"stl", 0, write_stl, NULL},
+    {"obj", POINT_COLOURS, bwi_obj_write, NULL},
+    {"off", 0, write_off, NULL},
+    {"ply", POINT_COLOURS | FACET_COLOURS | FIELDS, bwi_ply_write, NULL},
+    {"3mf", POINT_COLOURS | FACET_COLOURS, NULL, bwi_3mf_write},
+    {"glb", POINT_COLOURS | FACET_COLOURS, bwi_gltf_write, NULL},
+    {"usda", POINT_COLOURS | FACET_COLOURS | FIELDS, bwi_usd_write, NULL},
+    {"step", 0, bwi_step_write, NULL},
+    {"stp", 0, bwi_step_write, NULL},
+    {"vtu", FIELDS | VECTORS, NULL, write_vtu},
+    {"msh", 0, NULL, write_msh},
+};
 
 static const format *format_of(const char *path) {
   for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
@@ -26,25 +61,24 @@ static const format *format_of(const char *path) {
 }
 
 static bw_status check(bw_context *context, const bw_surface *surface, const char *path,
-                       const bw_surface_write_options *options, bool vtu) {
-  const format *found = format_of(path);
+                       const bw_surface_write_options *options, const format *found) {
   if (!found)
     return bw_fail(context, BW_INVALID,
                    "%s: the ending '%s' names no format that surfaces are written in: use .stl "
                    ".obj .ply .off .3mf .glb .usda .step .vtu or .msh",
                    path, bwi_ending(path));
-  if (options->colour && !found->point_colours)
+  if (options->colour && !(found->has & POINT_COLOURS))
     return bw_fail(context, BW_INVALID, "%s: .%s has no colours: use .glb .usda .ply .obj or .3mf",
                    path, found->ending);
-  if (options->colour && options->colour_on_facets && !found->facet_colours)
+  if (options->colour && options->colour_on_facets && !(found->has & FACET_COLOURS))
     return bw_fail(context, BW_INVALID,
                    "%s: .%s has colours of points only, not of facets: use .glb .usda .ply or "
                    ".3mf",
                    path, found->ending);
-  if (options->field_count > 0 && !found->fields)
+  if (options->field_count > 0 && !(found->has & FIELDS))
     return bw_fail(context, BW_INVALID, "%s: .%s has no fields: use .vtu .ply or .usda", path,
                    found->ending);
-  for (int i = 0; !vtu && i < options->field_count; i++)
+  for (int i = 0; !(found->has & VECTORS) && i < options->field_count; i++)
     if (options->fields[i].array->columns != 1)
       return bw_fail(
           context, BW_INVALID,
@@ -58,28 +92,17 @@ bw_status bw_surface_write_with(bw_context *context, const bw_surface *surface, 
                                 const bw_surface_write_options *options) {
   static const bw_surface_write_options none = {0};
   options = options ? options : &none;
-  bool vtu = bwi_has_ending(path, "vtu");
-  bw_status status = check(context, surface, path, options, vtu);
+  const format *found = format_of(path);
+  bw_status status = check(context, surface, path, options, found);
   if (status != BW_OK)
     return status;
-  if (vtu)
-    return bw_surface_write_vtu(context, surface, path, options->field_count, options->fields);
-  if (bwi_has_ending(path, "msh"))
-    return bwi_msh_write_surface(context, surface, path, options->ascii);
-  if (bwi_has_ending(path, "3mf"))
-    return bwi_3mf_write(context, surface, path, options);
+  if (found->write_file)
+    return found->write_file(context, surface, path, options);
   bw_writer *writer = NULL;
   status = bw_writer_open(context, path, &writer);
   if (status != BW_OK)
     return status;
-  bool step = bwi_has_ending(path, "step") || bwi_has_ending(path, "stp");
-  status = step                          ? bwi_step_write(writer, surface, options)
-           : bwi_has_ending(path, "stl") ? bwi_stl_write(writer, surface, options->ascii)
-           : bwi_has_ending(path, "obj") ? bwi_obj_write(writer, surface, options)
-           : bwi_has_ending(path, "off") ? bwi_off_write(writer, surface)
-           : bwi_has_ending(path, "ply") ? bwi_ply_write(writer, surface, options)
-           : bwi_has_ending(path, "glb") ? bwi_gltf_write(writer, surface, options)
-                                         : bwi_usd_write(writer, surface, options);
+  status = found->write(writer, surface, options);
   if (status == BW_OK)
     return bw_writer_commit(writer);
   bw_writer_discard(writer);

@@ -88,7 +88,7 @@ static bool has_ending(const char *path, const char *ending) {
 
 typedef struct written {
   bool ascii;
-  double min, max; /* of the colours */
+  double min, max; /* of the colours; NAN: those of the values */
 } written;
 
 /* The colours of option 'values', on the stack, as pictures have them; NULL: none. */
@@ -102,14 +102,13 @@ static unsigned char *read_colours(lua_State *L, const bw_surface *surface, cons
   if (!*on_facets && rows != surface->point_count)
     lbw_error(L, "write: values: a row for each of %d points or %d facets expected, got %I rows",
               (int)surface->point_count, (int)surface->triangle_count, (LUAI_UACINT)rows);
-  double min = w->min, max = w->max;
-  bool given = min != 0 || max != 0, any = false;
-  for (int64_t i = 0; !given && i < rows; i++)
+  double least = HUGE_VAL, greatest = -HUGE_VAL;
+  for (int64_t i = 0; i < rows; i++)
     if (isfinite(value[i])) {
-      min = !any || value[i] < min ? value[i] : min;
-      max = !any || value[i] > max ? value[i] : max;
-      any = true;
+      least = value[i] < least ? value[i] : least;
+      greatest = value[i] > greatest ? value[i] : greatest;
     }
+  const double min = isnan(w->min) ? least : w->min, max = isnan(w->max) ? greatest : w->max;
   unsigned char *colour = (unsigned char *)lua_newuserdatauv(L, 3 * (size_t)rows + 1, 0);
   for (int64_t i = 0; i < rows; i++)
     bw_colour(isfinite(value[i]) ? (max > min ? (value[i] - min) / (max - min) : 0) : (double)NAN,
@@ -128,7 +127,7 @@ static int surface_write(lua_State *L) {
                                     {NULL, LBW_OTHER, 0}};
   const bw_surface *surface = self(L);
   const char *path = lbw_check_text(L, 2, NULL);
-  written w = {0};
+  written w = {.min = NAN, .max = NAN};
   lua_settop(L, 3);
   lbw_options(L, 3, "write", list, &w);
   double unit = lbw_unit_option(L, 3, "write", lbw_unit_of_path(path));

@@ -137,6 +137,10 @@ describe("an outline", function()
     local half = bw.outline {{0, -1}, {1, -1}, {1, 1}, {0, 1}}
     check.near(2 * polygon_area(16, 1), sound(bw.surface.revolve(half, {segments = 16})).volume, 1e-12)
     check.near(pi / 2, sound(bw.surface.revolve(half, {angle = pi / 2, tolerance = 1e-4})).volume, 1e-3)
+    local disc = bw.outline.circle {centre = {2, 0}, radius = 1}
+    for _, tolerance in ipairs {1e-30, 1e-12} do
+      assert.error_matches(function() bw.surface.revolve(disc, {tolerance = tolerance}) end, "100000 sides")
+    end
     assert.error_matches(function() bw.surface.revolve(bw.outline.circle {radius = 1}) end,
       "turns about its y axis")
   end)

@@ -133,6 +133,21 @@ print(len(m.points), m.point_data["height"].min(), m.point_data["height"].max(),
     if assimp then assert.equal("1280", assimp:match "Faces:%s*(%d+)") end
   end)
 
+  it("begin at the smallest value where only the largest is given, and end at the largest", function()
+    local function bytes(given)
+      given.values, given.unit = height, "m"
+      assert(ball:write(folder .. "/range.ply", given))
+      local file <close> = assert(io.open(folder .. "/range.ply", "rb"))
+      return file:read "a"
+    end
+    local least, greatest = height:min(), height:max()
+    local whole = bytes {}
+    assert.equal(whole, bytes {min = least})
+    assert.equal(whole, bytes {max = greatest})
+    assert.equal(bytes {min = least, max = 0.25}, bytes {max = 0.25})
+    assert.not_equal(whole, bytes {min = 0})
+  end)
+
   it("have the lists that USD prescribes", function()
     assert(ball:write(folder .. "/a.usda", {values = height, fields = {["height, m"] = height}, unit = "mm"}))
     local file = assert(io.open(folder .. "/a.usda"))

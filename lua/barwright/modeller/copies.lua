@@ -51,7 +51,7 @@ end
 
 -- The union of copies: by booleans where their boxes meet, else side by side.
 local function joined(list)
-  local alone, bodies = {}, {}
+  local bodies = {}
   for _, copy in ipairs(list) do
     local meets = {}
     for i = #bodies, 1, -1 do
@@ -64,9 +64,7 @@ local function joined(list)
     end
     bodies[#bodies + 1] = copy
   end
-  if #bodies == 1 then return bodies[1] end
-  table.move(bodies, 1, #bodies, 1, alone)
-  return beside(alone)
+  return #bodies == 1 and bodies[1] or beside(bodies)
 end
 
 local copies = {type = "integer", min = 1, max = 100000}
@@ -76,23 +74,11 @@ local function count_of(where, opts)
   return opts.count
 end
 
-local function triple(where, key, value)
-  if not (type(value) == "table" and #value == 3) then
-    raise(("%s: option '%s': three finite numbers {x, y, z} expected"):format(where, key))
-  end
-  for k = 1, 3 do
-    if type(value[k]) ~= "number" or value[k] ~= value[k] or math.abs(value[k]) == math.huge then
-      raise(("%s: option '%s': three finite numbers {x, y, z} expected"):format(where, key))
-    end
-  end
-  return value
-end
-
 --- Copies in a row.
 function surface:linear_array(given)
   local where = "linear_array"
   local opts = options.read(where, given, {count = copies, step = {type = "table"}})
-  local count, step = count_of(where, opts), triple(where, "step", opts.step)
+  local count, step = count_of(where, opts), vectors.check(where, "step", opts.step)
   local list = {}
   for i = 1, count do list[i] = self:translate {(i - 1) * step[1], (i - 1) * step[2], (i - 1) * step[3]} end
   return joined(list)
@@ -104,8 +90,8 @@ function surface:polar_array(given)
   local opts = options.read(where, given, {count = copies, axis = {type = "table"}, centre = {type = "table"},
     angle = {type = "number"}})
   local count = count_of(where, opts)
-  local axis = triple(where, "axis", opts.axis or {0, 0, 1})
-  local centre = triple(where, "centre", opts.centre or {0, 0, 0})
+  local axis = vectors.check(where, "axis", opts.axis or {0, 0, 1})
+  local centre = vectors.check(where, "centre", opts.centre or {0, 0, 0})
   local list = {}
   for i = 1, count do list[i] = self:rotate(axis, (opts.angle or 2 * math.pi / count) * (i - 1), centre) end
   return joined(list)

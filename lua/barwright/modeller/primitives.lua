@@ -11,17 +11,6 @@ local raise = core.raise
 local surface = core.surface
 local FULL = 2 * math.pi
 
-local function vector(where, key, value)
-  if type(value) == "table" and #value == 3 then
-    local finite = true
-    for k = 1, 3 do
-      finite = finite and type(value[k]) == "number" and value[k] == value[k] and math.abs(value[k]) < math.huge
-    end
-    if finite then return value end
-  end
-  raise(("%s: option '%s': three finite numbers {x, y, z} expected"):format(where, key))
-end
-
 local function needed(where, opts, key)
   if opts[key] == nil then raise(("%s: option '%s' is needed"):format(where, key)) end
 end
@@ -29,7 +18,7 @@ end
 -- Sides of a whole circle.
 local function around(opts, radius)
   if opts.segments then return opts.segments end
-  if opts.tolerance then return math.min(1000000, math.max(3, profile.sides(FULL, radius, opts.tolerance))) end
+  if opts.tolerance then return math.max(3, profile.sides(FULL, radius, opts.tolerance)) end
   return 48
 end
 
@@ -62,7 +51,7 @@ end
 
 -- A frustum along an axis, of `count` sides.
 local function frustum(where, opts, count, bottom, top, tag)
-  local base, axis = vector(where, "base", opts.base or {0, 0, 0}), vector(where, "axis", opts.axis)
+  local base, axis = vectors.check(where, "base", opts.base or {0, 0, 0}), vectors.check(where, "axis", opts.axis)
   local height = vectors.norm(axis)
   if height == 0 then raise(where .. ": option 'axis': a vector of some length expected, got 0") end
   local polygons = {polygon_of(count, tag)}
@@ -111,8 +100,8 @@ function surface.torus(given)
     radius = {type = "number", above = 0}, tube = {type = "number", above = 0}})
   needed(where, opts, "radius")
   needed(where, opts, "tube")
-  local centre = vector(where, "centre", opts.centre or {0, 0, 0})
-  local axis = vector(where, "axis", opts.axis or {0, 0, 1})
+  local centre = vectors.check(where, "centre", opts.centre or {0, 0, 0})
+  local axis = vectors.check(where, "axis", opts.axis or {0, 0, 1})
   if vectors.norm(axis) == 0 then raise(where .. ": option 'axis': a vector of some length expected, got 0") end
   if opts.tube >= opts.radius then
     raise(("%s: option 'tube': less than the radius, %g m, expected, got %g"):format(where, opts.radius,

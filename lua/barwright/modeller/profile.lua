@@ -6,10 +6,21 @@ local profile = {}
 
 local function length(x, y) return math.sqrt(x * x + y * y) end
 
+-- A curve has at most so many sides.
+local MOST = 100000
+
+local function limited(count, tolerance)
+  if count > MOST then
+    core.raise(("option 'tolerance': a curve has at most %d sides, and %s asks for more: give a larger one")
+      :format(MOST, core.quantity(tolerance, "m")))
+  end
+  return math.max(1, math.ceil(count - 1e-9))
+end
+
 --- Equal sides of a circle's arc of an angle (rad) that stay within a distance of it.
 function profile.sides(angle, radius, tolerance)
-  if tolerance >= radius then return math.max(1, math.ceil(angle / 2 - 1e-9)) end
-  return math.max(1, math.ceil(angle / (2 * math.acos(1 - tolerance / radius)) - 1e-9))
+  local half = tolerance < radius and math.acos(1 - tolerance / radius) or 1
+  return limited(angle / (2 * half), tolerance)
 end
 
 -- How far a cubic turns, by the directions between 16 places on it.
@@ -43,7 +54,7 @@ function profile.edge_sides(edge, curvature, tolerance)
       local a, b, c = p[i], p[i + 1], p[i + 2]
       bend = math.max(bend, 6 * length(a[1] - 2 * b[1] + c[1], a[2] - 2 * b[2] + c[2]))
     end
-    count = math.max(count, math.ceil(math.sqrt(bend / (8 * tolerance))))
+    count = math.max(count, limited(math.sqrt(bend / (8 * tolerance)), tolerance))
   end
   return math.max(count, 1)
 end

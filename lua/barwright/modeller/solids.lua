@@ -57,10 +57,9 @@ function solids.revolve(outline, given)
     raise(("surface.revolve: the outline reaches x = %g m: it turns about its y axis, and lies at x of 0 or more")
       :format(low[1]))
   end
-  local steps = opts.segments or 48
-  if opts.segments then steps = math.ceil(steps * opts.angle / FULL - 1e-9)
-  elseif opts.tolerance then steps = profile.sides(opts.angle, high[1], opts.tolerance)
-  else steps = math.ceil(steps * opts.angle / FULL - 1e-9) end
+  local steps
+  if opts.tolerance and not opts.segments then steps = profile.sides(opts.angle, high[1], opts.tolerance)
+  else steps = math.ceil((opts.segments or 48) * opts.angle / FULL - 1e-9) end
   steps = math.max(steps, ring and 3 or 1)
   local solid, list, on_axis = sections.new(), {}, {}
   -- x × y of a section points against a right-handed turn about z: the last section comes first.
@@ -86,14 +85,6 @@ end
 
 -- ---- swept -----------------------------------------------------------------------------------------
 
-local function is_place(at)
-  if type(at) ~= "table" or #at ~= 3 then return false end
-  for k = 1, 3 do
-    if type(at[k]) ~= "number" or at[k] ~= at[k] or math.abs(at[k]) == math.huge then return false end
-  end
-  return true
-end
-
 -- The places of a path: a list, or samples of a curve.
 local function places_of(opts)
   local list = {}
@@ -106,7 +97,7 @@ local function places_of(opts)
     raise "surface.sweep: option 'path': a list of places {x, y, z}, or a function of 0 to 1, expected"
   end
   for i, at in ipairs(list) do
-    if not is_place(at) then raise(("surface.sweep: place %d of the path: {x, y, z} expected"):format(i)) end
+    if not vectors.is(at) then raise(("surface.sweep: place %d of the path: {x, y, z} expected"):format(i)) end
     local before = list[i - 1] or opts.closed and list[#list]
     if before and vectors.norm(vectors.add(at, before, -1)) == 0 then
       raise(("surface.sweep: place %d of the path is the place before it: leave it out"):format(i))
@@ -163,7 +154,7 @@ function solids.sweep(outline, given)
     path = {type = "any"}, up = {type = "table"}, closed = {type = "boolean", default = false},
     segments = {type = "integer", min = 3, max = 1000000, default = 64},
   })
-  if opts.up and not is_place(opts.up) then raise "surface.sweep: option 'up': a vector {x, y, z} expected" end
+  if opts.up then vectors.check("surface.sweep", "up", opts.up) end
   local places = places_of(opts)
   local pieces = directions(places, opts.closed)
   local across = axes(pieces, places, opts.up, opts.closed)

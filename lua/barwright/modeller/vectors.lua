@@ -1,6 +1,25 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Vectors in space as lists of three numbers, and frames of them.
+local core = require "barwright.core"
+
 local vectors = {}
+
+--- Whether a value is a list of three finite numbers.
+function vectors.is(value)
+  if type(value) ~= "table" or #value ~= 3 then return false end
+  for k = 1, 3 do
+    local x = value[k]
+    if type(x) ~= "number" or x ~= x or math.abs(x) == math.huge then return false end
+  end
+  return true
+end
+
+--- A vector that an option gives; raises where it is none.
+function vectors.check(where, key, value)
+  if vectors.is(value) then return value end
+  core.raise(("%s: option '%s': three finite numbers {x, y, z} expected, got %s"):format(where, key,
+    core.got(value)))
+end
 
 function vectors.dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
 
