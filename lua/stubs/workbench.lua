@@ -419,6 +419,7 @@ function Workbench:optimise(options) end
 
 ---What the part must carry.
 ---@class bw.WorkbenchOptimiseOptions
+---@field accuracy? "coarse"|"default"|"fine" without loads: of each analysis. Default: that of the last answer, else "default"
 ---@field force? number (N) without loads: above 0
 ---@field factor? number (-) with loads: on all of them. Default: 1
 ---@field steps? integer (count) at most. Range: 1 to 20. Default: 5

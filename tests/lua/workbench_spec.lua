@@ -238,6 +238,33 @@ describe("the workbench", function()
     near(before / (1 + list[1].gain), assert(bench:answer {accuracy = "coarse"}).utilisation, 1e-9)
   end)
 
+  it("thickens without loads, and the script has the accuracy", function()
+    local bench = beam()
+    assert(bench:answer {accuracy = "coarse", force = 5})
+    local volume = bench:current().body.surface.volume
+    assert(bench:optimise {force = 2000, steps = 1})
+    local body = bench:current().body
+    assert.is_true(body.surface.volume > volume)
+    assert.truthy(bench:script():find('accuracy = "coarse"', 1, true))
+    assert(bench:undo())
+    assert(bench:symmetry {across = "x"})
+    local made, message = bench:optimise {force = 2000, steps = 1, accuracy = "coarse"}
+    assert.is_nil(made)
+    assert.truthy(message:find("switch the symmetry off", 1, true))
+  end)
+
+  it("checks what is tried before it moves the mesh of a drag", function()
+    local bench, left, right, top = beam()
+    assert(bench:fix {faces = {left}})
+    assert(bench:load {faces = {right}, force = {0, 0, -20}})
+    assert(bench:try {push = {faces = {top}, distance = 1e-3}})
+    for _, wrong in ipairs {{faces = {top}}, {faces = {top}, distance = "x"}, {faces = {{}}, distance = 1e-3},
+      {faces = {top}, distance = 1e-3, more = 1}} do
+      assert.error_matches(function() bench:try {push = wrong} end, "push")
+    end
+    assert.error_matches(function() bench:try {} end, "push, radius or offset")
+  end)
+
   it("follows a dragged face with one coarse mesh, near the answer of the edit", function()
     local bench, left, right, top = beam()
     assert(bench:fix {faces = {left}})
@@ -257,7 +284,7 @@ describe("the workbench", function()
   end)
 
   it("edits both sides of a symmetric part, and refuses what has no other side", function()
-    local bench, _, right, top = beam()
+    local bench, _, right = beam()
     assert(bench:symmetry {across = "x"})
     assert(bench:push {faces = {right}, distance = 0.002})
     near(LENGTH + 0.004, bench:state().size[1], 1e-9)
@@ -270,7 +297,6 @@ describe("the workbench", function()
     local made, message = bench:push {faces = bench.grown_faces, distance = 1e-4}
     assert.is_nil(made)
     assert.truthy(message:find("Nothing lies opposite", 1, true))
-    assert.is_true(top > 0)
     local lever = file("wedge.stl", assert(bw.surface.box({max = {0.04, 0.02, 0.01}}):difference(
       bw.surface.box {min = {0.03, -0.01, 0.005}, max = {0.05, 0.03, 0.02}})))
     made, message = assert(bw.workbench.open(lever)):symmetry {across = "x"}
@@ -286,7 +312,23 @@ describe("the workbench", function()
     assert(bench:thickness {thickness = 0.002})
     near(0.06 * 0.02 * 0.002, bench:current().body.surface.volume, 1e-9)
     assert.truthy(bench:script():find("thickness = 0.002", 1, true))
-    local made, message = beam():thickness {thickness = 0.002}
+    -- Where the long sides are larger than the drawing, numbers mean other faces.
+    assert(bench:fix {faces = {1}})
+    local made, message = bench:thickness {thickness = 0.03}
+    assert.is_nil(made)
+    assert.truthy(message:find("other numbers", 1, true))
+    -- What was undone is lost with the former thickness; a shape that was changed keeps it.
+    assert(bench:push {faces = {1}, distance = 1e-3})
+    assert(bench:undo())
+    assert(bench:thickness {thickness = 0.0025})
+    made, message = bench:redo()
+    assert.is_nil(made)
+    assert.truthy(message:find("nothing", 1, true), message)
+    assert(bench:push {faces = {1}, distance = 1e-3})
+    made, message = bench:thickness {thickness = 0.002}
+    assert.is_nil(made)
+    assert.truthy(message:find("undo that", 1, true), message)
+    made, message = beam():thickness {thickness = 0.002}
     assert.is_nil(made)
     assert.truthy(message:find("push a face", 1, true))
   end)

@@ -22,14 +22,9 @@ local ON_FACE = 1e-6
 -- A thickening that gains less is no advice.
 local MIN_GAIN = 0.01
 
-local function diagonal(part)
-  local box = part.surface.box
-  return distance(box.min, box.max)
-end
-
 -- Whether a point lies on a face that no edit moves: locked ones and those that are held; nil where there is none.
 local function kept(entry)
-  local faces, near, some = {}, ON_FACE * diagonal(entry.body), false
+  local faces, near, some = {}, ON_FACE * model.diagonal(entry.body.surface.box), false
   for face in pairs(entry.locked) do faces[face] = true end
   for _, condition in ipairs(entry.conditions) do
     if condition.kind == "all" or condition.kind == "normal" then
@@ -68,6 +63,10 @@ function advise.thickened(entry, place)
     local image = mirror.point(entry.body, entry.symmetry, place.at)
     if distance(image, place.at) > 0.5 * place.radius then
       places[2] = {at = image, radius = place.radius, offset = place.offset}
+    else -- one bump, in the plane
+      local middle = {}
+      for k = 1, 3 do middle[k] = (image[k] + place.at[k]) / 2 end
+      places[1] = {at = middle, radius = place.radius, offset = place.offset}
     end
   end
   local shape, message = bumps.subdivide(bumps.of_surface(entry.body.surface), places)
@@ -89,7 +88,7 @@ end
 
 -- The most stressed places of the surface, of which no two lie in one bump.
 local function stressed(entry, static)
-  local size, keep = diagonal(entry.body), kept(entry)
+  local size, keep = model.diagonal(entry.body.surface.box), kept(entry)
   local mesh, list = static.mesh, {}
   local nodes, stress = mesh.nodes, static.von_mises
   for i, node in ipairs(mesh.boundary.nodes:totable()) do list[i] = {node = node, stress = stress[node]} end
@@ -197,9 +196,12 @@ local function optimise_worst(entry, opts)
   if not opts.force then
     return nil, "Give the force that the part must carry, or add loads.", {status = "unsupported"}
   end
-  local accuracy = entry.answer and entry.answer.accuracy or "default"
+  if entry.symmetry then
+    return nil, "Without loads both sides are not thickened alike: switch the symmetry off first.",
+      {status = "unsupported"}
+  end
   local found, message, details = model.try(strengthen, entry.body.surface, {force = opts.force,
-    material = entry.material, elements = judge.elements[accuracy], steps = opts.steps, keep = kept(entry)})
+    material = entry.material, elements = judge.elements[opts.accuracy], steps = opts.steps, keep = kept(entry)})
   if not found then return nil, message, details end
   local made, why, about = body.replaced(entry.body, found.surface)
   if not made then return nil, why, about end

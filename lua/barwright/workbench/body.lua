@@ -222,7 +222,11 @@ local function without_specks(self)
   if #kept == #self.faces then return self end
   local labels = self.labels:totable()
   for t, label in ipairs(labels) do labels[t] = number[label] or 0 end
-  self.labels = spread(self.surface, core.array.new(labels, "i32"))
+  local all = spread(self.surface, core.array.new(labels, "i32"))
+  for _, label in ipairs(all:totable()) do
+    if label == 0 then return self end -- a shell of specks alone
+  end
+  self.labels = all
   self.faces = body.measure(self.surface, self.labels, kept)
   return self
 end

@@ -210,6 +210,8 @@ function workbench:grow(given)
   local opts = options.read("grow", given, grow_rules)
   local part, point, first = now(self).body, nil, opts.triangle
   if (opts.triangle == nil) == (opts.point == nil) then raise "grow: 'triangle' or 'point' is needed" end
+  local why = (opts.point or opts.radius) and session.unconfirmed(self)
+  if why then return refuse(why) end
   if opts.point then
     local message, details
     point = vector("grow", "point", opts.point)
@@ -228,6 +230,8 @@ local patch_rules = {planes = {type = "table", needed = true}, towards = {type =
 --- Makes faces of their own of what lies within planes and looks towards a direction: a rectangle of the screen.
 function workbench:patch(given)
   local opts = options.read("patch", given, patch_rules)
+  local why = session.unconfirmed(self)
+  if why then return refuse(why) end
   local towards, planes = vector("patch", "towards", opts.towards), {}
   for i, plane in ipairs(opts.planes) do
     if type(plane) ~= "table" or type(plane[4]) ~= "number" then

@@ -162,7 +162,6 @@ function handlers.probe(self, client, message, given)
   return true
 end
 
-function handlers.repair() return true end -- done when the file was opened
 function handlers.cancel() return true end -- nothing to stop
 
 -- A shape that is tried: its coarse stresses go to the pages, the workbench stays as it is.
@@ -179,9 +178,6 @@ function handlers.drag(self, _, _, given)
   notify_all(self, {type = "drag", answer = answer, latency_ms = self.latency})
   return true
 end
-
-function handlers.begin_drag() return true end
-function handlers.end_drag() return true end
 
 -- What belongs to the message and not to the action.
 local function options_of(message)

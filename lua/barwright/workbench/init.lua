@@ -8,6 +8,7 @@ local core = require "barwright.core"
 local lines = require "barwright.workbench.lines"
 local options = require "barwright.options"
 local session = require "barwright.workbench.session"
+local distance = require("barwright.points").distance
 local state_of = require "barwright.workbench.state"
 local writable = require "barwright.writable"
 
@@ -56,13 +57,23 @@ end
 
 -- ---- the unit and the thickness --------------------------------------------------------------------
 
+-- Whether two lists of faces have the same kinds and normals, so that a number means the same face in both.
+local function same_faces(a, b)
+  for i = 1, math.max(#a, #b) do
+    if not (a[i] and b[i]) or a[i].kind ~= b[i].kind then return false end
+    if a[i].kind == "plane" and distance(a[i].normal, b[i].normal) > 1e-6 then return false end
+  end
+  return true
+end
+
 -- The file is as if it had been opened with a unit and a thickness: what was done so far goes on with the new
--- lengths.
+-- lengths; what was undone is lost.
 local function reopened(self, unit, thickness, what)
-  for i = 1, self.position do
-    if self.history[i].edited then
-      return refuse(("The shape was edited with lengths of the former %s: undo the edits, then choose the %s.")
-        :format(what, what))
+  local first = self.history[1].body
+  for i = 2, self.position do
+    if self.history[i].body ~= first then
+      return refuse(("The shape or its faces were changed with lengths of the former %s: undo that, then choose "
+        .. "the %s."):format(what, what))
     end
   end
   local read, message, details = body.read(self.path, unit, thickness)
@@ -70,10 +81,12 @@ local function reopened(self, unit, thickness, what)
   local made
   made, message, details = body.new(read.surface)
   if not made then return nil, message, details end
-  if #self.history > 1 and #made.faces ~= #self.history[1].body.faces then
-    return refuse(("The faces of the part differ with this %s: open the file again with it."):format(what))
+  if self.position > 1 and not same_faces(first.faces, made.faces) then
+    return refuse(("The faces of the part get other numbers with this %s: open the file again with it."):format(
+      what))
   end
-  self.unit_given, self.thickness_given, self.raw = unit, thickness, read
+  self.unit_given, self.thickness_given, self.raw, self.trial = unit, thickness, read, nil
+  for i = #self.history, self.position + 1, -1 do self.history[i] = nil end
   self.doubt, self.likely = body.doubt(read, unit)
   for i = 1, #self.history do
     local entry = self.history[i]

@@ -1,10 +1,11 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- What the actions of a workbench share: the entry in force, refusals, a further entry of the history, and how
 -- faces and vectors are read. `history` has what the actions made so far, `position` where undo and redo are. An
--- entry is never changed: {body, conditions, material, material_options, locked, symmetry, line, edited = whether
--- the shape was, note, answer, ...}.
+-- entry changes with the unit alone: {body, conditions, material, material_options, locked, symmetry, line, note,
+-- answer, ...}. `trial` is a shape that is tried (drag.lua).
 local core = require "barwright.core"
 local lines = require "barwright.workbench.lines"
+local vectors = require "barwright.modeller.vectors"
 
 local raise = core.raise
 
@@ -22,8 +23,7 @@ end
 -- What an action made takes the place of all that was undone. `change`: what differs from the entry before.
 function session.act(self, name, given, change)
   local before, entry = session.now(self), {}
-  for _, key in ipairs {"body", "conditions", "material", "material_options", "locked", "symmetry",
-    "edited"} do
+  for _, key in ipairs {"body", "conditions", "material", "material_options", "locked", "symmetry"} do
     entry[key] = before[key]
     if change[key] ~= nil then entry[key] = change[key] end
   end
@@ -32,7 +32,7 @@ function session.act(self, name, given, change)
   entry.revision = self.last_revision
   for i = #self.history, self.position + 1, -1 do self.history[i] = nil end
   self.position = self.position + 1
-  self.history[self.position] = entry
+  self.history[self.position], self.trial = entry, nil
   self.revision, self.saved = self.revision + 1, false
   return self
 end
@@ -58,17 +58,8 @@ function session.read_faces(self, where, list)
   return out
 end
 
-local function are_numbers(value)
-  if type(value) ~= "table" or #value ~= 3 then return false end
-  for k = 1, 3 do
-    local x = value[k]
-    if type(x) ~= "number" or x ~= x or math.abs(x) == math.huge then return false end
-  end
-  return true
-end
-
 function session.vector(where, name, value)
-  if are_numbers(value) then return {value[1] + 0.0, value[2] + 0.0, value[3] + 0.0} end
+  if vectors.is(value) then return {value[1] + 0.0, value[2] + 0.0, value[3] + 0.0} end
   raise(("%s: '%s': three numbers expected"):format(where, name))
 end
 

@@ -84,8 +84,10 @@ local function resized(self, given)
   return made, {face = opts.face, radius = opts.radius}
 end
 
+local offset_rules = {distance = {type = "number", needed = true}}
+
 local function grown_all(self, given)
-  local opts = options.read("offset", given, {distance = {type = "number", needed = true}})
+  local opts = options.read("offset", given, offset_rules)
   local why = unconfirmed(self)
   if why then return refuse(why) end
   local distances = {}
@@ -98,12 +100,13 @@ local function grown_all(self, given)
 end
 
 local shapes = {push = pushed, radius = resized, offset = grown_all}
+local rules = {push = push_rules, radius = radius_rules, offset = offset_rules}
 
 for name, make in pairs(shapes) do
   workbench[name] = function(self, given)
     local made, line, details = make(self, given)
     if not made then return nil, line, details end
-    return act(self, name, line, {body = made, edited = true})
+    return act(self, name, line, {body = made})
   end
 end
 
@@ -114,8 +117,9 @@ local function length_of(self, name, given)
 end
 
 -- Which edit it is, whatever its length.
-local function same(name, given)
-  return name .. table.concat(given.faces or {given.face}, ",")
+local function key_of(self, name, given)
+  local faces = name == "offset" and {} or read_faces(self, name, given.faces or {given.face})
+  return name .. table.concat(faces, ",")
 end
 
 --- A coarse answer for a shape that is tried, while a handle is dragged: {push | radius | offset = options}.
@@ -124,9 +128,10 @@ end
 function workbench:try(given)
   local name = next(given)
   if not shapes[name] then raise("try: push, radius or offset expected") end
-  local entry, trial = now(self), self.trial
-  if trial and trial.entry == entry and trial.key == same(name, given[name]) then
-    local answer, static, more = drag.step(trial, length_of(self, name, given[name]))
+  local entry, trial, asked = now(self), self.trial, options.read(name, given[name], rules[name])
+  local key = key_of(self, name, asked)
+  if trial and trial.entry == entry and trial.key == key then
+    local answer, static, more = drag.step(trial, length_of(self, name, asked))
     if answer then return answer, static, more end
   end
   local made, line, details = shapes[name](self, given[name])
@@ -141,7 +146,7 @@ function workbench:try(given)
   local message, why
   trial, message, why = drag.begin(entry, made, length)
   if not trial then return nil, message, why end
-  trial.key, self.trial = same(name, line), trial
+  trial.key, self.trial = key, trial
   return drag.step(trial, length)
 end
 
@@ -170,10 +175,11 @@ function workbench:thicken(given)
   local made
   made, message, details = advise.thickened(entry, {at = at, radius = opts.radius, offset = opts.offset})
   if not made then return nil, message, details end
-  return act(self, "thicken", {at = at, radius = opts.radius, offset = opts.offset}, {body = made, edited = true})
+  return act(self, "thicken", {at = at, radius = opts.radius, offset = opts.offset}, {body = made})
 end
 
-local optimise_rules = {force = {type = "number", above = 0}, factor = {type = "number", above = 0, default = 1.0},
+local optimise_rules = {accuracy = {type = "string", one_of = {"coarse", "default", "fine"}},
+  force = {type = "number", above = 0}, factor = {type = "number", above = 0, default = 1.0},
   steps = {type = "integer", min = 1, max = 20, default = 5}}
 
 --- Thickens weak places until the part carries a force in the worst way, or its loads with a factor. The best that
@@ -183,9 +189,11 @@ function workbench:optimise(given)
   local why = unconfirmed(self)
   if why then return refuse(why) end
   local entry = now(self)
+  -- In the script, which has only the last answer, the accuracy stands for itself.
+  opts.accuracy = opts.accuracy or entry.answer and entry.answer.accuracy or "default"
   local made, report, details = advise.optimise(entry, opts, session.has_loads(entry))
   if not made then return nil, report, details end
-  return act(self, "optimise", opts, {body = made, edited = true, note = report})
+  return act(self, "optimise", opts, {body = made, note = report})
 end
 
 return workbench
