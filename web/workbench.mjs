@@ -78,7 +78,6 @@ const indexOf = (number) => state.faces.findIndex((f) => f.index === number);
 const heard = {
   state(message) {
     counts.states++;
-    const before = state;
     state = message;
     // A support's kind says how it holds.
     for (const condition of state.conditions || [])
@@ -90,7 +89,6 @@ const heard = {
         say("No place was found where thickening helps: choose a stronger material, or push a wall.");
       asked = null;
     }
-    if (before && before.file !== state.file) chosen = new Set();
     if (splitting?.done && state.grown_faces) {
       chosen = new Set([...(splitting.add ? chosen : []), ...state.grown_faces.map(indexOf)]);
       splitting = null;
@@ -103,6 +101,7 @@ const heard = {
     counts.scenes++;
     if (!message.faces || typeof message.faces === "number")
       message.faces = new Uint32Array(message.triangles.length / 3).fill(0xffffffff);
+    if (message.kind === "file") [chosen, clicked] = [new Set(), null]; // another part has come
     view.setScene(message);
     pull.seen(message.kind);
     drawBar(byId("bar"), view.colour);

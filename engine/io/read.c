@@ -219,29 +219,47 @@ static bw_status surface_of_mesh(bwi_cursor *cursor, bwi_format kind, bw_surface
   return status;
 }
 
+static bw_status parse(bwi_cursor *cursor, bwi_format kind, bw_surface **surface,
+                       bw_read_info *info) {
+  switch (kind) {
+  case BWI_STL:
+    return bwi_stl_parse(cursor, surface, info);
+  case BWI_OBJ:
+    return bwi_obj_parse(cursor, surface, info);
+  case BWI_OFF:
+    return bwi_off_parse(cursor, surface, info);
+  case BWI_PLY:
+    return bwi_ply_parse(cursor, surface, info);
+  case BWI_3MF:
+    return bwi_3mf_parse(cursor, surface, info);
+  case BWI_GLTF:
+    return bwi_gltf_parse(cursor, surface, info);
+  default:
+    return surface_of_mesh(cursor, kind, surface, info);
+  }
+}
+
+/* Objects that the file names are faces of these names. */
 bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned char *bytes,
                            size_t count, bw_surface **surface, bw_read_info *info) {
   bwi_cursor cursor;
+  bw_read_info own = {0};
+  bw_surface *read = NULL;
   bwi_cursor_init(&cursor, context, name, bytes, count);
+  bw_status status = parse(&cursor, count ? detect(&cursor) : BWI_UNKNOWN, &read, &own);
+  if (status == BW_OK && own.group_name && read->group && !read->names)
+    status = bw_face_names_create(context, own.group_count, own.group_name, &read->names);
   if (info)
-    memset(info, 0, sizeof *info);
-  bwi_format kind = count ? detect(&cursor) : BWI_UNKNOWN;
-  switch (kind) {
-  case BWI_STL:
-    return bwi_stl_parse(&cursor, surface, info);
-  case BWI_OBJ:
-    return bwi_obj_parse(&cursor, surface, info);
-  case BWI_OFF:
-    return bwi_off_parse(&cursor, surface, info);
-  case BWI_PLY:
-    return bwi_ply_parse(&cursor, surface, info);
-  case BWI_3MF:
-    return bwi_3mf_parse(&cursor, surface, info);
-  case BWI_GLTF:
-    return bwi_gltf_parse(&cursor, surface, info);
-  default:
-    return surface_of_mesh(&cursor, kind, surface, info);
-  }
+    *info = own;
+  if (status != BW_OK || !info)
+    bw_free(own.group_name);
+  if (status != BW_OK && info)
+    info->group_name = NULL;
+  if (status == BW_OK)
+    *surface = read;
+  else
+    bw_release(read);
+  return status;
 }
 
 bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned char *bytes,

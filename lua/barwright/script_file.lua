@@ -2,7 +2,8 @@
 -- A body or a drawing where a script is expected is an easy mistake, and no syntax error.
 
 local endings = {stl = true, obj = true, off = true, ply = true, msh = true, vtu = true, pvtu = true, mesh = true,
-  inp = true, svg = true, dxf = true, ["3mf"] = true, step = true, stp = true, iges = true, igs = true}
+  inp = true, svg = true, dxf = true, ["3mf"] = true, glb = true, gltf = true, step = true, stp = true,
+  iges = true, igs = true}
 
 local script_file = {}
 

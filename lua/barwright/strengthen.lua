@@ -125,7 +125,7 @@ local function apply(self, from)
     :format(core.point(places[1].at)), {status = "geometry"}
 end
 
--- What is told of a surface and its analysis, or nil, message, details.
+-- Values of a surface and its analysis for the report, or nil, message, details.
 local function summary(breaking, surface, material)
   local volume = math.abs(surface.volume)
   local deviation

@@ -284,12 +284,13 @@ function Workbench:offset(options) end
 ---@field distance number (m) positive outwards
 
 ---A coarse answer for an edit that is not made: what a page shows while a face is dragged. One mesh follows the steps of an edit.
----A part without loads has its mass only. The second result is the solution, nil without loads.
+---Its answer has neither a verdict nor an interval. A part without loads has its mass only. The second result is the solution, nil
+---without loads.
 ---
 ---Errors: invalid (with a sentence that says what to do).
 ---@param options bw.WorkbenchTryOptions one of the edits
 ---@return bw.WorkbenchAnswer? answer on about 1,000 elements
----@return string? message
+---@return bw.Static|string? static the solution, or the message
 ---@return bw.Details? details
 function Workbench:try(options) end
 
@@ -317,7 +318,7 @@ function Workbench:answer(options) end
 ---@class bw.WorkbenchAnswer
 ---@field kind "statics"|"worst" with loads or without
 ---@field verdict "holds"|"breaks"|"unsure"|"none" the verdict; "none" where no force is judged
----@field colour "green"|"red"|"amber" of the verdict
+---@field colour? "green"|"red"|"amber" of the verdict; nil of `try`
 ---@field sentence string the answer in words
 ---@field utilisation? number (-) stress over strength
 ---@field low? number (-) lower end of its interval
@@ -331,8 +332,8 @@ function Workbench:answer(options) end
 ---@field max_stress? number (Pa) the largest von Mises stress
 ---@field frequency? number (Hz) the lowest natural frequency
 ---@field mass? number (kg) of the mesh
----@field error number (-) estimated relative error
----@field singular boolean whether the stress there has no finite value
+---@field error? number (-) estimated relative error; nil of `try`
+---@field singular? boolean whether the stress there has no finite value; nil of `try`
 ---@field notes string[] sentences
 ---@field load? number (N) the sum of the sizes of all loads
 ---@field contact? number (m2) of the worst load

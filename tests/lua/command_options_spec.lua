@@ -9,7 +9,7 @@ local shown = require "barwright.shown"
 local folder = check.folder()
 local MATERIAL <const> = "young=2GPa,poisson=0.3,strength=40MPa,density=1200"
 
-local function point(list) return core.point(list) end
+local point = core.point
 local function length(value) return core.quantity(value, "m") end
 
 -- Of each command: more words, texts of the numbers of its JSON object as they are printed and shown on the page,
@@ -50,7 +50,6 @@ describe("a command of a first question", function()
     -- The numbers of a mesh file are metres: these mean centimetres.
     assert(bw.mesh.box({max = {10, 1, 1}, cells = {10, 2, 2}, order = 2}):write(path "bar.msh"))
   end)
-  setup(function() assert(bw.surface.box {max = {0.1, 0.01, 0.01}}:write(path "bar.stl", {unit = "cm"})) end)
 
   for _, case in ipairs(commands) do
     local name, more, numbers, word, file, status = table.unpack(case)

@@ -28,6 +28,7 @@ describe("the unit of a file that has none", function()
     assert(bw.surface.box {max = {1.016e-3, 1e-4, 1e-4}}:write(path "tiny.stl"))
     assert(bw.surface.box {max = {0.1, 0.01, 0.01}}:write(path "bar.stl"))
     assert(bw.surface.box {max = {0.1, 0.01, 0.01}}:write(path "bar.3mf"))
+    assert(bw.surface.box {max = {0.1, 0.01, 0.01}}:write(path "bar.glb"))
     assert(bw.surface.box {max = {1.016, 0.1, 0.1}}:write(path "large.stl", {unit = "um"}))
   end)
 
@@ -48,7 +49,7 @@ describe("the unit of a file that has none", function()
     local status, text = check.run("statics " .. path "bar.stl" .. words)
     assert.equal(0, status)
     assert.truthy(text:find("The file has no unit: its numbers are taken as mm (--unit gives another).", 1, true))
-    for _, known in ipairs {path "bar.stl" .. " --unit mm", path "bar.3mf"} do
+    for _, known in ipairs {path "bar.stl" .. " --unit mm", path "bar.3mf", path "bar.glb"} do
       status, text = check.run("statics " .. known .. words)
       assert.equal(0, status)
       assert.falsy(text:find("has no unit", 1, true), text)
@@ -59,7 +60,9 @@ describe("the unit of a file that has none", function()
 
   it("counts in conversions that write it", function()
     assert.equal(0, (check.run(("convert %s %s"):format(path "tiny.stl", path "same.off"))))
-    assert.equal(2, (check.run(("convert %s %s"):format(path "tiny.stl", path "tiny.3mf"))))
+    for _, name in ipairs {"tiny.3mf", "tiny.step", "tiny.glb", "tiny.vtu"} do
+      assert.equal(2, (check.run(("convert %s %s"):format(path "tiny.stl", path(name)))), name)
+    end
     assert.equal(0, (check.run(("convert %s %s --unit in"):format(path "tiny.stl", path "tiny.3mf"))))
   end)
 

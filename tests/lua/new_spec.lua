@@ -50,6 +50,14 @@ describe("barwright new", function()
     assert.equal("-- mine", check.read(folder .. "/mine.lua"))
   end)
 
+  it("names the file in the next commands as it was given", function()
+    assert(os.execute(("mkdir -p '%s/sub'"):format(folder)))
+    local status, out = run "new part sub/there.lua"
+    assert.equal(0, status)
+    assert.truthy(check.read(folder .. "/sub/there.lua"):find("barwright there.lua", 1, true))
+    assert.truthy(out:find("`barwright sub/there.lua`", 1, true), out)
+  end)
+
   it("names the file by its kind", function()
     assert.equal(0, (run "new scenario"))
     assert.truthy(check.read(folder .. "/scenario.lua"):find("barwright test scenario.lua", 1, true))

@@ -72,6 +72,7 @@ describe("surface files with colours", function()
     assert(two:write(folder .. "/two.glb"))
     local back, info = assert(bw.surface.read(folder .. "/two.glb"))
     assert.same({"group 1", "group 2"}, info.group_names)
+    assert.same(info.group_names, back:face_names()) -- places of supports and loads
     assert.is_true(back:check().sound)
     assert.near(two.volume, back.volume, 1e-6 * two.volume)
   end)

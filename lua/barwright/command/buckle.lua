@@ -90,7 +90,9 @@ local function report(found, loads, opts, out)
   local head = buckle_page.head(verdict, factors[1], math.max(errors[1] or 0, MIN_ERROR), {
     {"Loads", loads_of.text(loads)}, page_head.constrained(opts.fix, out.object.supported_area_m2), material,
     mass},
-    {searched = buckling.searched, counted = buckling.counted, used = used, asked = "this load"})
+    {searched = buckling.searched, counted = buckling.counted,
+      used = factors[1] == buckling.factor and used or nil,
+      now = governing and governing.used, asked = "this load"})
   return head, words, sentences
 end
 

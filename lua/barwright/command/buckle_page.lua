@@ -10,8 +10,8 @@ local buckle_page = {}
 local words = {holds = "It does not buckle", buckles = "It buckles", unsure = "Not certain"}
 
 --- The head of a page: factor, the smallest in size or nil, its relative error, `facts` of the command before the
---- others, about = {searched =, counted =, used = stress over strength at the factor or nil, asked = what is
---- multiplied, found = what limits the answer, or nil}.
+--- others, about = {searched =, counted =, used = stress over strength at the factor or nil, now = under the load
+--- itself or nil, asked = what is multiplied, found = what limits the answer, or nil}.
 function buckle_page.head(verdict, factor, estimated, facts, about)
   local size = factor and math.abs(factor)
   local headline
@@ -29,12 +29,14 @@ function buckle_page.head(verdict, factor, estimated, facts, about)
     or "not counted: a smaller one may be missing"}
   list[#list + 1] = {"Assumption", "linear theory: perfect shape and supports, loads that keep their directions"}
   local advice = {}
-  if verdict ~= "holds" and size then
+  if size and size * (1 - estimated) <= 1 then
     advice[1] = ("It carries %s of %s without buckling; a thicker or shorter part carries more."):format(
-      shown.percent(math.min(1, size * (1 - estimated))), about.asked)
+      shown.percent(math.max(0, size * (1 - estimated))), factor < 0 and "the reversed load" or about.asked)
   end
   if about.used and about.used > 1 then
     advice[#advice + 1] = "The material may fail before it buckles: `barwright statics` answers that."
+  elseif about.now and about.now > 1 then
+    advice[#advice + 1] = "The material may fail under the load itself: `barwright statics` answers that."
   end
   advice[#advice + 1] = "Real parts are not perfect and buckle earlier; thin shells at a fraction of this."
   if about.found then advice[#advice + 1] = about.found end

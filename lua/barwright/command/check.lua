@@ -3,6 +3,7 @@
 local bw = require "barwright"
 local check_page = require "barwright.command.check_page"
 local core = require "barwright.core"
+local file_unit = require "barwright.command.file_unit"
 local lengths = require "barwright.command.lengths"
 local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
@@ -48,7 +49,7 @@ local function add_fact(page, name, text) page.facts[#page.facts + 1] = {name, t
 
 local function report_unit(read, page, out)
   local size = size_of(read.box)
-  local sentence, names = model.guess_unit(size, read.metres_per_unit or 1, read.unit)
+  local sentence, names = file_unit.guess(size, read.metres_per_unit or 1, read.unit)
   out:json {size_m = size, box_low_m = read.box.min, box_high_m = read.box.max,
     metres_per_unit = read.metres_per_unit, unit_doubtful = sentence ~= nil,
     unit_suggestions = names and bw.json.list(names)}
@@ -462,7 +463,7 @@ material_option.default, material_option.what = nil, "what it is made of, for it
 
 return {
   summary = "whether a model is sound, and what is wrong with it",
-  about = "Reads a surface (STL OBJ OFF PLY 3MF STEP IGES), a mesh of tetrahedra "
+  about = "Reads a surface (STL OBJ OFF PLY 3MF glTF STEP IGES), a mesh of tetrahedra "
     .. "(MSH VTU PVTU MEDIT INP TetGen) or "
     .. "a drawing (SVG DXF) and reports what is in it: "
     .. "size, and whether the unit can be right; whether the surface is "

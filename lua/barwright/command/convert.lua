@@ -131,14 +131,22 @@ local function coloured(read, opts, options)
   return surface
 end
 
+-- Formats that have a unit.
+local with_unit = {["3mf"] = true, glb = true, usda = true, step = true, stp = true}
+
+-- Whether the numbers that are written depend on the unit of those that are read: files with a unit, and those of
+-- meshes, which are in metres.
+local function unit_counts(read, ending)
+  return with_unit[ending] or read.kind == "surface" and not surface_endings[ending]
+end
+
 local function run(opts, out)
   if model.same_path(opts["in"], opts.out) then
     return out:misuse(("OUT: %s is IN: give another file"):format(opts.out))
   end
   local read, message, details = model.open(opts["in"], opts.unit, out)
   if not read then return out:fail(message, details) end
-  -- Where the unit counts: other numbers, lengths, or a file that says its unit.
-  if opts.out_unit or opts.edge or opts.elements or model.ending(opts.out) == "3mf" then
+  if opts.out_unit or opts.edge or opts.elements or unit_counts(read, model.ending(opts.out)) then
     read, message, details = model.settle_unit(read, opts, out, opts["in"])
     if not read then return out:fail(message, details) end
   end
@@ -155,7 +163,6 @@ local function run(opts, out)
       if opts.out_unit and opts.out_unit ~= "m" then
         return out:misuse("--out-unit: glTF files are in metres: leave it out")
       end
-      options.unit = nil
     end
     if opts.colours then
       made, message, details = coloured(read, opts, options)

@@ -199,6 +199,16 @@ local function fail(out, message, details, options)
   return out:fail((message:gsub("leave its place out", "leave out --at")), details)
 end
 
+-- What makes a verdict uncertain, and what to do.
+local function doubt_of(found)
+  if found.touch.grows and not found.too_coarse then
+    return "Where it touches, the stress has no value that finer meshes keep: round the edge, or judge the rest."
+  elseif found.rest.grows and not found.too_coarse then
+    return "Round the re-entrant edge: without a fillet its stress has no finite value."
+  end
+  return "More --elements make the error smaller."
+end
+
 -- The head of the page of one drop. found: as assessed; words: of the verdict.
 local function head_of(drop, found, verdict, words, read, opts, given, out)
   local rest, touch, impact = found.rest, found.touch, drop.impacts[1]
@@ -219,9 +229,7 @@ local function head_of(drop, found, verdict, words, read, opts, given, out)
       {"Assumption", ("linear elasticity, %s, no friction"):format(given.onto and obstacle.name(given.onto)
         or "rigid plane")}},
     advice = verdict == "breaks" and {"Drop it from less high, or thicken it where the stress is largest."}
-      or verdict == "unsure" and {found.too_coarse and "More --elements make the error smaller."
-        or "Where it touches, the stress has no value that finer meshes keep: round the edge, or judge the rest."}
-      or nil}
+      or verdict == "unsure" and judged.used and {doubt_of(found)} or nil}
 end
 
 local function run_one(opts, given, out)

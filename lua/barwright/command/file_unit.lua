@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The unit of the numbers in a file: whether the size that it gives makes sense, and what the user is asked or
--- told where the format has no unit.
+-- The unit of the numbers in a file: whether the size that it gives makes sense, and what the user is asked,
+-- and what is printed, where the format has no unit.
 local core = require "barwright.core"
 local json = require "barwright.json"
 local shown = require "barwright.shown"
@@ -51,7 +51,10 @@ end
 
 -- Formats that have a unit.
 local function has_unit(read)
-  return read.format:find "^3MF" or read.format:find "^STEP" or read.format:find "^IGES"
+  for _, format in ipairs {"3MF", "glTF", "STEP", "IGES"} do
+    if read.format:sub(1, #format) == format then return true end
+  end
+  return false
 end
 
 local function size_of(read)
@@ -60,7 +63,8 @@ local function size_of(read)
   return size
 end
 
-local function name_of(metres)
+--- The name of a length as a unit, or nil.
+function file_unit.name_of(metres)
   for _, name in ipairs(file_unit.names) do
     if math.abs(metres / lengths[name] - 1) < 1e-9 then return name end
   end
@@ -94,7 +98,7 @@ function file_unit.settle(read, path, opts, out)
   if opts.unit or read.kind == "outline" then return nil end
   local size, metres = size_of(read), file_unit.taken(read)
   local doubt, likely = file_unit.guess(size, metres)
-  local name, known = name_of(metres), has_unit(read)
+  local name, known = file_unit.name_of(metres), has_unit(read)
   out:json {unit_assumed = not known, unit_suggestions = likely and json.list(likely)}
   if (doubt or not known) and can_ask(opts) then
     local unit = ask(doubt and ("%s: %s"):format(path, doubt)

@@ -258,7 +258,7 @@ local function report(found, given, opts, out)
   if flux_error then
     say("Estimated error of the flux, over all of the part: %s.", shown.error(flux_error))
   end
-  say("Steady state: the conductivity is %s, and surfaces do not see each other.",
+  say("Steady state: the conductivity is %s, and no radiation between surfaces.",
     conductivity_text(found.made, opts))
   out:json {verdict = verdict, value = highest, quantity = "highest temperature, K", estimated_error_k = estimated,
     place_error_k = found.by_places, at_m = at, lowest_k = lowest, limit_k = given.limit, heat_in = gained,

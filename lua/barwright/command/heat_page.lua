@@ -34,7 +34,7 @@ function heat_page.head(about)
       or ("it may exceed the limit by %.3g K"):format(high - about.limit))},
     {"Warmest at", core.point(about.at)}, {"Lowest", celsius(about.lowest)}}
   table.move(about.facts, 1, #about.facts, #facts + 1, facts)
-  facts[#facts + 1] = {"Assumption", "steady state; surfaces do not see each other"}
+  facts[#facts + 1] = {"Assumption", "steady state; no radiation between surfaces"}
   local advice = {}
   if about.verdict == "unsure" then advice[1] = "More --elements make the error smaller." end
   if about.verdict == "exceeds" then

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The round holes of a surface: cylindrical faces that go all round their axis and face it.
 local model = require "barwright.command.model"
+local vectors = require "barwright.modeller.vectors"
 
 local holes = {}
 
@@ -9,12 +10,9 @@ local ALL_ROUND = 0.2
 -- Of the radius: how far from the wall a point may lie that belongs to it.
 local WALL = 0.02
 
-local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
-local function minus(a, b) return {a[1] - b[1], a[2] - b[2], a[3] - b[3]} end
+local dot, cross = vectors.dot, vectors.cross
 
-local function cross(a, b)
-  return {a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1] * b[3], a[1] * b[2] - a[2] * b[1]}
-end
+local function minus(a, b) return vectors.add(a, b, -1) end
 
 -- Along the axis from its point, the vector from the axis, and how long this is.
 local function from_axis(face, p)

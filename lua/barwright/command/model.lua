@@ -190,7 +190,6 @@ function model.pick(keys, from)
 end
 
 --- Whether a size makes sense for a part: see file_unit.lua.
-model.guess_unit = file_unit.guess
 
 -- ---- reading ---------------------------------------------------------------------------------------
 
@@ -479,10 +478,7 @@ end
 function model.unit_of(read, opts)
   if opts.unit then return opts.unit end
   local metres = read.metres_per_unit or 1
-  for name, length in pairs {mm = 1e-3, cm = 1e-2, m = 1, ["in"] = 0.0254, um = 1e-6} do
-    if math.abs(metres / length - 1) < 1e-9 then return name end
-  end
-  return ("%g m"):format(metres)
+  return file_unit.name_of(metres) or ("%g m"):format(metres)
 end
 
 return model

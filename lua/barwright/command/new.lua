@@ -7,10 +7,9 @@ local skeletons = require "barwright.command.skeletons"
 
 local KINDS <const> = {"part", "scenario", "study", "experiment"}
 
--- A text of a skeleton for a file.
-local function filled(text, path)
-  local file = model.name(path)
-  local names = {FILE = file, NAME = (file:gsub("%.lua$", ""))}
+-- A text of a skeleton for a file, which it names so.
+local function filled(text, path, file)
+  local names = {FILE = file, NAME = (model.name(path):gsub("%.lua$", ""))}
   return (text:gsub("%f[%w]%u%u%u%u%f[%W]", names))
 end
 
@@ -41,11 +40,11 @@ return {
       return out:fail(path .. ": it is there already, and is not written over: give another FILE",
         {status = "misuse"})
     end
-    local ok, message, details = core.write_file(path, filled(skeleton.text, path))
+    local ok, message, details = core.write_file(path, filled(skeleton.text, path, model.name(path)))
     if not ok then return out:fail(message, details) end
     out:say("Written: %s, %s.", path, skeleton.summary)
     local words = {}
-    for i, text in ipairs(skeleton.next) do words[i] = "`" .. filled(text, path) .. "`" end
+    for i, text in ipairs(skeleton.next) do words[i] = "`" .. filled(text, path, path) .. "`" end
     out:say("Next: %s.", table.concat(words, ", then "))
     out:json {kind = opts.kind, file = path}
   end,

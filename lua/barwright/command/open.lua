@@ -54,14 +54,14 @@ end
 
 return {
   summary = "the workbench in the browser: pick faces, load them, ask whether it holds",
-  about = "Opens a part in a page: its surface is repaired, faces are picked, held and loaded, and the page "
-    .. "answers whether it holds, with its interval. Faces are pushed, holes resized, weak places thickened. A "
-    .. "saved script goes on where it ended. Only this machine can reach the page, and only with the address that "
-    .. "is printed.",
+  about = "Opens a part in a page: its surface is repaired, faces are picked, constrained and loaded, and the "
+    .. "page answers whether it holds, with its interval. Faces are pushed, holes resized, weak places thickened. "
+    .. "A saved script goes on where it ended. Only this machine can reach the page, and only with the "
+    .. "address that is printed.",
   server = true,
   arguments = {{name = "model", type = "file", optional = true,
-    what = "surface (STL OBJ OFF PLY 3MF STEP IGES), mesh, drawing (SVG DXF), a script that returns a surface, "
-      .. "or a saved workbench; without one the page waits for a file to be dropped"}},
+    what = "surface (STL OBJ OFF PLY 3MF glTF STEP IGES), mesh, drawing (SVG DXF), a script that returns a "
+      .. "surface, or a saved workbench; without one the page waits for a file to be dropped"}},
   options = {
     model.unit_option,
     {name = "port", value = "N", type = "integer", default = 0, min = 0, max = 65535,

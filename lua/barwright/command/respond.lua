@@ -105,23 +105,17 @@ local function analyse(measure, opts, given, out)
   return found
 end
 
--- The verdict on a stress that is `used` of the strength, within a relative error.
-local function judge(used, estimated)
-  local verdict, words = model.verdict(used, estimated)
-  if verdict == "holds" then return verdict, "it stays below the strength" end
-  if verdict == "unsure" then return verdict, words end
-  return "exceeds", "it exceeds the strength"
-end
-
 -- With --psd: "holds" leaves at most this probability that the strength is exceeded within the duration.
 local MOST_LIKELY <const> = 0.01
 
--- The verdict on a random vibration that is `used` of the strength, and its words. Three root mean squares are
--- exceeded now and then, and more often in a longer time.
-local function random_verdict(used, estimated, margins)
-  local verdict, words = judge(used, estimated)
-  local likely = margins.first_passage[margins.node]
-  if verdict ~= "holds" or likely <= MOST_LIKELY then return verdict, words end
+-- The verdict on a stress that is `used` of the strength, within a relative error, and its words. margins: of a
+-- random vibration, which exceeds three root mean squares now and then, and more often in a longer time; or nil.
+local function judge(used, estimated, margins)
+  local verdict, words = model.verdict(used, estimated)
+  if verdict == "unsure" then return verdict, words end
+  if verdict ~= "holds" then return "exceeds", "it exceeds the strength" end
+  local likely = margins and margins.first_passage[margins.node] or 0
+  if likely <= MOST_LIKELY then return verdict, "it stays below the strength" end
   return "unsure", ("not certain, as it may exceed the strength within %s with a probability of up to %s"):format(
     core.quantity(margins.duration, "s"), shown.percent(likely))
 end
@@ -131,17 +125,16 @@ end
 local function judged(found, errors)
   local governing, coarse = found.governing, found.coarse
   if not governing then return nil, nil, "unsure" end
-  if not found.singular and found.margins then
-    return governing.used, errors.stress, random_verdict(governing.used, errors.stress, found.margins)
+  if not found.singular then
+    return governing.used, errors.stress, judge(governing.used, errors.stress, found.margins)
   end
-  if not found.singular then return governing.used, errors.stress, judge(governing.used, errors.stress) end
   if not found.mean then
     return governing.used, nil, "unsure",
       "not certain, as the stress may grow without end with finer elements"
   end
   local used = found.mean / governing.material.strength
   local estimated = model.error_of(found.mean, coarse and coarse.mean) + errors.equations
-  return used, estimated, judge(used, estimated)
+  return used, estimated, judge(used, estimated, found.margins)
 end
 
 -- What the stress means for the part, in sentences and in JSON; the verdict.

@@ -59,7 +59,7 @@ local function plots(list)
   return '<div class="plots">' .. table.concat(out) .. "</div>\n"
 end
 
--- The edges of the places that are held.
+-- The edges of the places that are constrained.
 local function borders(mesh, fix)
   local lines = {}
   for _, place in ipairs(fix) do

@@ -4,9 +4,9 @@
 -- its ending.
 local skeletons = {}
 
-skeletons.part = {summary = "a part from numbers, its STL file, and whether it holds",
+skeletons.part = {summary = "a part from numbers, its STL file, its stress over its strength",
   next = {"barwright FILE", "barwright open FILE"}, text = [=[
--- A part from numbers. `barwright FILE` writes NAME.stl and says whether it holds;
+-- A part from numbers. `barwright FILE` writes NAME.stl and prints its stress over its strength;
 -- `barwright open FILE` opens it in the browser.
 local bw = require "barwright"
 

@@ -5,6 +5,7 @@
 -- {surface =, labels = array of the face of each triangle, faces = list of {name, kind, area, centre, normal,
 -- radius, axis, point}, log = sentences, sound = whether the surface of the file was sound}
 local core = require "barwright.core"
+local file_unit = require "barwright.command.file_unit"
 local lengths = require "barwright.command.lengths"
 local model = require "barwright.command.model"
 
@@ -71,7 +72,7 @@ end
 
 --- A sentence where the size is implausible for a part, and the units that would make it plausible; else nil.
 function body.doubt(read, unit)
-  return model.guess_unit(body.size(read.surface.box), read.metres_per_unit, unit ~= nil or read.exact_unit)
+  return file_unit.guess(body.size(read.surface.box), read.metres_per_unit, unit ~= nil or read.exact_unit)
 end
 
 -- ---- repair ----------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@
 local arguments = require "barwright.arguments"
 local body = require "barwright.workbench.body"
 local core = require "barwright.core"
+local file_unit = require "barwright.command.file_unit"
 local lines = require "barwright.workbench.lines"
 local options = require "barwright.options"
 local session = require "barwright.workbench.session"
@@ -20,8 +21,7 @@ local now, refuse = session.now, session.refuse
 
 -- ---- opening ---------------------------------------------------------------------------------------
 
-local units = {mm = 1e-3, cm = 1e-2, m = 1, km = 1e3, um = 1e-6, ["in"] = 0.0254, ft = 0.3048}
-local unit_names = {"mm", "cm", "m", "km", "um", "in", "ft"}
+local unit_names = file_unit.names
 
 local open_rules = {unit = {type = "string", one_of = unit_names}, thickness = {type = "number", above = 0}}
 
@@ -203,4 +203,4 @@ arguments.methods("workbench", workbench, workbench, {fix = "options: options", 
   save = "options?: options", export = "options: options", state = ""})
 arguments.functions("workbench.", workbench, {open = "path: string, options?: options"})
 
-return {class = workbench, open = workbench.open, read = workbench.read, units = units}
+return {class = workbench, open = workbench.open, read = workbench.read}

@@ -190,10 +190,7 @@ function judge.quick(static, material, seconds)
   local node = static.von_mises:argmax()
   local nodes = static.mesh.nodes
   local used = material.strength and static.utilisation:max() or nil
-  local verdict = model.verdict(used, 0.5)
-  return {kind = "statics", verdict = verdict, colour = colours[verdict], notes = {}, singular = false,
-    utilisation = used, low = used and 0.5 * used, high = used and 1.5 * used, factor = used and 1 / used,
-    error = 0.5,
+  return {kind = "statics", verdict = "none", notes = {}, utilisation = used,
     at = {nodes(node, 1), nodes(node, 2), nodes(node, 3)}, max_stress = static.von_mises[node],
     max_displacement = static.displacement:map "norm(a)":max(), elements = static.mesh.element_count,
     mass = material.density and material.density * static.mesh.volume, seconds = seconds,
