@@ -1,235 +1,28 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* STEP (ISO 10303-21, AP214): closed shells as solids with flat faces. Facets in one plane, of one
- * group and joined by edges, are one face; points within a straight border are left out. A shell
+/* STEP (ISO 10303-21, AP214): closed shells as solids with flat faces (flat_faces.h). A shell
  * inside of another one is a void of it. Faces have the names of the surface. What was curved is
  * written as the flat facets that it has.
  *
- * Here a side is an edge of a facet, in its direction (bwi_topology). A chain is what the border of
- * two faces has from one kept point to the next, a straight edge of the solid. */
+ * A chain is what the border of two faces has from one kept point to the next, a straight edge of
+ * the solid. */
 #include "io/surface_write.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "barwright/base.h"
-#include "mesh/surface_topology.h"
-
-/* Points this near to a plane or line lie in it, over the diagonal of the box: numbers of 32 bits
- * have such errors. */
-#define FLAT 1e-7
+#include "io/flat_faces.h"
 
 typedef struct step {
   bw_context *context;
-  const bw_surface *surface;
   bw_writer *writer;
-  double unit, tolerance;
-  bwi_topology *topology;
-  int32_t face_count;
-  int32_t *face_of; /* per facet */
-  int32_t *seed;    /* per face: its largest facet */
-  uint8_t *kept;    /* per point: it is a vertex of the solid */
-  int64_t *loop;    /* loops: a side of each; then their faces' order */
-  int64_t loop_count;
+  double unit;
+  bwi_flat_faces faces;
   int64_t *chain; /* per edge that names a chain: its number in the file, 0: not there yet */
   int32_t *chain_from;
   int64_t *vertex; /* per point: the number of its VERTEX_POINT; the point's is one less */
   int64_t next;    /* number of the next entity */
 } step;
-
-static bw_status fail_repair(bw_context *context, const char *what) {
-  return bw_fail(context, BW_GEOMETRY, "STEP holds closed solids, but %s: repair it first", what);
-}
-
-/* ---- faces ----------------------------------------------------------------------------------- */
-
-static int64_t opposite(const bwi_topology *t, int64_t side) {
-  int64_t first = t->start[t->edge_of[side]];
-  return t->side[first] == side ? t->side[first + 1] : t->side[first];
-}
-
-static int64_t following(int64_t side) {
-  return side % 3 == 2 ? side - 2 : side + 1;
-}
-
-static bw_status check_closed(bw_context *context, const bwi_topology *t) {
-  for (int32_t i = 0; i < t->facets; i++)
-    if (t->degenerate[i])
-      return fail_repair(context, "a triangle has two equal corners");
-  for (int64_t e = 0; e < t->edges; e++) {
-    if (t->start[e + 1] - t->start[e] != 2)
-      return fail_repair(context, "an edge has a number of triangles other than two");
-    int64_t a = t->side[t->start[e]], b = t->side[t->start[e] + 1];
-    if (bwi_side_from(t, a) != bwi_side_to(t, b) || bwi_side_to(t, a) != bwi_side_from(t, b))
-      return fail_repair(context, "neighbouring triangles face in different directions");
-  }
-  return BW_OK;
-}
-
-static void normal_of(const bwi_topology *t, int32_t facet, double n[3]) {
-  const int32_t *c = t->corner + 3 * (size_t)facet;
-  const double *a = t->point + 3 * (size_t)c[0], *b = t->point + 3 * (size_t)c[1],
-               *d = t->point + 3 * (size_t)c[2];
-  const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-  const double v[3] = {d[0] - a[0], d[1] - a[1], d[2] - a[2]};
-  bw_cross(u, v, n);
-}
-
-typedef struct sized {
-  double area;
-  int32_t facet;
-} sized;
-
-static int largest_first(const void *left, const void *right) {
-  const sized *a = (const sized *)left, *b = (const sized *)right;
-  return a->area != b->area ? (a->area < b->area) - (a->area > b->area)
-                            : (a->facet > b->facet) - (a->facet < b->facet);
-}
-
-/* Whether a facet lies in the plane through `at` with the unit normal n, and faces as it does. */
-static bool lies_in(const step *s, int32_t facet, const double at[3], const double n[3]) {
-  const bwi_topology *t = s->topology;
-  double own[3];
-  for (int k = 0; k < 3; k++) {
-    const double *x = t->point + 3 * (size_t)t->corner[3 * (size_t)facet + (size_t)k];
-    double off = (x[0] - at[0]) * n[0] + (x[1] - at[1]) * n[1] + (x[2] - at[2]) * n[2];
-    if (fabs(off) > s->tolerance)
-      return false;
-  }
-  normal_of(t, facet, own);
-  return bw_dot(own, n) >= 0;
-}
-
-static bw_status find_faces(step *s) {
-  bw_status status = BW_OK;
-  const bwi_topology *t = s->topology;
-  const int32_t *group = s->surface->group;
-  sized *order = BW_NEW(s->context, sized, t->facets + 1);
-  int32_t *stack = BW_NEW(s->context, int32_t, t->facets + 1);
-  BW_TRY_MEMORY(order && stack);
-  for (int32_t i = 0; i < t->facets; i++) {
-    double n[3];
-    normal_of(t, i, n);
-    order[i] = (sized){bw_norm(n), i};
-    s->face_of[i] = -1;
-  }
-  qsort(order, (size_t)t->facets, sizeof *order, largest_first);
-  for (int32_t k = 0; k < t->facets; k++) {
-    int32_t seed = order[k].facet, depth = 0;
-    double n[3];
-    if (s->face_of[seed] >= 0)
-      continue;
-    if (!(order[k].area > 0))
-      BW_TRY(fail_repair(s->context, "a triangle has no area"));
-    normal_of(t, seed, n);
-    for (int j = 0; j < 3; j++)
-      n[j] /= order[k].area;
-    const double *at = t->point + 3 * (size_t)t->corner[3 * (size_t)seed];
-    s->seed[s->face_count] = seed;
-    s->face_of[seed] = s->face_count;
-    stack[depth++] = seed;
-    while (depth > 0) {
-      int32_t facet = stack[--depth];
-      for (int64_t side = 3 * (int64_t)facet; side < 3 * (int64_t)facet + 3; side++) {
-        int32_t other = (int32_t)(opposite(t, side) / 3);
-        if (s->face_of[other] >= 0 || (group && group[other] != group[seed]) ||
-            !lies_in(s, other, at, n))
-          continue;
-        s->face_of[other] = s->face_count;
-        stack[depth++] = other;
-      }
-    }
-    s->face_count++;
-  }
-done:
-  bw_free(order);
-  bw_free(stack);
-  return status;
-}
-
-/* ---- borders --------------------------------------------------------------------------------- */
-
-static bool is_border(const step *s, int64_t side) {
-  return s->face_of[side / 3] != s->face_of[opposite(s->topology, side) / 3];
-}
-
-/* The side that follows on the border of the face. */
-static int64_t next_border(const step *s, int64_t side) {
-  side = following(side);
-  while (!is_border(s, side))
-    side = following(opposite(s->topology, side));
-  return side;
-}
-
-/* Whether the middle of three points lies on the line between the others. */
-static bool is_straight(const step *s, int32_t from, int32_t middle, int32_t to) {
-  const double *a = s->topology->point + 3 * (size_t)from,
-               *b = s->topology->point + 3 * (size_t)middle,
-               *c = s->topology->point + 3 * (size_t)to;
-  const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-  const double v[3] = {c[0] - b[0], c[1] - b[1], c[2] - b[2]};
-  const double whole[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-  double cross[3], length = bw_norm(whole);
-  bw_cross(u, v, cross);
-  return bw_dot(u, v) > 0 && bw_norm(cross) <= s->tolerance * length;
-}
-
-/* Points where more than two border edges meet, or two at an angle. */
-static bw_status find_kept(step *s) {
-  bw_status status = BW_OK;
-  const bwi_topology *t = s->topology;
-  int32_t *near = BW_NEW(s->context, int32_t, 2 * (size_t)t->points + 1);
-  uint8_t *edges = BW_NEW0(s->context, uint8_t, t->points + 1);
-  BW_TRY_MEMORY(near && edges);
-  for (int64_t e = 0; e < t->edges; e++) {
-    int64_t side = t->side[t->start[e]];
-    if (!is_border(s, side))
-      continue;
-    int32_t end[2] = {bwi_side_from(t, side), bwi_side_to(t, side)};
-    for (int k = 0; k < 2; k++) {
-      uint8_t *count = &edges[end[k]];
-      if (*count < 2)
-        near[2 * (size_t)end[k] + *count] = end[1 - k];
-      *count = *count < 3 ? *count + 1 : 3;
-    }
-  }
-  for (int32_t i = 0; i < t->points; i++)
-    s->kept[i] = edges[i] > 2 || (edges[i] == 2 &&
-                                  !is_straight(s, near[2 * (size_t)i], i, near[2 * (size_t)i + 1]));
-done:
-  bw_free(near);
-  bw_free(edges);
-  return status;
-}
-
-/* Each loop by its first side, in the order of faces; loops of fewer than three kept points keep
- * all. */
-static bw_status find_loops(step *s) {
-  bw_status status = BW_OK;
-  const bwi_topology *t = s->topology;
-  int64_t sides = 3 * (int64_t)t->facets;
-  uint8_t *seen = BW_NEW0(s->context, uint8_t, sides + 1);
-  BW_TRY_MEMORY(seen);
-  for (int64_t side = 0; side < sides; side++) {
-    if (seen[side] || !is_border(s, side))
-      continue;
-    int64_t at = side;
-    int kept = 0;
-    do {
-      seen[at] = 1;
-      kept += s->kept[bwi_side_from(t, at)];
-      at = next_border(s, at);
-    } while (at != side);
-    s->loop[s->loop_count++] = side;
-    for (bool more = kept < 3; more; more = at != side) {
-      s->kept[bwi_side_from(t, at)] = 1;
-      at = next_border(s, at);
-    }
-  }
-done:
-  bw_free(seen);
-  return status;
-}
 
 /* ---- entities -------------------------------------------------------------------------------- */
 
@@ -263,7 +56,7 @@ static int64_t put_vector(step *s, const char *type, const double x[3]) {
 
 static int64_t vertex_of(step *s, int32_t point) {
   if (s->vertex[point] == 0) {
-    int64_t own = put_vector(s, "CARTESIAN_POINT", s->topology->point + 3 * (size_t)point);
+    int64_t own = put_vector(s, "CARTESIAN_POINT", s->faces.topology->point + 3 * (size_t)point);
     bw_writer_print(s->writer, "#%lld=VERTEX_POINT('',#%lld);\n", (long long)s->next,
                     (long long)own);
     s->vertex[point] = s->next++;
@@ -274,10 +67,11 @@ static int64_t vertex_of(step *s, int32_t point) {
 /* The chain that begins with a side at a kept point: its number, whether it runs the same way, and
  * the side behind it. */
 static int64_t chain_of(step *s, int64_t side, bool *same, int64_t *behind) {
-  const bwi_topology *t = s->topology;
+  const bwi_topology *t = s->faces.topology;
   int32_t from = bwi_side_from(t, side), to = bwi_side_to(t, side);
   int64_t name = t->edge_of[side];
-  for (*behind = next_border(s, side); !s->kept[to]; *behind = next_border(s, *behind)) {
+  for (*behind = bwi_flat_next(&s->faces, side); !s->faces.kept[to];
+       *behind = bwi_flat_next(&s->faces, *behind)) {
     to = bwi_side_to(t, *behind);
     name = t->edge_of[*behind] < name ? t->edge_of[*behind] : name;
   }
@@ -304,9 +98,9 @@ static int64_t chain_of(step *s, int64_t side, bool *same, int64_t *behind) {
 
 /* The EDGE_LOOP of a loop; sides: room for its entities. */
 static int64_t put_loop(step *s, int64_t side, int64_t *entity) {
-  const bwi_topology *t = s->topology;
-  while (!s->kept[bwi_side_from(t, side)])
-    side = next_border(s, side);
+  const bwi_topology *t = s->faces.topology;
+  while (!s->faces.kept[bwi_side_from(t, side)])
+    side = bwi_flat_next(&s->faces, side);
   int64_t at = side, count = 0;
   do {
     bool same;
@@ -323,7 +117,7 @@ static int64_t put_loop(step *s, int64_t side, int64_t *entity) {
 }
 
 static double area_of_loop(const step *s, int64_t side, const double n[3]) {
-  const bwi_topology *t = s->topology;
+  const bwi_topology *t = s->faces.topology;
   const double *origin = t->point + 3 * (size_t)bwi_side_from(t, side);
   double sum[3] = {0, 0, 0};
   int64_t at = side;
@@ -336,18 +130,18 @@ static double area_of_loop(const step *s, int64_t side, const double n[3]) {
     bw_cross(u, v, cross);
     for (int k = 0; k < 3; k++)
       sum[k] += cross[k];
-    at = next_border(s, at);
+    at = bwi_flat_next(&s->faces, at);
   } while (at != side);
   return bw_dot(sum, n);
 }
 
 /* The PLANE of a face: through the first corner of its largest facet. */
 static int64_t put_plane(step *s, int32_t face) {
-  const bwi_topology *t = s->topology;
-  const int32_t *c = t->corner + 3 * (size_t)s->seed[face];
+  const bwi_topology *t = s->faces.topology;
+  const int32_t *c = t->corner + 3 * (size_t)s->faces.seed[face];
   const double *a = t->point + 3 * (size_t)c[0], *b = t->point + 3 * (size_t)c[1];
   double n[3], along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-  normal_of(t, s->seed[face], n);
+  bwi_flat_normal(t, s->faces.seed[face], n);
   double area = bw_norm(n), length = bw_norm(along);
   for (int k = 0; k < 3; k++)
     n[k] /= area, along[k] /= length;
@@ -386,8 +180,8 @@ static void put_text(const step *s, const char *text) {
 
 /* The name that the surface has for a face, or "face" and its number. */
 static void put_face_name(const step *s, int32_t face) {
-  const bw_face_names *names = s->surface->names;
-  int32_t group = names ? s->surface->group[s->seed[face]] : -1;
+  const bw_face_names *names = s->faces.surface->names;
+  int32_t group = names ? s->faces.surface->group[s->faces.seed[face]] : -1;
   if (group >= 0 && group < names->count && names->name[group].text[0])
     put_text(s, names->name[group].text);
   else
@@ -399,7 +193,7 @@ static int64_t put_face(step *s, int32_t face, const int64_t *loop, int64_t loop
                         int64_t *entity) {
   double n[3], most = -HUGE_VAL;
   int64_t outer = 0;
-  normal_of(s->topology, s->seed[face], n);
+  bwi_flat_normal(s->faces.topology, s->faces.seed[face], n);
   for (int64_t i = 0; i < loops; i++) {
     double area = area_of_loop(s, loop[i], n);
     outer = area > most ? i : outer;
@@ -424,23 +218,24 @@ static int64_t put_face(step *s, int32_t face, const int64_t *loop, int64_t loop
 static int by_face(const void *left, const void *right, void *data) {
   const step *s = (const step *)data;
   int64_t a = *(const int64_t *)left, b = *(const int64_t *)right;
-  int32_t fa = s->face_of[a / 3], fb = s->face_of[b / 3];
+  int32_t fa = s->faces.face_of[a / 3], fb = s->faces.face_of[b / 3];
   return fa != fb ? (fa > fb) - (fa < fb) : (a > b) - (a < b);
 }
 
 /* All faces; entity[face]: their numbers. */
 static bw_status put_faces(step *s, int64_t *face_entity) {
   bw_status status = BW_OK;
-  int64_t sides = 3 * (int64_t)s->topology->facets;
-  int64_t *bound = BW_NEW(s->context, int64_t, s->loop_count + 1);
+  int64_t sides = 3 * (int64_t)s->faces.topology->facets;
+  int64_t *bound = BW_NEW(s->context, int64_t, s->faces.loop_count + 1);
   int64_t *entity = BW_NEW(s->context, int64_t, sides + 1);
   BW_TRY_MEMORY(bound && entity);
-  qsort_r(s->loop, (size_t)s->loop_count, sizeof *s->loop, by_face, s);
-  for (int64_t i = 0, end; i < s->loop_count; i = end) {
-    int32_t face = s->face_of[s->loop[i] / 3];
-    for (end = i + 1; end < s->loop_count && s->face_of[s->loop[end] / 3] == face;)
+  qsort_r(s->faces.loop, (size_t)s->faces.loop_count, sizeof *s->faces.loop, by_face, s);
+  for (int64_t i = 0, end; i < s->faces.loop_count; i = end) {
+    int32_t face = s->faces.face_of[s->faces.loop[i] / 3];
+    for (end = i + 1;
+         end < s->faces.loop_count && s->faces.face_of[s->faces.loop[end] / 3] == face;)
       end++;
-    face_entity[face] = put_face(s, face, s->loop + i, end - i, bound, entity);
+    face_entity[face] = put_face(s, face, s->faces.loop + i, end - i, bound, entity);
     if (face % 4096 == 0)
       BW_TRY(bw_check_cancel(s->context));
   }
@@ -475,7 +270,7 @@ static double winding(const bwi_topology *t, int32_t shell, const double at[3]) 
 
 /* For each shell the one whose void it is, or -1. */
 static bw_status find_owners(const step *s, const int32_t *depth, int32_t *owner) {
-  const bwi_topology *t = s->topology;
+  const bwi_topology *t = s->faces.topology;
   for (int32_t v = 0; v < t->shells; v++) {
     owner[v] = -1;
     if (depth[v] % 2 == 0)
@@ -488,13 +283,13 @@ static bw_status find_owners(const step *s, const int32_t *depth, int32_t *owner
       if (depth[o] == depth[v] - 1 && winding(t, o, at) > 0.5)
         owner[v] = o;
     if (owner[v] < 0)
-      return fail_repair(s->context, "a shell lies neither inside nor outside of another one");
+      return bwi_fail_repair(s->context, "a shell lies neither inside nor outside of another one");
   }
   return BW_OK;
 }
 
 static bw_status check_volumes(const step *s, const int32_t *depth, double *volume) {
-  const bwi_topology *t = s->topology;
+  const bwi_topology *t = s->faces.topology;
   for (int32_t i = 0; i < t->facets; i++) {
     const int32_t *c = t->corner + 3 * (size_t)i;
     double cross[3];
@@ -503,18 +298,18 @@ static bw_status check_volumes(const step *s, const int32_t *depth, double *volu
   }
   for (int32_t k = 0; k < t->shells; k++)
     if (!(depth[k] % 2 == 0 ? volume[k] > 0 : volume[k] < 0))
-      return fail_repair(s->context, "a shell is turned inside out");
+      return bwi_fail_repair(s->context, "a shell is turned inside out");
   return BW_OK;
 }
 
 /* CLOSED_SHELL of each shell. */
 static void put_shells(step *s, const int64_t *face_entity, int64_t *shell_entity) {
-  const bwi_topology *t = s->topology;
+  const bwi_topology *t = s->faces.topology;
   for (int32_t k = 0; k < t->shells; k++) {
     bool any = false;
     bw_writer_print(s->writer, "#%lld=CLOSED_SHELL('',(", (long long)s->next);
-    for (int32_t f = 0; f < s->face_count; f++)
-      if (t->shell[s->seed[f]] == k) {
+    for (int32_t f = 0; f < s->faces.face_count; f++)
+      if (t->shell[s->faces.seed[f]] == k) {
         bw_writer_print(s->writer, "%s#%lld", any ? ",\n" : "", (long long)face_entity[f]);
         any = true;
       }
@@ -525,7 +320,7 @@ static void put_shells(step *s, const int64_t *face_entity, int64_t *shell_entit
 
 /* The entity of the solid of a shell. */
 static int64_t put_solid(step *s, int32_t shell, const int32_t *owner, int64_t *shell_entity) {
-  const bwi_topology *t = s->topology;
+  const bwi_topology *t = s->faces.topology;
   bool voids = false;
   for (int32_t v = 0; v < t->shells; v++)
     if (owner[v] == shell) {
@@ -575,7 +370,7 @@ static bool put_units(step *s) {
   bw_writer_print(writer, "#14=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));\n"
                           "#15=(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT());\n"
                           "#16=UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(");
-  put_real(writer, s->tolerance);
+  put_real(writer, s->faces.tolerance);
   int length = name ? 13 : 10;
   bw_writer_print(writer,
                   "),#%d,'distance_accuracy_value','');\n"
@@ -607,7 +402,7 @@ static bool put_head(step *s) {
 
 static bw_status put_solids(step *s, const int64_t *face_entity) {
   bw_status status = BW_OK;
-  const bwi_topology *t = s->topology;
+  const bwi_topology *t = s->faces.topology;
   const double origin[3] = {0, 0, 0}, z[3] = {0, 0, 1}, x[3] = {1, 0, 0};
   uint8_t *closed = BW_NEW(s->context, uint8_t, t->shells + 1);
   int32_t *depth = BW_NEW0(s->context, int32_t, t->shells + 1);
@@ -645,46 +440,19 @@ done:
   return status;
 }
 
-static double diagonal(const bwi_topology *t) {
-  double sum = 0;
-  for (int k = 0; k < 3; k++) {
-    double min = HUGE_VAL, max = -HUGE_VAL;
-    for (int32_t i = 0; i < t->points; i++) {
-      double x = t->point[3 * (size_t)i + (size_t)k];
-      min = x < min ? x : min;
-      max = x > max ? x : max;
-    }
-    sum += (max - min) * (max - min);
-  }
-  return sqrt(sum);
-}
-
 bw_status bwi_step_write(bw_writer *writer, const bw_surface *surface,
                          const bw_surface_write_options *options) {
   bw_status status = BW_OK;
   bw_context *context = bwi_writer_context(writer);
-  step s = {.context = context,
-            .surface = surface,
-            .writer = writer,
-            .unit = options->unit > 0 ? options->unit : 1};
+  step s = {.context = context, .writer = writer, .unit = options->unit > 0 ? options->unit : 1};
   int64_t *face_entity = NULL;
-  BW_TRY(bwi_topology_create(context, surface, &s.topology));
-  const bwi_topology *t = s.topology;
-  BW_TRY(check_closed(context, t));
-  s.tolerance = FLAT * diagonal(t);
-  s.face_of = BW_NEW(context, int32_t, t->facets + 1);
-  s.seed = BW_NEW(context, int32_t, t->facets + 1);
-  s.kept = BW_NEW0(context, uint8_t, t->points + 1);
-  s.loop = BW_NEW(context, int64_t, 3 * (size_t)t->facets + 1);
+  BW_TRY(bwi_flat_faces_find(context, surface, &s.faces));
+  const bwi_topology *t = s.faces.topology;
   s.chain = BW_NEW0(context, int64_t, t->edges + 1);
   s.chain_from = BW_NEW(context, int32_t, t->edges + 1);
   s.vertex = BW_NEW0(context, int64_t, t->points + 1);
   face_entity = BW_NEW0(context, int64_t, t->facets + 1);
-  BW_TRY_MEMORY(s.face_of && s.seed && s.kept && s.loop && s.chain && s.chain_from && s.vertex &&
-                face_entity);
-  BW_TRY(find_faces(&s));
-  BW_TRY(find_kept(&s));
-  BW_TRY(find_loops(&s));
+  BW_TRY_MEMORY(s.chain && s.chain_from && s.vertex && face_entity);
   if (!put_head(&s))
     BW_TRY(bw_fail(context, BW_INVALID,
                    "a unit of %g m is none of those written in STEP: um, mm, cm, m, km, in or ft",
@@ -693,11 +461,7 @@ bw_status bwi_step_write(bw_writer *writer, const bw_surface *surface,
   BW_TRY(put_solids(&s, face_entity));
   status = bw_writer_bytes(writer, NULL, 0);
 done:
-  bwi_topology_destroy(s.topology);
-  bw_free(s.face_of);
-  bw_free(s.seed);
-  bw_free(s.kept);
-  bw_free(s.loop);
+  bwi_flat_faces_clear(&s.faces);
   bw_free(s.chain);
   bw_free(s.chain_from);
   bw_free(s.vertex);
