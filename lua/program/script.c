@@ -126,9 +126,9 @@ static int call_command(lua_State *L) {
 
 /* A model where a script is expected: by its ending. */
 static bool is_model(const char *path) {
-  static const char *const endings[] = {".stl",  ".obj",  ".off",  ".ply", ".msh", ".vtu",
-                                        ".pvtu", ".mesh", ".inp",  ".svg", ".dxf", ".3mf", ".glb", ".gltf",
-                                        ".step", ".stp",  ".iges", ".igs"};
+  static const char *const endings[] = {".stl",  ".obj",  ".off",  ".ply", ".msh",  ".vtu",
+                                        ".pvtu", ".mesh", ".inp",  ".svg", ".dxf",  ".3mf",
+                                        ".glb",  ".gltf", ".step", ".stp", ".iges", ".igs"};
   const char *ending = strrchr(path, '.');
   for (size_t i = 0; ending && i < sizeof endings / sizeof *endings; i++)
     if (strcasecmp(ending, endings[i]) == 0)
