@@ -33,8 +33,9 @@ bw_status bwi_gltf_integer(const bwi_gltf *g, int32_t of, const char *key, int64
   double number = bwi_gltf_value(g, member)->number;
   if (bwi_gltf_value(g, member)->kind != BWI_JSON_NUMBER || !(number >= 0) ||
       number >= (double)limit || number != floor(number))
-    return bwi_gltf_fail(g, member, "\"%s\": an integer from 0 to %lld was expected", key,
-                         (long long)limit - 1);
+    return limit == 0 ? bwi_gltf_fail(g, member, "\"%s\": the file has none of these", key)
+                      : bwi_gltf_fail(g, member, "\"%s\": an integer from 0 to %lld was expected",
+                                      key, (long long)limit - 1);
   *value = (int64_t)number;
   return BW_OK;
 }

@@ -43,7 +43,7 @@ function workbench_module.open(path, options) end
 ---@class bw.Workbench
 local Workbench = {}
 
----Holds faces. A load on a face that is held in all directions is refused.
+---Constrains faces. A load on a face that is constrained in all directions is refused.
 ---
 ---Errors: invalid (with a sentence that says what to do).
 ---@param options bw.WorkbenchFixOptions which faces
@@ -302,7 +302,7 @@ function Workbench:try(options) end
 
 ---The answer. With loads: whether the part carries them, as `barwright statics` judges. Without loads: the force that breaks it in the worst way, as of `bw.breaking_force`.
 ---
----Errors: invalid (nothing holds the part, everything is held, the unit is not confirmed), and those of meshes and solvers.
+---Errors: invalid (nothing constrains the part, all of it is constrained, the unit is not confirmed), and those of meshes and solvers.
 ---@param options? bw.WorkbenchAnswerOptions how accurate
 ---@return bw.WorkbenchAnswer? answer the answer, which `state` has too
 ---@return string? message
@@ -394,7 +394,7 @@ function Workbench:apply(options) end
 ---@class bw.WorkbenchApplyOptions
 ---@field advice integer (index from 1) its number
 
----Thickens the part around a point by a smooth bump. Locked and held faces stay.
+---Thickens the part around a point by a smooth bump. Locked faces and those with supports stay.
 ---
 ---Errors: geometry, limit (too many points).
 ---@param options bw.WorkbenchThickenOptions the bump

@@ -109,6 +109,7 @@ local wrong = {
   {"part.3mf", 2, "part.3mf is no script: `barwright check part.3mf` describes it"},
   {"part.step", 2, "part.step is no script"},
   {"part.glb", 2, "part.glb is no script"},
+  {"strengthen part.stl --keep hole --force 5 --out o.stl", 2, "--keep: holes or a place: 'hole' is no place"},
   {"open nofile.stl --no-open", 3, "nofile.stl: No such file"},
   {"open folder.stl --no-open", 3, "folder.stl: Is a directory"},
   {"live folder.stl --no-open", 2, "folder.stl is no script"},

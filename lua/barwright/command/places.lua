@@ -114,13 +114,13 @@ local kinds = {
     select = function(boundary, _, name) return boundary:face(name) end},
 }
 
--- The kind of a place and its values, or nil and a sentence.
-local function read(text)
+-- The kind of a place and its values, or nil and a sentence. by_point: what kinds are named there.
+local function read(text, by_point)
   local name, rest = text:match "^(%l+):?(.*)$"
   local kind = kinds[name]
   if not kind then
-    return nil, ("'%s' is no place: all, min:z, max:z, below:z:1mm, above:z:20mm, near:0,0,30mm:5mm or face:NAME "
-      .. "expected"):format(text)
+    return nil, ("'%s' is no place: all, min:z, max:z, below:z:1mm, above:z:20mm%s expected"):format(text,
+      by_point and " or near:0,0,30mm:5mm" or ", near:0,0,30mm:5mm or face:NAME")
   end
   local words, values = {}, {}
   if kind.whole then
@@ -144,7 +144,7 @@ end
 --- Checks the text of a place without a mesh: nil and a sentence where it is none, or with `by_point` one that
 --- `places.test` cannot take.
 function places.check(text, by_point)
-  local kind, message = read(text)
+  local kind, message = read(text, by_point)
   if not kind then return nil, message end
   if by_point and not kind.test then
     return nil, ("'%s': a place by coordinates expected, such as min:z or near:0,0,30mm:5mm"):format(text)

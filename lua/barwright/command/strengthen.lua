@@ -103,7 +103,7 @@ local function strengthen(opts, out)
   if not ok then return nil, message, details end
   for _, place in ipairs(opts.keep) do
     if place ~= "holes" then ok, message = places.check(place, true) end
-    if not ok then return nil, "option --keep: " .. message, {status = "misuse"} end
+    if not ok then return nil, "option --keep: holes or a place: " .. message, {status = "misuse"} end
   end
   local read
   read, message, details = model.start(opts, out, "strengthen")

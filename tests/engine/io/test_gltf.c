@@ -132,6 +132,10 @@ static void refusals(void **state) {
   refuse(state, NODES("[{\"children\":[0]}]"), "holds no facet");
   refuse(state, NODES("[{\"children\":[1]},{\"children\":[2]},{\"children\":[1]}]"), "two nodes");
   refuse(state, NODES("[{\"mesh\":7}]"), "an integer from 0 to 0");
+  refuse(state,
+         "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{"
+         "\"POSITION\":3}}]}]}",
+         "none of these");
   refuse(state, NODES("[{\"mesh\":0,\"scale\":[1,1]}]"), "3 numbers");
   refuse(state, FILE_OF("", "\"scenes\":[{\"nodes\":[5]}],", "12", "48", DATA), "a node from 0");
   refuse(state,
