@@ -35,6 +35,19 @@ local function definitions(text, path, all)
   end
 end
 
+-- The tables of functions of a file, as `static const format formats[] = {...};`. Who mentions one may call each.
+local function tables(text, path, all)
+  for head, body in ("\n" .. text):gmatch "\nstatic ([^\n;{}()#=]-)%s*=%s*(%b{})%s*;" do
+    local name = head:gsub("%b[]", ""):match "([%w_]+)%s*$"
+    local one = {path = path, own = true, raises = {}, calls = {}, members = {}}
+    for word in body:gmatch "%f[%w_][%l_][%w_]+" do one.calls[word] = true end
+    if name then
+      all[name] = all[name] or {}
+      table.insert(all[name], one)
+    end
+  end
+end
+
 -- What a name means in a file: its own function, else a shared one.
 local function meant(all, name, path)
   local shared
@@ -50,7 +63,9 @@ function statuses.read(folder)
   local all = {}
   local listing = assert(io.popen(("find '%s' -name '*.c' -o -name '*.cpp' | LC_ALL=C sort"):format(folder)))
   for path in listing:lines() do
-    definitions(bare(assert(read_file(path))), path, all)
+    local text = bare(assert(read_file(path)))
+    definitions(text, path, all)
+    tables(text, path, all)
   end
   listing:close()
   return all
