@@ -35,6 +35,7 @@ function StudyModule:__call(options) end
 ---@field seed? integer (seed) of designs and trials. Default: 1
 ---@field file? string of the trials. Default: the name and ".study"; blanks become "_"
 ---@field variables bw.StudyVariable[] (list) at least one, at most 1900
+---@field correlations? {[1]: string, [2]: string, [3]: number}[] (list) name, name, correlation of the values of two variables with distributions. Range: above -1 to below 1, and what the distributions permit. Default: none
 ---@field measures (bw.StudyMeasure|string)[] (list) at least one, at most 1900; a string is a name
 ---@field objectives? (bw.StudyObjective|string)[] (list) measures to be minimised or maximised. Default: none
 ---@field constraints? bw.StudyConstraint[] (list) bounds of measures. Default: none
@@ -48,12 +49,24 @@ function StudyModule:__call(options) end
 ---@field name string as `run` gets it
 ---@field kind? "real"|"integer"|"choice" Default: "choice" with `of`, else "real"
 ---@field unit? string of min, max and values. Default: none
----@field min? number (any) the smallest value; needed but for a choice
----@field max? number (any) the largest value, above min; needed but for a choice
+---@field min? number (any) the smallest value; needed but for a choice or a distribution
+---@field max? number (any) the largest value, above min; needed but for a choice or a distribution
 ---@field scale? "linear"|"log" how designs spread a real; "log" needs min above 0. Default: "linear"
 ---@field of? (string|number|boolean)[] (any, n) the values of a choice, all different
+---@field distribution? bw.Distribution how a real scatters, in place of min, max and scale. Default: none
 ---@field default? string|number|boolean (any) where one-at-a-time designs and optimisations begin. Default: the midpoint
 ---@field what? string a sentence for reports. Default: none
+
+---How a variable scatters: the name of a distribution and its parameters. Values of a probability below 1e-19 are left out.
+---"gumbel" is the distribution of largest values, such as loads.
+---@class bw.Distribution
+---@field [1] "normal"|"lognormal"|"uniform"|"weibull"|"gumbel" the name
+---@field mean? number (any) of "normal", "lognormal" (above 0) and "gumbel"
+---@field deviation? number (any) standard deviation of "normal", "lognormal" and "gumbel". Range: above 0
+---@field scale? number (any) of "weibull": above `min`, 63.2 % of the values lie below it. Range: above 0
+---@field shape? number (-) exponent of "weibull". Range: above 0
+---@field min? number (any) of "uniform" and "weibull". Default: 0 of "weibull"
+---@field max? number (any) of "uniform"
 
 ---A number that each trial gives.
 ---@class bw.StudyMeasure
@@ -81,7 +94,7 @@ function StudyModule:__call(options) end
 ---Which points a study asks for: a table that begins with the name of a design, or a function that asks for lists of points
 ---until it has what it looks for. `evaluate` returns the results in the order of the points, false where a trial has none,
 ---and the trials; what the function returns becomes the summary.
----@alias bw.StudyDesign bw.GridDesign|bw.PointsDesign|bw.OneAtATimeDesign|bw.SamplingDesign|bw.MorrisDesign|bw.SobolIndicesDesign|bw.MinimiseDesign|bw.ParetoDesign|fun(evaluate: bw.StudyEvaluate, problem: bw.StudyProblem): table<string, any>?
+---@alias bw.StudyDesign bw.GridDesign|bw.PointsDesign|bw.OneAtATimeDesign|bw.SamplingDesign|bw.MorrisDesign|bw.SobolIndicesDesign|bw.MinimiseDesign|bw.ParetoDesign|bw.FormDesign|bw.ImportanceDesign|bw.SubsetDesign|fun(evaluate: bw.StudyEvaluate, problem: bw.StudyProblem): table<string, any>?
 
 ---Runs the trials of points that the file does not have.
 ---@alias bw.StudyEvaluate fun(points: table<string, any>[]): (table<string, number>|false)[], bw.TrialRecord[]
@@ -102,7 +115,8 @@ function StudyModule:__call(options) end
 ---@field levels? integer|table<string, integer|any[]> (count) as of a grid. Default: 5
 ---@field at? table<string, any> the base point; missing values are defaults or midpoints. Default: none
 
----Points that fill the space of the variables: independent ones, a Latin hypercube, or Sobol's sequence.
+---Points that fill the space of the variables: independent ones, a Latin hypercube, or Sobol's sequence. Variables with
+---distributions are drawn from them; with constraints, the summary has `failure`.
 ---@class bw.SamplingDesign
 ---@field [1] "random"|"latin_hypercube"|"sobol" the name
 ---@field count integer (count) of points. Range: 1 to 10000000
@@ -157,6 +171,50 @@ function StudyModule:__call(options) end
 ---@field crossover_index? number (-) distribution index of the crossover. Range: at least 0. Default: 15
 ---@field mutation? number (-) its probability for each variable. Range: above 0 to 1. Default: one over the number of variables
 ---@field mutation_index? number (-) distribution index of the mutation. Range: at least 0. Default: 20
+---@field seed? integer (seed) Default: that of the study
+
+---The probability that a constraint is violated, by the first-order reliability method: the likeliest point of failure of
+---each bound, and a plane there in place of the limit. The error is unknown where limits are curved. The summary has
+---`points`, `lost`, `low`, `high` and, of one point, `probability`.
+---
+---Source: A. M. Hasofer, N. C. Lind, J. Eng. Mech. Div. 100 (1974); Y. Zhang, A. Der Kiureghian, Reliability and
+---Optimization of Structural Systems (1995).
+---@class bw.FormDesign
+---@field [1] "form" the name
+---@field starts? integer (count) searches for each bound: from the medians, and at 3 standard deviations in random directions. Range: 1 to 1000. Default: 1
+---@field iterations? integer (count) of each search. Range: 1 to 1000. Default: 30
+---@field tolerance? number (-) of the design point, in standard deviations, relative beyond one. Range: above 0 to 0.1. Default: 1e-3
+---@field gradient? "run"|"differences" those that `run` returns, or finite differences. Default: "differences"
+---@field step? number (-) of the differences, in standard deviations. Range: above 0 to 1. Default: 1e-3
+---@field seed? integer (seed) Default: that of the study
+
+---The probability that a constraint is violated, with its error, by sampling around the points that "form" finds and, a
+---tenth, around the medians. The estimate is unbiased. The summary has `probability`, `low`, `high`, `deviation`,
+---`count`, `failures` and `form`.
+---
+---Source: R. E. Melchers, Structural Safety 6 (1989).
+---@class bw.ImportanceDesign
+---@field [1] "importance" the name
+---@field count? integer (count) the most trials, beside those of the search. Range: 10 to 10000000. Default: 5000
+---@field error? number (-) standard deviation over estimate at which it ends. Range: above 0 to 1. Default: 0.1
+---@field batch? integer (count) trials at a time. Range: 1 to 100000. Default: 200
+---@field starts? integer (count) as of "form". Range: 1 to 1000. Default: 1
+---@field iterations? integer (count) as of "form". Range: 1 to 1000. Default: 30
+---@field tolerance? number (-) as of "form". Range: above 0 to 0.1. Default: 1e-3
+---@field gradient? "run"|"differences" as of "form". Default: "differences"
+---@field step? number (-) as of "form". Range: above 0 to 1. Default: 1e-3
+---@field seed? integer (seed) Default: that of the study
+
+---A small probability that a constraint is violated, by subset simulation: a product of larger probabilities, with Markov
+---chains between levels of the least margin. It needs no gradient and finds failures in several places. The summary has
+---`probability`, `low`, `high`, `deviation`, `count` and `levels`.
+---
+---Source: S.-K. Au, J. L. Beck, Probabilistic Engineering Mechanics 16 (2001).
+---@class bw.SubsetDesign
+---@field [1] "subset" the name
+---@field count? integer (count) trials of each level. Range: 50 to 1000000. Default: 1000
+---@field share? number (-) of the trials of a level that begin the next one. Range: 0.01 to 0.5. Default: 0.1
+---@field levels? integer (count) the most. Range: 1 to 40. Default: 12
 ---@field seed? integer (seed) Default: that of the study
 
 ---Saves what can be read of a damaged study file into a new one. Trials that do not match their checksums are left out, or
@@ -530,7 +588,50 @@ local Trials = {}
 ---@field generations? integer (count) of "pareto"
 ---@field population? integer (count) of "pareto"
 ---@field hypervolume? number[] (any, one for each generation) of "pareto": of the front so far, for at most three objectives
+---@field failure? bw.StudyFailure of "random", "latin_hypercube" and "sobol" where variables have distributions and there are constraints
+---@field probability? number (-) of "form", "importance" and "subset": that a constraint is violated
+---@field low? number (-) of the same: the least, with 95 % confidence; of "form" the largest of its points
+---@field high? number (-) of the same: the most, with 95 % confidence; of "form" the sum of its points
+---@field deviation? number (-) of "importance" and "subset": standard deviation of `probability`
+---@field count? integer (count) of "importance" and "subset": trials
+---@field failures? integer (count) of "importance": trials that violate a constraint
+---@field points? bw.DesignPoint[] (list) of "form": the likeliest points of failure
+---@field lost? bw.DesignPoint[] (list) of "form": where searches ended that found none
+---@field form? bw.StudySummary of "importance": `points` and `lost` of its search
+---@field levels? bw.SubsetLevel[] (list) of "subset"
+---@field above? number (-) of "subset": the product of the shares where no failure was found
 ---@field value? any of a function that returned a number or a string
+
+---The share of trials that violate a constraint, of trials drawn from the distributions.
+---@class bw.StudyFailure
+---@field probability number (-) their share; a trial without results counts
+---@field low number (-) of Wilson's interval of 95 %
+---@field high number (-) of Wilson's interval of 95 %
+---@field failures integer (count) of such trials
+---@field text string for `print`
+
+---The likeliest point at which a bound of a constraint is violated.
+---@class bw.DesignPoint
+---@field limit bw.StudyLimit which bound
+---@field point table<string, number> values by the names of variables
+---@field y number[] (-, one for each variable) independent coordinates of the standard normal distribution
+---@field reliability_index number (-) distance of y from the origin; negative where the medians violate the bound
+---@field probability number (-) of a violation, by a plane at the point
+---@field importance? table<string, number> (-) fractions of the variance of the plane's distance, by variable; nil with correlations
+---@field converged boolean whether the search did
+---@field why string "converged", "flat" (nothing changes there), "stuck" (no step lowers the merit), "iterations", or "a trial without a result"
+---@field evaluations integer (count) trials
+
+---One bound of a constraint.
+---@class bw.StudyLimit
+---@field name string of the measure
+---@field side "min"|"max" which bound
+---@field bound number (any) its value
+
+---A level of subset simulation.
+---@class bw.SubsetLevel
+---@field margin number (-) distance from the bound, in parts of it, below which the next trials lie; 0: the last
+---@field share number (-) of the trials below
 
 ---What one variable does to a measure, the others at the base point.
 ---@class bw.StudyRange

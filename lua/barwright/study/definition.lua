@@ -34,9 +34,11 @@ function definition.of(study)
       for k, value in ipairs(v.of) do item.of[k] = value end
     else
       item.min, item.max, item.scale = v.min, v.max, v.scale
+      item.distribution = v.distribution and tostring(v.distribution)
     end
     out.variables[i] = item
   end
+  out.correlations = study.problem.correlations and study.problem.correlations.text
   for i, m in ipairs(study.problem.measures) do
     out.measures[i] = {name = m.name, unit = m.unit, optional = m.optional or nil}
   end
@@ -78,13 +80,17 @@ end
 function definition.first_difference(old, new)
   if old.name ~= new.name then return ("its study is '%s', not '%s'"):format(old.name, new.name) end
   if old.seed ~= new.seed then return ("its seed is %s, not %s"):format(old.seed, new.seed) end
+  if old.correlations ~= new.correlations then
+    return ("its correlations are %s, not %s"):format(old.correlations or "none", new.correlations or "none")
+  end
   for _, list in ipairs {"variables", "measures"} do
     local what = list:sub(1, -2)
     for i = 1, math.max(#old[list], #new[list]) do
       local a, b = old[list][i], new[list][i]
       if not a then return ("%s '%s' is not in it"):format(what, b.name) end
       if not b then return ("its %s '%s' is gone"):format(what, a.name) end
-      for _, field in ipairs {"name", "kind", "unit", "min", "max", "scale", "of", "optional"} do
+      for _, field in ipairs {"name", "kind", "unit", "min", "max", "scale", "of", "distribution",
+        "optional"} do
         local was, is = describe(a, field), describe(b, field)
         if was ~= is then
           if field == "name" then return ("its %s %d is '%s', not '%s'"):format(what, i, was, is) end

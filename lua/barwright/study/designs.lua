@@ -5,6 +5,8 @@
 --   points(problem, opts)                  all points, known beforehand
 --   summarise(problem, opts, points, results) -> summary     (optional; a result is false where a trial
 --                                          has none)
+--   scatter                                true, or "independent": takes variables with distributions, also
+--                                          correlated ones, or only independent ones
 -- or, where the next points depend on results,
 --   run(evaluate, problem, opts) -> summary
 --   total(problem, opts)                   how many trials it may take, for the time to go
@@ -19,6 +21,7 @@ local home = {
   random = "sampling", latin_hypercube = "sampling", sobol = "sampling",
   morris = "morris", sobol_indices = "sobol_indices",
   minimise = "minimise", pareto = "pareto",
+  form = "form", importance = "importance", subset = "subset",
 }
 
 --- All names, in alphabetical order.
@@ -44,6 +47,19 @@ local function run_points(kind)
   end
 end
 
+-- Designs between bounds take no variable that has none.
+local function check_scatter(where, name, kind, problem)
+  for _, v in ipairs(problem.variables) do
+    if v.distribution and not kind.scatter then
+      core.raise(("%s: design %s works between min and max; '%s' has a distribution: use random, latin_hypercube, "
+        .. "sobol, sobol_indices, form, importance or subset"):format(where, name, v.name))
+    end
+  end
+  if problem.correlations and kind.scatter == "independent" then
+    core.raise(("%s: design %s: independent variables expected, got correlations"):format(where, name))
+  end
+end
+
 --- The design of a study, checked: {name, run, total, points = the list where it is known, text}.
 function designs.read(where, given, problem, seed)
   if type(given) == "function" then return {name = "function", run = given, opts = {}, text = "a function"} end
@@ -58,6 +74,7 @@ function designs.read(where, given, problem, seed)
   end
   opts = options.read(("%s: design %s"):format(where, given[1]), opts, kind.rules)
   if kind.rules.seed and opts.seed == nil then opts.seed = seed end
+  check_scatter(where, given[1], kind, problem)
   if kind.check then kind.check(problem, opts) end
   local design = {name = given[1], opts = opts, kind = kind, run = kind.run or run_points(kind),
     total = kind.total and kind.total(problem, opts) or nil}

@@ -104,6 +104,7 @@ end
 grid.points = {
   summary = "a list of points",
   rules = {points = {type = "table", needed = true}},
+  scatter = true,
 }
 function grid.points.points(problem, opts)
   local points = {}

@@ -31,6 +31,7 @@ local rules = {
   seed = {type = "integer", default = 1},
   file = {type = "string"},
   variables = {type = "table", needed = true},
+  correlations = {type = "table"},
   measures = {type = "table", needed = true},
   objectives = {type = "table"},
   constraints = {type = "table"},

@@ -92,21 +92,6 @@ local function failed_value(self)
   return worst + 1e3 * (1 + math.abs(worst))
 end
 
--- Constraints as values that are to be at most 0, in parts of their bounds.
-local function sides_of(problem)
-  local sides = {}
-  for _, c in ipairs(problem.constraints) do
-    for _, bound in ipairs {"max", "min"} do
-      if c[bound] then
-        local size = c[bound] ~= 0 and math.abs(c[bound]) or 1
-        local sign = (bound == "max" and 1 or -1) / size
-        sides[#sides + 1] = {name = c.name, sign = sign, bound = c[bound]}
-      end
-    end
-  end
-  return sides
-end
-
 local function copy(place) return table.move(place, 1, #place, 1, {}) end
 
 -- Places beside one, for differences: ahead, or back where there is no room.
@@ -224,7 +209,7 @@ local function replay(self)
   self.need, self.worst, self.size = nil, nil, nil
   local low, high, constraints = {}, {}, {}
   for k = 1, search.dimensions do low[k], high[k] = 0.0, 1.0 end
-  for i, side in ipairs(search.sides) do constraints[i] = constraint_function(self, side) end
+  for i, side in ipairs(search.limits) do constraints[i] = constraint_function(self, side) end
   local ok, x, value, about = pcall(core.minimise, {method = search.method, start = copy(self.start),
     min = low, max = high, evaluations = search.opts.evaluations, seed = search.opts.seed,
     objective = objective_function(self), constraints = #constraints > 0 and constraints or nil,
@@ -279,7 +264,7 @@ function design.run(evaluate, problem, opts)
   local name = method_of(problem, opts)
   local gradient = methods[name].gradient
   local search = {evaluate = evaluate, problem = problem, opts = opts, method = name, known = {},
-    dimensions = #problem.variables, sides = sides_of(problem), starts = opts.starts}
+    dimensions = #problem.variables, limits = problem:limits(), starts = opts.starts}
   local attempts = {}
   for i, start in ipairs(starts_of(search)) do
     attempts[i] = setmetatable({search = search, start = start, gradient = gradient,

@@ -2,6 +2,8 @@
 -- What a study asks: variables, measures, objectives and constraints, checked; points made of places in
 -- the unit cube; which results are feasible and which of two are better.
 local core = require "barwright.core"
+local correlations = require "barwright.study.correlations"
+local normal = require "barwright.study.normal"
 local options = require "barwright.options"
 local variables = require "barwright.study.variables"
 
@@ -62,6 +64,7 @@ function problem.read(where, given)
   self.variables = variables.read(where, given.variables)
   self.variable = {}
   for _, v in ipairs(self.variables) do self.variable[v.name] = v end
+  self.correlations = correlations.read(where, given.correlations or {}, self.variables)
   self.sorted = names_of(self.variables)
   table.sort(self.sorted)
   self.measures, self.measure = read_list(where, "measure", given.measures, measure_rules)
@@ -86,8 +89,31 @@ function problem.read(where, given)
   return self
 end
 
---- A point from places in the unit cube, one for each variable in order.
+--- A point from independent coordinates of the standard normal distribution, one for each variable in order.
+function problem:normal_point(y)
+  local z, point = self.correlations and self.correlations:correlated(y) or y, {}
+  for k, v in ipairs(self.variables) do point[v.name] = v:normal_value(z[k]) end
+  return point
+end
+
+--- The normal coordinates of a point.
+function problem:normal_place(point)
+  local z = {}
+  for k, v in ipairs(self.variables) do z[k] = v:normal_place(point[v.name]) end
+  return self.correlations and self.correlations:independent(z) or z
+end
+
+-- What a function of each coordinate gives.
+local function each(list, f)
+  local out = {}
+  for k = 1, #list do out[k] = f(list[k]) end
+  return out
+end
+
+--- A point from places in the unit cube, one for each variable in order; places of independent coordinates where
+--- variables are correlated.
 function problem:point(place)
+  if self.correlations then return self:normal_point(each(place, normal.quantile)) end
   local point = {}
   for k, v in ipairs(self.variables) do point[v.name] = v:value(place[k]) end
   return point
@@ -95,6 +121,7 @@ end
 
 --- The places of a point.
 function problem:place(point)
+  if self.correlations then return each(self:normal_place(point), normal.probability) end
   local place = {}
   for k, v in ipairs(self.variables) do place[k] = v:place(point[v.name]) end
   return place
@@ -144,6 +171,22 @@ function problem:violation(results)
     end
   end
   return sum
+end
+
+--- The bounds of the constraints one by one: sign (value - bound) is positive where a value misses one, in parts
+--- of the bound.
+function problem:limits()
+  local limits = {}
+  for _, c in ipairs(self.constraints) do
+    for _, side in ipairs {"max", "min"} do
+      local bound = c[side]
+      if bound then
+        local sign = (side == "max" and 1 or -1) / (bound ~= 0 and math.abs(bound) or 1)
+        limits[#limits + 1] = {name = c.name, side = side, sign = sign, bound = bound}
+      end
+    end
+  end
+  return limits
 end
 
 --- Every objective as a number that is to be small; nil where one is missing.

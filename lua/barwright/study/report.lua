@@ -33,6 +33,7 @@ local function cell(value, unit)
 end
 
 local function range_of(v)
+  if v.distribution then return tostring(v.distribution) end
   if v.kind == "choice" then
     local words = {}
     for i, choice in ipairs(v.of) do words[i] = tostring(choice) end

@@ -2,6 +2,7 @@
 -- Designs that fill the unit cube: independent points, Latin hypercubes, Sobol's sequence.
 local core = require "barwright.core"
 local random = require "barwright.study.random"
+local reliability = require "barwright.study.reliability"
 
 local sampling = {}
 
@@ -14,7 +15,15 @@ local function to_points(problem, places)
   return points
 end
 
-sampling.random = {summary = "independent points", rules = {count = count_rule, seed = seed_rule}}
+-- The probability of failure, where variables have distributions; the interval is that of independent points, and
+-- is wide for points that are spread evenly.
+local function failure(problem, _, _, results)
+  local found = reliability.of_samples(problem, results)
+  return found and {failure = found, text = found.text} or {}
+end
+
+sampling.random = {summary = "independent points", rules = {count = count_rule, seed = seed_rule}, scatter = true,
+  summarise = failure}
 function sampling.random.points(problem, opts)
   local source, places = random.new(opts.seed), {}
   for i = 1, opts.count do
@@ -121,6 +130,7 @@ sampling.latin_hypercube = {
   summary = "every one of `count` slices of each variable once",
   rules = {count = count_rule, seed = seed_rule, maximin = {type = "boolean", default = false},
     centroids = {type = "boolean", default = false}},
+  scatter = true, summarise = failure,
 }
 function sampling.latin_hypercube.check(_, opts)
   if opts.maximin and opts.count > MAX_SPREAD then
@@ -148,6 +158,7 @@ sampling.sobol = {
   summary = "Sobol's sequence, scrambled by the seed",
   rules = {count = count_rule, seed = seed_rule, skip = {type = "integer", default = 0, min = 0},
     scramble = {type = "boolean", default = true}},
+  scatter = true, summarise = failure,
 }
 function sampling.sobol.points(problem, opts)
   local places = sampling.sobol_places(opts.count, #problem.variables, opts.skip,

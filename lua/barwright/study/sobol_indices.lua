@@ -17,6 +17,7 @@ indices.sobol_indices = {
     level = {type = "number", default = 0.95, above = 0, max = 0.999},
     seed = {type = "integer"},
   },
+  scatter = "independent",
 }
 local design = indices.sobol_indices
 

@@ -1,8 +1,11 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The variables of a study: reals, integers, choices. Each goes between its values and the unit
 -- interval, where designs work: a real linearly or in its logarithm; the k-th of n integers or
--- choices owns the interval from (k-1)/n to k/n, and k's own place is its middle.
+-- choices owns the interval from (k-1)/n to k/n, and k's own place is its middle. The place of a real that has a
+-- distribution is the probability below it.
 local core = require "barwright.core"
+local distributions = require "barwright.study.distributions"
+local normal = require "barwright.study.normal"
 local options = require "barwright.options"
 
 local raise = core.raise
@@ -17,6 +20,7 @@ local rules = {
   max = {type = "number"},
   scale = {type = "string", one_of = {"linear", "log"}, default = "linear"},
   of = {type = "table"},
+  distribution = {type = "table"},
   default = {type = "any"},
   what = {type = "string"}, -- a sentence for people
 }
@@ -69,6 +73,18 @@ local function check_bounds(where, v)
   end
 end
 
+-- Values beyond have a probability of 1e-19 on either side.
+local REACH = 9
+
+-- given: the options before defaults.
+local function check_distribution(where, v, given)
+  if v.kind ~= "real" or given.min or given.max or given.scale or given.of then
+    raise(where .. ": a distribution is of a real without min, max, scale and of")
+  end
+  v.distribution = distributions.read(where, v.distribution)
+  v.min, v.max = v.distribution:value(-REACH), v.distribution:value(REACH)
+end
+
 local class = {}
 class.__index = class
 class.__name = "variable"
@@ -95,7 +111,13 @@ function variables.read(where, list)
     if seen[v.name] then raise(place .. " occurs twice") end
     seen[v.name] = true
     v.kind = kind_of(v)
-    if v.kind == "choice" then check_choices(place, v) else check_bounds(place, v) end
+    if v.distribution then
+      check_distribution(place, v, given)
+    elseif v.kind == "choice" then
+      check_choices(place, v)
+    else
+      check_bounds(place, v)
+    end
     setmetatable(v, class)
     if v.default ~= nil then v.default = v:check(v.default, place .. ": default") end
     out[i] = v
@@ -118,13 +140,32 @@ function class:value(u)
   end
   if u <= 0 then return self.min end
   if u >= 1 then return self.max end
+  if self.distribution then return self:normal_value(normal.quantile(u)) end
   local x = self.scale == "log" and self.min * (self.max / self.min) ^ u
     or self.min + u * (self.max - self.min)
   return math.min(self.max, math.max(self.min, x))
 end
 
+--- The value whose probability is that below z in the standard normal distribution.
+function class:normal_value(z)
+  if not self.distribution then return self:value(normal.probability(z)) end
+  return math.min(self.max, math.max(self.min, self.distribution:value(z)))
+end
+
+--- The z of a value.
+function class:normal_place(value)
+  return self.distribution and self.distribution:normal(value) or normal.quantile(self:place(value))
+end
+
+--- d(value)/dz at z.
+function class:normal_slope(z)
+  if self.distribution then return self.distribution:slope(z) end
+  return self:slope(self:normal_value(z)) * normal.density(z)
+end
+
 --- The place of a value between 0 and 1.
 function class:place(value)
+  if self.distribution then return normal.probability(self.distribution:normal(value)) end
   local n = self:count()
   if n then
     local k = self.kind == "choice" and self.index[variables.choice_text(value)] - 1 or value - self.min
@@ -136,6 +177,10 @@ end
 
 --- d(value)/du where the value is.
 function class:slope(value)
+  if self.distribution then
+    local z = self.distribution:normal(value)
+    return self.distribution:slope(z) / normal.density(z)
+  end
   if self.scale == "log" then return value * math.log(self.max / self.min) end
   return self.max - self.min
 end
@@ -182,6 +227,9 @@ function class:__tostring()
     local words = {}
     for i, each in ipairs(self.of) do words[i] = variables.choice_text(each) end
     return ("%s: %s"):format(self.name, table.concat(words, " or "))
+  end
+  if self.distribution then
+    return ("%s: %s%s"):format(self.name, tostring(self.distribution), self.unit and " " .. self.unit or "")
   end
   return ("%s: %s%.6g to %.6g%s%s"):format(self.name, self.kind == "integer" and "whole numbers " or "",
     self.min, self.max, self.unit and " " .. self.unit or "", self.scale == "log" and " (log)" or "")
