@@ -376,7 +376,7 @@ function Study:status() end
 ---@field count integer (count) of trials
 ---@field first integer (index from 1) the first trial that has it
 
----Writes all trials of the file as CSV (RFC 4180), with units in the head.
+---Writes all trials of the file as CSV (RFC 4180), as `Trials:csv` does.
 ---
 ---Errors: as of `trials`; io (the table cannot be written).
 ---@param path string of the table
@@ -700,7 +700,8 @@ function Trials:front() end
 ---@return table<bw.TrialStatus, integer> counts (count) by status, 0 where there is none
 function Trials:counts() end
 
----Writes the trials as CSV (RFC 4180), with units in the head.
+---Writes the trials as CSV (RFC 4180), with units in the head. With constraints the column `feasible` says whether a trial
+---keeps them, with objectives `front` whether it is the best or on the Pareto front.
 ---
 ---Errors: io (the table cannot be written).
 ---@param path string of the table

@@ -52,7 +52,7 @@ describe("the definition of a study", function()
       {{measures = {"height"}}, "measure 'height' has the name of a variable"},
       {{objectives = {{name = "mas"}}}, "did you mean 'mass'"},
       {{constraints = {{name = "sag"}}}, "min or max expected, got neither"},
-      {{design = {"latin", count = 3}}, "one of grid, latin_hypercube, "},
+      {{design = {"latin", count = 3}}, "one of form, grid, importance, latin_hypercube, "},
       {{variables = {{name = "a", low = 0, max = 1}}}, "unknown option 'low': known are default, "},
       {{design = {"random", cuont = 3}}, "did you mean 'count'"},
       {{design = {"random"}}, "option 'count' is missing"},
@@ -423,6 +423,21 @@ describe("tables and merging", function()
     assert.truthy(rest:find('no, really",', 1, true))
     assert.truthy(rest:find(',0.333333333333333', 1, true))
     assert.equal("\r\n", text:sub(-2))
+  end)
+
+  it("say which trials keep the constraints and which are on the front", function()
+    local folder = check.folder()
+    local one = bw.study {name = "front", file = folder .. "/f.study", design = {"points",
+      points = {{x = 1}, {x = 2}, {x = 3}, {x = 4}}}, variables = {{name = "x", min = 0, max = 5}},
+      measures = {"a", "b"}, objectives = {"a", "b"}, constraints = {{name = "a", max = 3}},
+      run = function(point) return point.x < 4 and {a = point.x, b = point.x == 2 and 9 or -point.x} or nil end}
+    assert(one:run())
+    assert(one:csv(folder .. "/f.csv"))
+    local rows = {}
+    for row in check.read(folder .. "/f.csv"):gmatch "(.-)\r\n" do
+      rows[#rows + 1] = row:match "([^,]*,[^,]*)$"
+    end
+    assert.same({"feasible,front", "true,true", "true,false", "true,true", "false,false"}, rows)
   end)
 
   it("keeps the first of two different numbers, and says so", function()

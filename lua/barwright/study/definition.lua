@@ -34,7 +34,7 @@ function definition.of(study)
       for k, value in ipairs(v.of) do item.of[k] = value end
     else
       item.min, item.max, item.scale = v.min, v.max, v.scale
-      item.distribution = v.distribution and tostring(v.distribution)
+      item.distribution = v.distribution and v.distribution.text
     end
     out.variables[i] = item
   end

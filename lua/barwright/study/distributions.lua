@@ -117,18 +117,21 @@ function distributions.read(where, given)
   end
   where = ("%s: distribution %s"):format(where, given[1])
   parameters = options.read(where, parameters, kind.rules)
-  local text = {}
+  local text, shown = {}, {}
   for name in pairs(kind.rules) do
     local value = parameters[name]
     if value - value ~= 0 then
       core.raise(("%s: %s: a finite number expected, got %s"):format(where, name, value))
     end
     text[#text + 1] = ("%s %.17g"):format(name, value)
+    shown[#shown + 1] = ("%s %.6g"):format(name, value)
   end
   table.sort(text)
+  table.sort(shown)
   if kind.check then kind.check(where, parameters) end
   return setmetatable({name = given[1], kind = kind, parameters = parameters,
-    text = given[1] .. " " .. table.concat(text, ", ")}, class)
+    text = given[1] .. " " .. table.concat(text, ", "),
+    shown = given[1] .. ", " .. table.concat(shown, ", ")}, class)
 end
 
 --- The value at z, a coordinate of the standard normal distribution.
@@ -140,7 +143,8 @@ function class:normal(value) return self.kind.normal(self.parameters, value) end
 --- d(value)/dz at z.
 function class:slope(z) return self.kind.slope(self.parameters, z) end
 
---- "normal deviation 100000000, mean 2300000000": what files store, so that equal texts are equal distributions.
-function class:__tostring() return self.text end
+--- "normal, deviation 1e+08, mean 2.3e+09". Its field `text` has all digits: what files store, so that equal texts
+--- are equal distributions.
+function class:__tostring() return self.shown end
 
 return distributions

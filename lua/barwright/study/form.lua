@@ -6,6 +6,7 @@
 --
 -- Each search is a coroutine that yields the points it needs. The points of all searches are one batch of trials.
 local normal = require "barwright.study.normal"
+local numbers = require "barwright.plot.numbers"
 local random = require "barwright.study.random"
 local reliability = require "barwright.study.reliability"
 
@@ -241,7 +242,8 @@ function form.search(evaluate, problem, opts)
   return found, lost
 end
 
-local function describe(one)
+--- "stress > 2e+07 most likely at thickness 3.8 mm, ...: reliability index 3.1, ..."
+function form.describe(problem, one)
   local parts = {}
   for name, value in pairs(one.importance or {}) do parts[#parts + 1] = {name, value} end
   table.sort(parts, function(a, b)
@@ -252,9 +254,13 @@ local function describe(one)
   for i, part in ipairs(parts) do
     if part[2] >= 0.005 then words[i] = ("%s %.0f %%"):format(part[1], 100 * part[2]) end
   end
-  return ("%s: reliability index %.3f, probability %.3g, after %d trials%s"):format(
-    reliability.failure_of(one.limit), one.reliability_index, one.probability, one.evaluations,
-    #words > 0 and "; by " .. table.concat(words, ", ") or "")
+  local place = {}
+  for i, v in ipairs(problem.variables) do
+    place[i] = ("%s %s"):format(v.name, numbers.quantity(one.point[v.name], v.unit))
+  end
+  return ("%s likeliest at %s: reliability index %.3f, by a plane probability %.3g, after %d trials%s"):format(
+    reliability.failure_of(one.limit), table.concat(place, ", "), one.reliability_index, one.probability,
+    one.evaluations, #words > 0 and "; by " .. table.concat(words, ", ") or "")
 end
 
 --- points = {{limit, point, reliability_index, probability, importance, evaluations}, ...}; lost: searches without
@@ -265,7 +271,7 @@ function design.run(evaluate, problem, opts)
   local out, lines, sum, most = {points = found, lost = lost}, {}, 0.0, 0.0
   for i, one in ipairs(found) do
     sum, most = sum + one.probability, math.max(most, one.probability)
-    lines[i] = describe(one)
+    lines[i] = form.describe(problem, one)
   end
   for _, one in ipairs(lost) do
     lines[#lines + 1] = ("%s: no design point: ended by %s after %d trials"):format(
@@ -276,7 +282,7 @@ function design.run(evaluate, problem, opts)
     out.probability = #found == 1 and most or nil
     lines[#lines + 1] = (#found == 1 and ("probability of failure %.3g"):format(most)
       or ("probability of failure from %.3g to %.3g"):format(out.low, out.high))
-      .. " by planes in place of the limits: the error is unknown; the design importance gives it"
+      .. " by planes in place of the limits; the error is unknown: use the design importance for it"
   end
   out.text = table.concat(lines, "\n")
   return out

@@ -107,6 +107,7 @@ function design.run(evaluate, problem, opts)
   if missing > 0 then
     lines[#lines + 1] = ("%d of %d trials without results count as failures"):format(missing, count)
   end
+  for _, one in ipairs(found) do lines[#lines + 1] = form.describe(problem, one) end
   for _, one in ipairs(lost) do
     lines[#lines + 1] = ("no design point of %s: ended by %s"):format(reliability.failure_of(one.limit), one.why)
   end
