@@ -35,7 +35,7 @@ function StudyModule:__call(options) end
 ---@field seed? integer (seed) of designs and trials. Default: 1
 ---@field file? string of the trials. Default: the name and ".study"; blanks become "_"
 ---@field variables bw.StudyVariable[] (list) at least one, at most 1900
----@field correlations? {[1]: string, [2]: string, [3]: number}[] (list) name, name, correlation of the values of two variables with distributions. Range: above -1 to below 1, and what the distributions permit. Default: none
+---@field correlations? bw.StudyCorrelation[] (list) of the values of two variables. Default: none
 ---@field measures (bw.StudyMeasure|string)[] (list) at least one, at most 1900; a string is a name
 ---@field objectives? (bw.StudyObjective|string)[] (list) measures to be minimised or maximised. Default: none
 ---@field constraints? bw.StudyConstraint[] (list) bounds of measures. Default: none
@@ -56,6 +56,12 @@ function StudyModule:__call(options) end
 ---@field distribution? bw.Distribution how a real scatters, in place of min, max and scale. Default: none
 ---@field default? string|number|boolean (any) where one-at-a-time designs and optimisations begin. Default: the midpoint
 ---@field what? string a sentence for reports. Default: none
+
+---The correlation of the values of two variables that have distributions: {"thickness", "strength", 0.3}.
+---@class bw.StudyCorrelation
+---@field [1] string name of a variable
+---@field [2] string name of another one
+---@field [3] number (-) of their values. Range: above -1 to below 1, and what the distributions permit
 
 ---How a variable scatters: the name of a distribution and its parameters. Values of a probability below 1e-19 are left out.
 ---"gumbel" is the distribution of largest values, such as loads.
