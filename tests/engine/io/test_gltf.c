@@ -47,6 +47,14 @@ static void json_values(void **state) {
   assert_int_equal(bwi_json_text(&json.value[string], text, 5), 7);
   assert_string_equal(text, "\xC3\xA9"); /* no half characters */
   bw_free(json.value);
+  /* Characters of one to four bytes, and halves of pairs that stand alone. */
+  check_ok(
+      context,
+      read_json(context, "\"\\u007F\\u0080\\u07FF\\u0800\\uDbFf\\uDfFf\\uD800x\\udc00\"", &json));
+  bwi_json_text(&json.value[0], text, sizeof text);
+  assert_string_equal(text,
+                      "\x7F\xC2\x80\xDF\xBF\xE0\xA0\x80\xF4\x8F\xBF\xBF\xEF\xBF\xBDx\xEF\xBF\xBD");
+  bw_free(json.value);
 }
 
 static void json_refusals(void **state) {
@@ -119,6 +127,141 @@ static void nodes_place_meshes(void **state) {
   }
 }
 
+/* A strip of four facets; a fan of three and the base of its cone, which weld to one shell. */
+static void strips_and_fans(void **state) {
+  static const char data[] =
+      "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"},"
+      "{\"bufferView\":1,\"componentType\":5121,\"count\":6,\"type\":\"SCALAR\"},"
+      "{\"bufferView\":2,\"componentType\":5121,\"count\":5,\"type\":\"SCALAR\"},"
+      "{\"bufferView\":3,\"componentType\":5121,\"count\":3,\"type\":\"SCALAR\"}],"
+      "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},"
+      "{\"buffer\":0,\"byteOffset\":48,\"byteLength\":6},"
+      "{\"buffer\":0,\"byteOffset\":54,\"byteLength\":5},"
+      "{\"buffer\":0,\"byteOffset\":59,\"byteLength\":3}],"
+      "\"buffers\":[{\"byteLength\":62,\"uri\":\"data:;base64,"
+      "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAwACAwABAgAAAgE=\"}]}";
+  static const char *const primitives[] = {
+      "{\"attributes\":{\"POSITION\":0},\"indices\":1,\"mode\":5}",
+      "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"mode\":6},"
+      "{\"attributes\":{\"POSITION\":0},\"indices\":3}"};
+  bw_context *context = check_context(state);
+  for (size_t i = 0; i < 2; i++) {
+    char text[2000];
+    bw_surface *surface;
+    snprintf(text, sizeof text,
+             "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[%s]}],%s",
+             primitives[i], data);
+    check_ok(context, parse(context, text, &surface));
+    assert_int_equal(surface->triangle_count, 4);
+    assert_int_equal(surface->point_count, 4);
+    check_near(6 * bw_surface_volume(surface), 1, 1e-6);
+    bw_release(surface);
+  }
+}
+
+/* What a node's translation, rotation q (of no unit length) and scale make of a point. */
+static void move(const double q[4], const double scale[3], const double by[3], double x[3]) {
+  double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]), u[3], v[3];
+  const double axis[3] = {q[0] / size, q[1] / size, q[2] / size};
+  for (int k = 0; k < 3; k++)
+    x[k] *= scale[k];
+  bw_cross(axis, x, u); /* x + 2 w (axis x x) + 2 axis x (axis x x) */
+  bw_cross(axis, u, v);
+  for (int k = 0; k < 3; k++)
+    x[k] += 2 * q[3] / size * u[k] + 2 * v[k] + by[k];
+}
+
+static void nodes_rotate(void **state) {
+  static const double point[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  static const double q[2][4] = {{0.1, 0.2, 0.3, 0.4}, {-0.5, 0.1, 0.2, 0.7}};
+  static const double scale[2][3] = {{1, 2, 3}, {1, 1, 0.5}}, by[2][3] = {{5, 6, 7}, {0.1, 0, -2}};
+  bw_context *context = check_context(state);
+  bw_surface *surface;
+  check_ok(context,
+           parse(context,
+                 NODES("[{\"children\":[1],\"rotation\":[0.1,0.2,0.3,0.4],\"scale\":[1,2,3],"
+                       "\"translation\":[5,6,7]},{\"mesh\":0,\"rotation\":[-0.5,0.1,0.2,0.7],"
+                       "\"scale\":[1,1,0.5],\"translation\":[0.1,0,-2]}]"),
+                 &surface));
+  assert_int_equal(surface->point_count, 4);
+  for (int i = 0; i < 4; i++) {
+    double x[3] = {point[i][0], point[i][1], point[i][2]}, least = HUGE_VAL;
+    for (int n = 1; n >= 0; n--)
+      move(q[n], scale[n], by[n], x);
+    for (int p = 0; p < 4; p++) { /* y is up in the file */
+      const double *y = surface->point + 3 * p;
+      least = fmin(least, fabs(y[0] - x[0]) + fabs(y[1] + x[2]) + fabs(y[2] - x[1]));
+    }
+    assert_true(least < 1e-6);
+  }
+  check_near(6 * bw_surface_volume(surface), 3, 1e-6);
+  bw_release(surface);
+}
+
+/* Integers that stand for fractions, with bytes between and before the points. */
+#define SHORTS(offset, length)                                                                     \
+  "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}" \
+  ","                                                                                              \
+  "\"indices\":1}]}],\"accessors\":[{\"bufferView\":0,\"byteOffset\":" offset                      \
+  ",\"componentType\":5122,\"normalized\":true,\"count\":4,\"type\":\"VEC3\"},"                    \
+  "{\"bufferView\":1,\"componentType\":5121,\"count\":12,\"type\":\"SCALAR\"}],\"bufferViews\":["  \
+  "{\"buffer\":0,\"byteStride\":8,\"byteLength\":" length "},{\"buffer\":0,\"byteOffset\":36,"     \
+  "\"byteLength\":12}],\"buffers\":[{\"byteLength\":48,\"uri\":\"data:;base64,"                    \
+  "f39/fwAAAAAAAE0A/38AAAAATQAAAP9/AABNAAAAAAD/f00AAAIBAAEDAQIDAAMC\"}]}"
+
+static void accessors(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *surface;
+  check_ok(context, parse(context, SHORTS("4", "36"), &surface));
+  check_near(6 * bw_surface_volume(surface), 1, 1e-12);
+  bw_release(surface);
+  check_ok(context, parse(context, SHORTS("4", "34"), &surface)); /* the last stride is not full */
+  bw_release(surface);
+  refuse(state, SHORTS("4", "33"), "4 elements do not fit into the 33 bytes");
+}
+
+static void scenes_and_names(void **state) {
+  static const char text[] = FILE_OF(
+      "\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[1,2]}],\"nodes\":[{\"mesh\":0},"
+      "{\"mesh\":0,\"scale\":[2,2,2],\"name\":\"knob\"},{\"mesh\":0,\"translation\":[9,0,0]}],",
+      "", "12", "48", DATA);
+  bw_context *context = check_context(state);
+  bw_surface *surface = NULL;
+  bw_read_info info;
+  char named[sizeof text + 20];
+  const char *meshes = strstr(text, "[{\"primitives");
+  snprintf(named, sizeof named, "%.*s[{\"name\":\"part\",%s", (int)(meshes - text), text,
+           meshes + 2);
+  check_ok(context, parse_text(context, "a.gltf", named, &surface, &info));
+  check_near(6 * bw_surface_volume(surface), 8 + 1, 1e-6);
+  assert_string_equal(info.group_name[0].text, "knob"); /* of the node, before that of the mesh */
+  assert_string_equal(info.group_name[1].text, "part");
+  bw_release(surface);
+  bw_free(info.group_name);
+}
+
+/* A thousand nodes that place the same thousand facets. */
+static void repeated_meshes(void **state) {
+  enum { COUNT = 1000 };
+  char *text = malloc(30 * COUNT), *at = text;
+  at += sprintf(at, "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0}");
+  for (int i = 1; i < COUNT; i++)
+    at += sprintf(at, ",{\"mesh\":0}");
+  at += sprintf(
+      at,
+      "],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],"
+      "\"accessors\":[{\"bufferView\":0,\"componentType\":5121,\"count\":3,\"type\":\"VEC3\"},"
+      "{\"bufferView\":0,\"componentType\":5121,\"count\":%d,\"type\":\"SCALAR\"}],"
+      "\"bufferViews\":[{\"buffer\":0,\"byteLength\":%d}],\"buffers\":[{\"byteLength\":%d,"
+      "\"uri\":\"data:;base64,",
+      3 * COUNT, 3 * COUNT, 3 * COUNT);
+  for (int i = 0; i < COUNT; i++)
+    at += sprintf(at, "AAEC"); /* 0, 1, 2 */
+  sprintf(at, "\"}]}");
+  refuse(state, text, "nodes repeat meshes");
+  free(text);
+}
+
 static void refusals(void **state) {
   refuse(state, FILE_OF("", "", "13", "48", DATA), "13 elements do not fit into the 12 bytes");
   refuse(state, FILE_OF("", "", "-1", "48", DATA), "\"count\"");
@@ -156,4 +299,6 @@ static void out_of_memory(void **state) {
 }
 
 check_main(check_test(json_values), check_test(json_refusals), check_test(nodes_place_meshes),
-           check_test(refusals), check_test(out_of_memory))
+           check_test(strips_and_fans), check_test(nodes_rotate), check_test(accessors),
+           check_test(scenes_and_names), check_test(repeated_meshes), check_test(refusals),
+           check_test(out_of_memory))
