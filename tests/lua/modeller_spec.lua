@@ -209,7 +209,74 @@ describe("an outline", function()
   end)
 end)
 
+describe("a section of a solid", function()
+  local function square(min, max) return {{min, min}, {max, min}, {max, max}, {min, max}} end
+
+  it("has islands in its holes, and no walls between regions", function()
+    local outline = assert(bw.outline {points = square(0, 4), holes = {square(1, 3)},
+      regions = {square(1.5, 2.5), square(0.2, 0.8)}})
+    local solid = sound(bw.surface.extrude(outline, {height = 0.5}))
+    check.near(0.5 * (16 - 4 + 1), solid.volume, 1e-12)
+    check.near(2 * (16 - 4 + 1) + 0.5 * (16 + 8 + 4), solid.area, 1e-12)
+  end)
+
+  it("revolved by less than a turn goes from the outline to the side where its z axis turns to", function()
+    -- The outline's y axis is z: a right-handed turn takes x to y.
+    local slice = sound(bw.surface.revolve(bw.outline.rectangle {min = {1, 0}, max = {2, 1}}, {angle = pi / 2,
+      segments = 40}), {"start", "end", "boundary"})
+    for k, value in ipairs {0, 0, 0} do check.near(value + 1, slice.box.min[k] + 1, 1e-12) end
+    for k, value in ipairs {2, 2, 1} do check.near(value, slice.box.max[k], 1e-12) end
+  end)
+
+  it("on a tolerance has sides that stay within it, and not many more", function()
+    local outline = bw.outline.circle {radius = 2}
+    for _, tolerance in ipairs {0.1, 0.01, 1e-3} do
+      local wheel = assert(bw.surface.torus {radius = 3, tube = 1, tolerance = tolerance})
+      local steps = #wheel.points / math.max(3, math.ceil(pi / math.acos(1 - tolerance)))
+      assert.is_true(4 * (1 - math.cos(pi / steps)) <= tolerance * (1 + 1e-9), steps) -- at its widest
+      local wall = assert(bw.surface.extrude(outline, {height = 1, tolerance = tolerance, curvature = 90}))
+      local sides = #wall.points / 2
+      local off = 2 * (1 - math.cos(pi / sides))
+      assert.is_true(off <= tolerance and (off > tolerance / 4 or sides <= 8), ("%d sides"):format(sides))
+    end
+    -- By default a side turns by at most 20 degrees: 3 sides for each of 8 arcs of 45 degrees.
+    assert.equal(8, #outline.loops == 1 and outline.loops[1].count)
+    assert.equal(24, #assert(bw.surface.extrude(outline, {height = 1})).points / 2)
+  end)
+
+  it("lofted between unlike outlines keeps the corners of both", function()
+    local hexagon = {}
+    for i = 1, 6 do -- its first corner lies beside a corner of the square
+      local angle = pi / 4 + 0.03 + (i - 1) * pi / 3
+      hexagon[i] = {2 * math.cos(angle), 2 * math.sin(angle)}
+    end
+    local low, high = bw.outline.polygon(hexagon), bw.outline.rectangle {width = 3, height = 3, centre = {0, 0}}
+    local solid = sound(bw.surface.loft({low, high}, {heights = {0, 1}}), {"start", "end", "boundary"})
+    check.near(low.area, area_of(solid, "start"), 1e-12)
+    check.near(high.area, area_of(solid, "end"), 1e-12)
+    -- A point for each corner of either; the loops begin at a corner of each,
+    -- and so have two of them in common.
+    assert.equal(2 * (6 + 4 - 2), #solid.points)
+  end)
+end)
+
 describe("a copy", function()
+  it("that touches the one before is joined to it", function()
+    local row = sound(bw.surface.box {max = {1, 1, 1}}:linear_array {count = 3, step = {1, 0, 0}})
+    check.near(3, row.volume, 1e-12)
+    check.near(2 * (1 + 3 + 3), row.area, 1e-12)
+    local steps = sound(bw.surface.box {max = {1, 1, 1}}:linear_array {count = 3, step = {0.5, 2, 3}})
+    for k, value in ipairs {2, 5, 7} do check.near(value, steps.box.max[k], 1e-12) end
+  end)
+
+  it("in a ring turns about the centre, by equal angles of a whole turn", function()
+    local bolt = bw.surface.cylinder {base = {5, 1, 0}, axis = {0, 0, 1}, radius = 0.2, segments = 8}
+    local ring = sound(bolt:polar_array {count = 4, centre = {3, 1, 0}})
+    check.near(4 * polygon_area(8, 0.2), ring.volume, 1e-12)
+    for k, value in ipairs {0.8, -1.2, 0} do check.near(value + 9, ring.box.min[k] + 9, 1e-12) end
+    for k, value in ipairs {5.2, 3.2, 1} do check.near(value, ring.box.max[k], 1e-12) end
+  end)
+
   it("is mirrored and put into rows and rings", function()
     local solid = assert(bw.surface.extrude(profile(), {height = 0.5}))
     local image = sound(solid:mirror({1, 0, 0}, {-1, 0, 0}), solid:face_names())
