@@ -244,13 +244,58 @@ describe("a section of a solid", function()
     assert.equal(24, #assert(bw.surface.extrude(outline, {height = 1})).points / 2)
   end)
 
+  it("of a prism has sides numbered counter-clockwise about the axis, from x where it is z", function()
+    local axis = {1 / 3, 2 / 3, 2 / 3}
+    for _, way in ipairs {{0, 0, 1}, axis} do
+      local nut, middles = sound(bw.surface.prism {axis = way, radius = 1, sides = 5}), {}
+      local names = nut:face_names()
+      for t, corners in ipairs(nut.triangles:totable()) do
+        local side = tonumber(names[nut.groups[t]]:match "^side (%d)$")
+        if side then
+          middles[side] = middles[side] or {0, 0, 0}
+          for _, c in ipairs(corners) do
+            for k = 1, 3 do middles[side][k] = middles[side][k] + nut.points[c][k] - way[k] / 2 end
+          end
+        end
+      end
+      for i = 1, 5 do
+        local a, b = middles[i], middles[i % 5 + 1]
+        local turn = way[1] * (a[2] * b[3] - a[3] * b[2]) + way[2] * (a[3] * b[1] - a[1] * b[3])
+          + way[3] * (a[1] * b[2] - a[2] * b[1])
+        assert.is_true(turn > 0)
+      end
+      if way[3] == 1 then check.near(pi / 5, math.atan(middles[1][2], middles[1][1]), 1e-9) end
+    end
+  end)
+
+  it("swept along a closed curve is not twisted where it closes, and does not turn back", function()
+    local count = 60
+    local function knot(t)
+      local a = 2 * pi * t
+      return {2 * math.cos(a), 2 * math.sin(a), 0.7 * math.sin(2 * a)}
+    end
+    local bar = bw.outline.rectangle {width = 0.1, height = 0.6, centre = {0, 0}}
+    local points = sound(bw.surface.sweep(bar, {path = knot, segments = count, closed = true})).points:totable()
+    assert.equal(4 * count, #points)
+    for i = 0, count - 1 do
+      local from, to = knot(i / count), knot((i + 1) / count)
+      for k = 1, 4 do -- the corners of a section go as far as its place does, but for the bend
+        local a, b, off = points[4 * i + k], points[4 * ((i + 1) % count) + k], 0
+        for j = 1, 3 do off = off + (b[j] - a[j] - to[j] + from[j]) ^ 2 end
+        assert.is_true(math.sqrt(off) < 0.1, ("section %d: %g"):format(i + 1, math.sqrt(off)))
+      end
+    end
+    local path = {{0, 0, 0}, {1, 0, 0}, {1 - math.cos(pi / 36), math.sin(pi / 36), 0}}
+    assert.error_matches(function() bw.surface.sweep(bar, {path = path}) end, "turns back at place 2")
+  end)
+
   it("lofted between unlike outlines keeps the corners of both", function()
     local hexagon = {}
-    for i = 1, 6 do -- its first corner lies beside a corner of the square
-      local angle = pi / 4 + 0.03 + (i - 1) * pi / 3
+    for i = 1, 6 do -- its first corner lies beside the second one of the rectangle
+      local angle = -math.atan(1.4, 1.5) + 0.03 + (i - 1) * pi / 3
       hexagon[i] = {2 * math.cos(angle), 2 * math.sin(angle)}
     end
-    local low, high = bw.outline.polygon(hexagon), bw.outline.rectangle {width = 3, height = 3, centre = {0, 0}}
+    local low, high = bw.outline.polygon(hexagon), bw.outline.rectangle {width = 3, height = 2.8, centre = {0, 0}}
     local solid = sound(bw.surface.loft({low, high}, {heights = {0, 1}}), {"start", "end", "boundary"})
     check.near(low.area, area_of(solid, "start"), 1e-12)
     check.near(high.area, area_of(solid, "end"), 1e-12)
