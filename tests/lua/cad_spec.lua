@@ -230,6 +230,34 @@ describe("a STEP file that barwright writes", function()
     assert.equal(2, #back("own_core", assert(hollow:union(core))).bodies)
   end)
 
+  it("gives each void to the body around it", function()
+    local pocket = bw.surface.box {min = {0.01, 0.005, 0.002}, max = {0.02, 0.015, 0.008}}
+    local hollow = assert(box:difference(pocket))
+    local large = assert(assert(hollow:scale(1.5)):translate {0.05, 0, 0})
+    local info = back("own_two", assert(hollow:union(large)))
+    local volumes = {info.bodies[1].volume, info.bodies[2].volume}
+    table.sort(volumes)
+    near(hollow.volume, volumes[1], 1e-6, "small")
+    near(large.volume, volumes[2], 1e-6, "large")
+  end)
+
+  it("keeps faces in a plane apart by their names, and planes that are nearly the same", function()
+    local beside = bw.surface.box {min = {0.03, 0, 0}, max = {0.04, 0.02, 0.01}}
+    local both = assert(box:named("table", "top"):union(beside:named("shelf", "top")))
+    local info = back("own_names", both)
+    local count = {}
+    for _, face in ipairs(info.faces) do count[face.name] = (count[face.name] or 0) + 1 end
+    assert.equal(1, count.table)
+    assert.equal(1, count.shelf)
+    -- A pyramid of 3 um on a plate of 30 mm.
+    local points = {{0, 0, 0}, {0.03, 0, 0}, {0.03, 0.02, 0}, {0, 0.02, 0}, {0, 0, 0.01}, {0.03, 0, 0.01},
+      {0.03, 0.02, 0.01}, {0, 0.02, 0.01}, {0.015, 0.01, 0.010003}}
+    local shallow = bw.surface.new {points = points, triangles = {{1, 3, 2}, {1, 4, 3}, {1, 2, 6}, {1, 6, 5},
+      {2, 3, 7}, {2, 7, 6}, {3, 4, 8}, {3, 8, 7}, {4, 1, 5}, {4, 5, 8}, {5, 6, 9}, {6, 7, 9}, {7, 8, 9},
+      {8, 5, 9}}}
+    assert.equal(5 + 4, #back("own_shallow", shallow).faces)
+  end)
+
   it("holds a part that was made elsewhere", function()
     for _, name in ipairs {"gear_spur.stl", "anchor.off"} do
       local path = check.root .. "/../shared/models/" .. name

@@ -272,7 +272,8 @@ describe("a section of a solid", function()
     local count = 60
     local function knot(t)
       local a = 2 * pi * t
-      return {2 * math.cos(a), 2 * math.sin(a), 0.7 * math.sin(2 * a)}
+      local far = 2 + 0.5 * math.cos(2 * a)
+      return {far * math.cos(a), far * math.sin(a), 0.5 * math.sin(2 * a)}
     end
     local bar = bw.outline.rectangle {width = 0.1, height = 0.6, centre = {0, 0}}
     local points = sound(bw.surface.sweep(bar, {path = knot, segments = count, closed = true})).points:totable()
