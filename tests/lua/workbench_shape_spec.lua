@@ -160,6 +160,16 @@ describe("a patch", function()
   end)
 end)
 
+describe("a patch that is a whole face", function()
+  it("is that face, and no other one is left without triangles", function()
+    local bench = beam()
+    local face = bench:current().body.labels[1]
+    assert(bench:grow {triangle = 1, angle = 0.5})
+    assert.same({face}, bench.grown_faces)
+    assert.equal(6, #bench:current().body.faces)
+  end)
+end)
+
 describe("a drag", function()
   it("of one face after another, and after an edit, is of the face and the shape that are there", function()
     local bench = beam()
