@@ -230,6 +230,40 @@ describe("a STEP file that barwright writes", function()
     assert.equal(2, #back("own_core", assert(hollow:union(core))).bodies)
   end)
 
+  -- What programs that mend files would not show.
+  it("has edges that follow each other around faces, in either direction once, the outer loop first", function()
+    local plate = assert(box:difference(bw.surface.cylinder {base = {0.015, 0.01, -0.01}, axis = {0, 0, 0.05},
+      radius = 0.004, segments = 24}))
+    assert(plate:write(folder .. "/own_edges.step"))
+    local entity, used, loops = {}, {}, {}
+    for number, kind, given in content "own_edges.step":gmatch "#(%d+)=([%u_]+)(%b())" do
+      local list = {kind = kind, same = not given:find(".F.", 1, true)}
+      for other in given:gmatch "#(%d+)" do list[#list + 1] = other end
+      entity[number] = list
+    end
+    local function ends(oriented)
+      local edge = entity[oriented[1]]
+      return edge[oriented.same and 1 or 2], edge[oriented.same and 2 or 1]
+    end
+    for _, one in pairs(entity) do
+      if one.kind == "ORIENTED_EDGE" then
+        local key = one[1] .. tostring(one.same)
+        assert.is_nil(used[key])
+        used[key] = true
+      elseif one.kind == "EDGE_LOOP" then
+        for i, number in ipairs(one) do
+          local _, last = ends(entity[number])
+          assert.equal(last, (ends(entity[one[i % #one + 1]])))
+        end
+      elseif one.kind == "ADVANCED_FACE" and #one == 3 then -- two bounds and a plane
+        local bounds = {entity[one[1]], entity[one[2]]}
+        assert.same({"FACE_OUTER_BOUND", "FACE_BOUND"}, {bounds[1].kind, bounds[2].kind})
+        loops[#loops + 1] = {#entity[bounds[1][1]], #entity[bounds[2][1]]}
+      end
+    end
+    assert.same({{4, 24}, {4, 24}}, loops)
+  end)
+
   it("gives each void to the body around it", function()
     local pocket = bw.surface.box {min = {0.01, 0.005, 0.002}, max = {0.02, 0.015, 0.008}}
     local hollow = assert(box:difference(pocket))
