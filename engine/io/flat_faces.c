@@ -1,15 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The flat faces of a closed surface: what flat_faces.h says. */
+/* The faces of a closed surface: what flat_faces.h says. */
 #include "io/flat_faces.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "barwright/base.h"
-
-/* Points this near to a plane or line lie in it, over the diagonal of the box: numbers of 32 bits
- * have such errors. */
-#define FLAT 1e-7
+#include "io/round_faces.h"
 
 bw_status bwi_fail_repair(bw_context *context, const char *what) {
   return bw_fail(context, BW_GEOMETRY, "STEP holds closed solids, but %s: repair it first", what);
@@ -17,7 +14,7 @@ bw_status bwi_fail_repair(bw_context *context, const char *what) {
 
 /* ---- faces ----------------------------------------------------------------------------------- */
 
-static int64_t opposite(const bwi_topology *t, int64_t side) {
+int64_t bwi_flat_opposite(const bwi_topology *t, int64_t side) {
   int64_t first = t->start[t->edge_of[side]];
   return t->side[first] == side ? t->side[first + 1] : t->side[first];
 }
@@ -27,9 +24,6 @@ static int64_t following(int64_t side) {
 }
 
 static bw_status check_closed(bw_context *context, const bwi_topology *t) {
-  for (int32_t i = 0; i < t->facets; i++)
-    if (t->degenerate[i])
-      return bwi_fail_repair(context, "a triangle has two equal corners");
   for (int64_t e = 0; e < t->edges; e++) {
     if (t->start[e + 1] - t->start[e] != 2)
       return bwi_fail_repair(context, "an edge has a number of triangles other than two");
@@ -78,17 +72,20 @@ static bw_status find_faces(bwi_flat_faces *s) {
   bw_status status = BW_OK;
   const bwi_topology *t = s->topology;
   const int32_t *group = s->surface->group;
+  int32_t count = 0;
   sized *order = BW_NEW(s->context, sized, t->facets + 1);
   int32_t *stack = BW_NEW(s->context, int32_t, t->facets + 1);
   BW_TRY_MEMORY(order && stack);
   for (int32_t i = 0; i < t->facets; i++) {
     double n[3];
-    bwi_flat_normal(t, i, n);
-    order[i] = (sized){bw_norm(n), i};
     s->face_of[i] = -1;
+    if (t->degenerate[i])
+      continue;
+    bwi_flat_normal(t, i, n);
+    order[count++] = (sized){bw_norm(n), i};
   }
-  qsort(order, (size_t)t->facets, sizeof *order, largest_first);
-  for (int32_t k = 0; k < t->facets; k++) {
+  qsort(order, (size_t)count, sizeof *order, largest_first);
+  for (int32_t k = 0; k < count; k++) {
     int32_t seed = order[k].facet, depth = 0;
     double n[3];
     if (s->face_of[seed] >= 0)
@@ -105,7 +102,7 @@ static bw_status find_faces(bwi_flat_faces *s) {
     while (depth > 0) {
       int32_t facet = stack[--depth];
       for (int64_t side = 3 * (int64_t)facet; side < 3 * (int64_t)facet + 3; side++) {
-        int32_t other = (int32_t)(opposite(t, side) / 3);
+        int32_t other = (int32_t)(bwi_flat_opposite(t, side) / 3);
         if (s->face_of[other] >= 0 || (group && group[other] != group[seed]) ||
             !lies_in(s, other, at, n))
           continue;
@@ -123,14 +120,14 @@ done:
 
 /* ---- borders --------------------------------------------------------------------------------- */
 
-static bool is_border(const bwi_flat_faces *s, int64_t side) {
-  return s->face_of[side / 3] != s->face_of[opposite(s->topology, side) / 3];
+bool bwi_flat_is_border(const bwi_flat_faces *s, int64_t side) {
+  return s->face_of[side / 3] != s->face_of[bwi_flat_opposite(s->topology, side) / 3];
 }
 
 int64_t bwi_flat_next(const bwi_flat_faces *s, int64_t side) {
   side = following(side);
-  while (!is_border(s, side))
-    side = following(opposite(s->topology, side));
+  while (!bwi_flat_is_border(s, side))
+    side = following(bwi_flat_opposite(s->topology, side));
   return side;
 }
 
@@ -147,57 +144,78 @@ static bool is_straight(const bwi_flat_faces *s, int32_t from, int32_t middle, i
   return bw_dot(u, v) > 0 && bw_norm(cross) <= s->tolerance * length;
 }
 
-/* Points where more than two border edges meet, or two at an angle. */
+/* Points where more than two border edges meet, or two that go neither straight on nor along one
+ * arc. */
 static bw_status find_kept(bwi_flat_faces *s) {
   bw_status status = BW_OK;
   const bwi_topology *t = s->topology;
   int32_t *near = BW_NEW(s->context, int32_t, 2 * (size_t)t->points + 1);
   uint8_t *edges = BW_NEW0(s->context, uint8_t, t->points + 1);
-  BW_TRY_MEMORY(near && edges);
+  uint8_t *arcs = BW_NEW0(s->context, uint8_t, t->points + 1);
+  BW_TRY_MEMORY(near && edges && arcs);
   for (int64_t e = 0; e < t->edges; e++) {
     int64_t side = t->side[t->start[e]];
-    if (!is_border(s, side))
+    if (!bwi_flat_is_border(s, side))
       continue;
     int32_t end[2] = {bwi_side_from(t, side), bwi_side_to(t, side)};
+    bool arc = bwi_round_of_side(s, side);
     for (int k = 0; k < 2; k++) {
       uint8_t *count = &edges[end[k]];
-      if (*count < 2)
+      if (*count < 2) {
         near[2 * (size_t)end[k] + *count] = end[1 - k];
+        arcs[end[k]] += arc;
+      }
       *count = *count < 3 ? *count + 1 : 3;
     }
   }
   for (int32_t i = 0; i < t->points; i++)
-    s->kept[i] = edges[i] > 2 || (edges[i] == 2 &&
-                                  !is_straight(s, near[2 * (size_t)i], i, near[2 * (size_t)i + 1]));
+    s->kept[i] =
+        edges[i] > 2 ||
+        (edges[i] == 2 && arcs[i] < 2 &&
+         (arcs[i] == 1 || !is_straight(s, near[2 * (size_t)i], i, near[2 * (size_t)i + 1])));
 done:
   bw_free(near);
   bw_free(edges);
+  bw_free(arcs);
   return status;
 }
 
-/* Each loop by its first side, in the order of faces; loops of fewer than three kept points keep
- * all. */
+/* A border without kept points is a circle, of which the first point is kept. One of lines has at
+ * least three kept points, or keeps all. */
+static void keep_enough(bwi_flat_faces *s, int64_t loop) {
+  const bwi_topology *t = s->topology;
+  int64_t at = loop;
+  int kept = 0;
+  bool arcs = false;
+  int32_t first = bwi_side_from(t, at);
+  do {
+    const int32_t from = bwi_side_from(t, at);
+    kept += s->kept[from];
+    arcs = arcs || bwi_round_of_side(s, at);
+    first = from < first ? from : first;
+    at = bwi_flat_next(s, at);
+  } while (at != loop);
+  if (arcs && kept == 0)
+    s->kept[first] = 1;
+  for (bool more = !arcs && kept < 3; more; more = at != loop) {
+    s->kept[bwi_side_from(t, at)] = 1;
+    at = bwi_flat_next(s, at);
+  }
+}
+
+/* Each loop by its first side, in the order of facets. */
 static bw_status find_loops(bwi_flat_faces *s) {
   bw_status status = BW_OK;
-  const bwi_topology *t = s->topology;
-  int64_t sides = 3 * (int64_t)t->facets;
+  int64_t sides = 3 * (int64_t)s->topology->facets;
   uint8_t *seen = BW_NEW0(s->context, uint8_t, sides + 1);
   BW_TRY_MEMORY(seen);
   for (int64_t side = 0; side < sides; side++) {
-    if (seen[side] || !is_border(s, side))
+    if (seen[side] || s->face_of[side / 3] < 0 || !bwi_flat_is_border(s, side))
       continue;
-    int64_t at = side;
-    int kept = 0;
-    do {
+    for (int64_t at = side; !seen[at]; at = bwi_flat_next(s, at))
       seen[at] = 1;
-      kept += s->kept[bwi_side_from(t, at)];
-      at = bwi_flat_next(s, at);
-    } while (at != side);
     s->loop[s->loop_count++] = side;
-    for (bool more = kept < 3; more; more = at != side) {
-      s->kept[bwi_side_from(t, at)] = 1;
-      at = bwi_flat_next(s, at);
-    }
+    keep_enough(s, side);
   }
 done:
   bw_free(seen);
@@ -218,7 +236,16 @@ static double diagonal(const bwi_topology *t) {
   return sqrt(sum);
 }
 
-bw_status bwi_flat_faces_find(bw_context *context, const bw_surface *surface, bwi_flat_faces *s) {
+/* Whether the surface has names of curved faces. */
+static bool has_curved(const bw_surface *surface) {
+  for (int32_t i = 0; surface->names && i < surface->names->count; i++)
+    if (surface->names->curved[i])
+      return true;
+  return false;
+}
+
+bw_status bwi_flat_faces_find(bw_context *context, const bw_surface *surface, bool flat,
+                              bwi_flat_faces *s) {
   bw_status status = BW_OK;
   *s = (bwi_flat_faces){.context = context, .surface = surface};
   BW_TRY(bwi_topology_create(context, surface, &s->topology));
@@ -232,6 +259,10 @@ bw_status bwi_flat_faces_find(bw_context *context, const bw_surface *surface, bw
   BW_TRY_MEMORY(s->face_of && s->seed && s->kept && s->loop);
   BW_TRY(find_faces(s));
   BW_TRY(find_kept(s));
+  if (!flat && has_curved(surface)) {
+    BW_TRY(bwi_round_faces_find(s));
+    BW_TRY(find_kept(s));
+  }
   BW_TRY(find_loops(s));
 done:
   return status;
@@ -241,6 +272,8 @@ void bwi_flat_faces_clear(bwi_flat_faces *s) {
   bwi_topology_destroy(s->topology);
   bw_free(s->face_of);
   bw_free(s->seed);
+  bw_free(s->round);
+  bw_free(s->round_of);
   bw_free(s->kept);
   bw_free(s->loop);
 }

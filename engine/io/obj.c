@@ -176,7 +176,7 @@ static bw_status name_groups(bw_context *context, const obj_names *names, bw_sur
   }
   for (int32_t t = 0; t < surface->triangle_count; t++)
     surface->group[t] = names->number[surface->group[t]];
-  return bw_face_names_create(context, (int32_t)names->count, names->name, &surface->names);
+  return bw_face_names_create(context, (int32_t)names->count, names->name, NULL, &surface->names);
 }
 
 static bw_status read_facets(bwi_cursor *cursor, bwi_soup *soup, obj_line *scratch,

@@ -248,7 +248,7 @@ bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned
   bwi_cursor_init(&cursor, context, name, bytes, count);
   bw_status status = parse(&cursor, count ? detect(&cursor) : BWI_UNKNOWN, &read, &own);
   if (status == BW_OK && own.group_name && read->group && !read->names)
-    status = bw_face_names_create(context, own.group_count, own.group_name, &read->names);
+    status = bw_face_names_create(context, own.group_count, own.group_name, NULL, &read->names);
   if (info)
     *info = own;
   if (status != BW_OK || !info)

@@ -1,10 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* STEP (ISO 10303-21, AP214): closed shells as solids with flat faces (flat_faces.h). A shell
- * inside of another one is a void of it. Faces have the names of the surface. What was curved is
- * written as the flat facets that it has.
+/* STEP (ISO 10303-21, AP214): closed shells as solids with flat faces, cylinders and cones
+ * (flat_faces.h). A shell inside of another one is a void of it. Faces have the names of the
+ * surface. What else was curved is written as the flat facets that it has.
  *
- * A chain is what the border of two faces has from one kept point to the next, a straight edge of
- * the solid. */
+ * A chain is what the border of two faces has from one kept point to the next: a straight edge of
+ * the solid, an arc, or a circle. Faces that go around a whole cylinder have no seam, only the two
+ * circles. */
 #include "io/surface_write.h"
 
 #include <math.h>
@@ -12,14 +13,16 @@
 #include <string.h>
 
 #include "io/flat_faces.h"
+#include "io/round_faces.h"
 
 typedef struct step {
   bw_context *context;
   bw_writer *writer;
   double unit;
   bwi_flat_faces faces;
-  int64_t *chain; /* per edge that names a chain: its number in the file, 0: not there yet */
-  int32_t *chain_from;
+  int64_t *chain;      /* per edge that names a chain: its number in the file, 0: not there yet */
+  int32_t *chain_from; /* its first point, and the one behind */
+  int32_t *chain_second;
   int64_t *vertex; /* per point: the number of its VERTEX_POINT; the point's is one less */
   int64_t next;    /* number of the next entity */
 } step;
@@ -64,11 +67,59 @@ static int64_t vertex_of(step *s, int32_t point) {
   return s->vertex[point];
 }
 
+static int64_t put_placement(step *s, const double at[3], const double axis[3],
+                             const double reference[3]) {
+  int64_t point = put_vector(s, "CARTESIAN_POINT", at), z = put_vector(s, "DIRECTION", axis);
+  int64_t x = put_vector(s, "DIRECTION", reference);
+  bw_writer_print(s->writer, "#%lld=AXIS2_PLACEMENT_3D('',#%lld,#%lld,#%lld);\n",
+                  (long long)s->next, (long long)point, (long long)z, (long long)x);
+  return s->next++;
+}
+
+/* The direction from a to b, of length 1. */
+static void direction_of(const double a[3], const double b[3], double direction[3]) {
+  for (int k = 0; k < 3; k++)
+    direction[k] = b[k] - a[k];
+  double length = bw_norm(direction);
+  for (int k = 0; k < 3; k++)
+    direction[k] /= length;
+}
+
+/* The LINE from a point, of which `vertex` is the vertex, to another one. */
+static int64_t put_line(step *s, const double a[3], const double b[3], int64_t vertex) {
+  double along[3];
+  direction_of(a, b, along);
+  int64_t direction = put_vector(s, "DIRECTION", along);
+  bw_writer_print(s->writer, "#%lld=VECTOR('',#%lld,1.);\n#%lld=LINE('',#%lld,#%lld);\n",
+                  (long long)s->next, (long long)direction, (long long)s->next + 1,
+                  (long long)vertex - 1, (long long)s->next);
+  s->next += 2;
+  return s->next - 1;
+}
+
+/* The CIRCLE from a point on by another one; it runs from the first to the second the short way. */
+static int64_t put_circle(step *s, const bwi_round *round, const double a[3], const double b[3]) {
+  double centre[3], u[3], v[3], turn[3], axis[3];
+  double radius = bwi_round_circle(round, a, centre);
+  direction_of(centre, a, u);
+  direction_of(centre, b, v);
+  bw_cross(u, v, turn);
+  const double sign = bw_dot(turn, round->axis) < 0 ? -1 : 1;
+  for (int k = 0; k < 3; k++)
+    axis[k] = sign * round->axis[k];
+  int64_t placement = put_placement(s, centre, axis, u);
+  bw_writer_print(s->writer, "#%lld=CIRCLE('',#%lld,", (long long)s->next, (long long)placement);
+  put_real(s->writer, radius);
+  bw_writer_print(s->writer, ");\n");
+  return s->next++;
+}
+
 /* The chain that begins with a side at a kept point: its number, whether it runs the same way, and
  * the side behind it. */
 static int64_t chain_of(step *s, int64_t side, bool *same, int64_t *behind) {
   const bwi_topology *t = s->faces.topology;
-  int32_t from = bwi_side_from(t, side), to = bwi_side_to(t, side);
+  const int32_t from = bwi_side_from(t, side), second = bwi_side_to(t, side);
+  int32_t to = second;
   int64_t name = t->edge_of[side];
   for (*behind = bwi_flat_next(&s->faces, side); !s->faces.kept[to];
        *behind = bwi_flat_next(&s->faces, *behind)) {
@@ -76,23 +127,18 @@ static int64_t chain_of(step *s, int64_t side, bool *same, int64_t *behind) {
     name = t->edge_of[*behind] < name ? t->edge_of[*behind] : name;
   }
   if (s->chain[name] == 0) {
-    const double *a = t->point + 3 * (size_t)from, *b = t->point + 3 * (size_t)to;
-    double along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, length = bw_norm(along);
+    const double *a = t->point + 3 * (size_t)from;
+    const bwi_round *round = bwi_round_of_side(&s->faces, side);
     int64_t first = vertex_of(s, from), last = vertex_of(s, to);
-    for (int k = 0; k < 3; k++)
-      along[k] /= length;
-    int64_t direction = put_vector(s, "DIRECTION", along);
-    bw_writer_print(s->writer, "#%lld=VECTOR('',#%lld,1.);\n#%lld=LINE('',#%lld,#%lld);\n",
-                    (long long)s->next, (long long)direction, (long long)s->next + 1,
-                    (long long)first - 1, (long long)s->next);
-    bw_writer_print(s->writer, "#%lld=EDGE_CURVE('',#%lld,#%lld,#%lld,.T.);\n",
-                    (long long)s->next + 2, (long long)first, (long long)last,
-                    (long long)s->next + 1);
-    s->next += 3;
-    s->chain[name] = s->next - 1;
+    int64_t curve = round ? put_circle(s, round, a, t->point + 3 * (size_t)second)
+                          : put_line(s, a, t->point + 3 * (size_t)to, first);
+    bw_writer_print(s->writer, "#%lld=EDGE_CURVE('',#%lld,#%lld,#%lld,.T.);\n", (long long)s->next,
+                    (long long)first, (long long)last, (long long)curve);
+    s->chain[name] = s->next++;
     s->chain_from[name] = from;
+    s->chain_second[name] = second;
   }
-  *same = s->chain_from[name] == from;
+  *same = s->chain_from[name] == from && s->chain_second[name] == second;
   return s->chain[name];
 }
 
@@ -145,14 +191,26 @@ static int64_t put_plane(step *s, int32_t face) {
   double area = bw_norm(n), length = bw_norm(along);
   for (int k = 0; k < 3; k++)
     n[k] /= area, along[k] /= length;
-  int64_t point = put_vector(s, "CARTESIAN_POINT", a), axis = put_vector(s, "DIRECTION", n);
-  int64_t reference = put_vector(s, "DIRECTION", along);
-  bw_writer_print(s->writer,
-                  "#%lld=AXIS2_PLACEMENT_3D('',#%lld,#%lld,#%lld);\n#%lld=PLANE('',#%lld);\n",
-                  (long long)s->next, (long long)point, (long long)axis, (long long)reference,
-                  (long long)s->next + 1, (long long)s->next);
-  s->next += 2;
-  return s->next - 1;
+  int64_t placement = put_placement(s, a, n, along);
+  bw_writer_print(s->writer, "#%lld=PLANE('',#%lld);\n", (long long)s->next, (long long)placement);
+  return s->next++;
+}
+
+/* The CYLINDRICAL_SURFACE or CONICAL_SURFACE of a face. */
+static int64_t put_round(step *s, const bwi_round *round) {
+  double across[3], other[3];
+  bw_across(round->axis, across, other);
+  int64_t placement = put_placement(s, round->origin, round->axis, across);
+  bw_writer_print(s->writer, "#%lld=%s('',#%lld,", (long long)s->next,
+                  round->slope > 0 ? "CONICAL_SURFACE" : "CYLINDRICAL_SURFACE",
+                  (long long)placement);
+  put_real(s->writer, round->radius);
+  if (round->slope > 0) {
+    bw_writer_bytes(s->writer, ",", 1);
+    put_real(s->writer, atan(round->slope));
+  }
+  bw_writer_print(s->writer, ");\n");
+  return s->next++;
 }
 
 /* Text within apostrophes. What is no ASCII is written by the numbers of its characters, as ISO
@@ -188,9 +246,8 @@ static void put_face_name(const step *s, int32_t face) {
     bw_writer_print(s->writer, "face %d", (int)face + 1);
 }
 
-/* A face with its loops, the outer one first; bound: room for them. */
-static int64_t put_face(step *s, int32_t face, const int64_t *loop, int64_t loops, int64_t *bound,
-                        int64_t *entity) {
+/* Puts the outer loop of a flat face first. */
+static void sort_loops(const step *s, int32_t face, int64_t *loop, int64_t loops) {
   double n[3], most = -HUGE_VAL;
   int64_t outer = 0;
   bwi_flat_normal(s->faces.topology, s->faces.seed[face], n);
@@ -199,19 +256,42 @@ static int64_t put_face(step *s, int32_t face, const int64_t *loop, int64_t loop
     outer = area > most ? i : outer;
     most = area > most ? area : most;
   }
+  int64_t first = loop[outer];
+  loop[outer] = loop[0];
+  loop[0] = first;
+}
+
+/* A face with its loops; bound: room for one more than these. */
+static int64_t put_face(step *s, int32_t face, int64_t *loop, int64_t loops, int64_t *bound,
+                        int64_t *entity) {
+  const bwi_round *round = s->faces.round_of && s->faces.round_of[face] >= 0
+                               ? &s->faces.round[s->faces.round_of[face]]
+                               : NULL;
+  if (!round)
+    sort_loops(s, face, loop, loops);
   for (int64_t i = 0; i < loops; i++) {
-    int64_t own = put_loop(s, loop[i == 0 ? outer : i == outer ? 0 : i], entity);
+    int64_t own = put_loop(s, loop[i], entity);
     bw_writer_print(s->writer, "#%lld=%s('',#%lld,.T.);\n", (long long)s->next,
-                    i == 0 ? "FACE_OUTER_BOUND" : "FACE_BOUND", (long long)own);
+                    i == 0 && (!round || loops == 1) ? "FACE_OUTER_BOUND" : "FACE_BOUND",
+                    (long long)own);
     bound[i] = s->next++;
   }
-  int64_t plane = put_plane(s, face);
+  if (round && round->apex >= 0) {
+    int64_t vertex = vertex_of(s, round->apex);
+    bw_writer_print(s->writer, "#%lld=VERTEX_LOOP('',#%lld);\n#%lld=FACE_BOUND('',#%lld,.T.);\n",
+                    (long long)s->next, (long long)vertex, (long long)s->next + 1,
+                    (long long)s->next);
+    s->next += 2;
+    bound[loops++] = s->next - 1;
+  }
+  int64_t carrier = round ? put_round(s, round) : put_plane(s, face);
   bw_writer_print(s->writer, "#%lld=ADVANCED_FACE('", (long long)s->next);
   put_face_name(s, face);
   bw_writer_print(s->writer, "',(");
   for (int64_t i = 0; i < loops; i++)
     bw_writer_print(s->writer, "%s#%lld", i ? "," : "", (long long)bound[i]);
-  bw_writer_print(s->writer, "),#%lld,.T.);\n", (long long)plane);
+  bw_writer_print(s->writer, "),#%lld,%s);\n", (long long)carrier,
+                  round && !round->outward ? ".F." : ".T.");
   return s->next++;
 }
 
@@ -226,7 +306,7 @@ static int by_face(const void *left, const void *right, void *data) {
 static bw_status put_faces(step *s, int64_t *face_entity) {
   bw_status status = BW_OK;
   int64_t sides = 3 * (int64_t)s->faces.topology->facets;
-  int64_t *bound = BW_NEW(s->context, int64_t, s->faces.loop_count + 1);
+  int64_t *bound = BW_NEW(s->context, int64_t, s->faces.loop_count + 2);
   int64_t *entity = BW_NEW(s->context, int64_t, sides + 1);
   BW_TRY_MEMORY(bound && entity);
   qsort_r(s->faces.loop, (size_t)s->faces.loop_count, sizeof *s->faces.loop, by_face, s);
@@ -293,6 +373,8 @@ static bw_status check_volumes(const step *s, const int32_t *depth, double *volu
   for (int32_t i = 0; i < t->facets; i++) {
     const int32_t *c = t->corner + 3 * (size_t)i;
     double cross[3];
+    if (t->shell[i] < 0)
+      continue;
     bw_cross(t->point + 3 * (size_t)c[1], t->point + 3 * (size_t)c[2], cross);
     volume[t->shell[i]] += bw_dot(t->point + 3 * (size_t)c[0], cross) / 6;
   }
@@ -385,7 +467,7 @@ static bool put_units(step *s) {
 static bool put_head(step *s) {
   bw_writer_print(
       s->writer,
-      "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('solids with flat faces'),'2;1');\n"
+      "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('solids'),'2;1');\n"
       "FILE_NAME('part','1980-01-01T00:00:00',(''),(''),'barwright','barwright','');\n"
       "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;\nDATA;\n"
       "#1=APPLICATION_CONTEXT('core data for automotive mechanical design processes');\n"
@@ -418,19 +500,16 @@ static bw_status put_solids(step *s, const int64_t *face_entity) {
   for (int32_t k = 0; k < t->shells; k++)
     if (owner[k] < 0)
       shell_entity[k] = put_solid(s, k, owner, shell_entity);
-  int64_t point = put_vector(s, "CARTESIAN_POINT", origin), axis = put_vector(s, "DIRECTION", z);
-  int64_t reference = put_vector(s, "DIRECTION", x);
-  bw_writer_print(s->writer, "#%lld=AXIS2_PLACEMENT_3D('',#%lld,#%lld,#%lld);\n",
-                  (long long)s->next, (long long)point, (long long)axis, (long long)reference);
+  int64_t placement = put_placement(s, origin, z, x);
   bw_writer_print(s->writer, "#%lld=ADVANCED_BREP_SHAPE_REPRESENTATION('',(#%lld",
-                  (long long)s->next + 1, (long long)s->next);
+                  (long long)s->next, (long long)placement);
   for (int32_t k = 0; k < t->shells; k++)
     if (owner[k] < 0)
       bw_writer_print(s->writer, ",#%lld", (long long)shell_entity[k]);
   bw_writer_print(s->writer,
                   "),#17);\n#%lld=SHAPE_DEFINITION_REPRESENTATION(#9,#%lld);\nENDSEC;\n"
                   "END-ISO-10303-21;\n",
-                  (long long)s->next + 2, (long long)s->next + 1);
+                  (long long)s->next + 1, (long long)s->next);
 done:
   bw_free(closed);
   bw_free(depth);
@@ -446,13 +525,14 @@ bw_status bwi_step_write(bw_writer *writer, const bw_surface *surface,
   bw_context *context = bwi_writer_context(writer);
   step s = {.context = context, .writer = writer, .unit = options->unit > 0 ? options->unit : 1};
   int64_t *face_entity = NULL;
-  BW_TRY(bwi_flat_faces_find(context, surface, &s.faces));
+  BW_TRY(bwi_flat_faces_find(context, surface, options->flat, &s.faces));
   const bwi_topology *t = s.faces.topology;
   s.chain = BW_NEW0(context, int64_t, t->edges + 1);
   s.chain_from = BW_NEW(context, int32_t, t->edges + 1);
+  s.chain_second = BW_NEW(context, int32_t, t->edges + 1);
   s.vertex = BW_NEW0(context, int64_t, t->points + 1);
   face_entity = BW_NEW0(context, int64_t, t->facets + 1);
-  BW_TRY_MEMORY(s.chain && s.chain_from && s.vertex && face_entity);
+  BW_TRY_MEMORY(s.chain && s.chain_from && s.chain_second && s.vertex && face_entity);
   if (!put_head(&s))
     BW_TRY(bw_fail(context, BW_INVALID,
                    "a unit of %g m is none of those written in STEP: um, mm, cm, m, km, in or ft",
@@ -464,6 +544,7 @@ done:
   bwi_flat_faces_clear(&s.faces);
   bw_free(s.chain);
   bw_free(s.chain_from);
+  bw_free(s.chain_second);
   bw_free(s.vertex);
   bw_free(face_entity);
   return status;

@@ -13,18 +13,19 @@
 static void names_destroy(void *object) {
   bw_face_names *names = object;
   bw_free(names->name);
+  bw_free(names->curved);
   bw_free(names);
 }
 
 static size_t names_bytes(const void *object) {
   const bw_face_names *names = object;
-  return sizeof *names + (size_t)names->count * sizeof *names->name;
+  return sizeof *names + (size_t)names->count * (sizeof *names->name + sizeof *names->curved);
 }
 
 static const bw_kind names_kind = {"face names", names_destroy, names_bytes};
 
 bw_status bw_face_names_create(bw_context *context, int32_t count, const bw_name *name,
-                               bw_face_names **names) {
+                               const uint8_t *curved, bw_face_names **names) {
   if (count < 0)
     return bw_fail(context, BW_INVALID, "%d names of faces: 0 or more expected", count);
   bw_face_names *made = BW_NEW0(context, bw_face_names, 1);
@@ -32,13 +33,16 @@ bw_status bw_face_names_create(bw_context *context, int32_t count, const bw_name
     return BW_MEMORY;
   bw_object_init(made, &names_kind);
   made->name = BW_NEW0(context, bw_name, count);
-  if (!made->name) {
+  made->curved = BW_NEW0(context, uint8_t, count);
+  if (!made->name || !made->curved) {
     bw_release(made);
     return BW_MEMORY;
   }
   made->count = count;
   if (count > 0)
     memcpy(made->name, name, (size_t)count * sizeof *name);
+  if (count > 0 && curved)
+    memcpy(made->curved, curved, (size_t)count * sizeof *curved);
   *names = made;
   return BW_OK;
 }
@@ -79,7 +83,8 @@ static int32_t number_of(bw_name *list, int32_t *count, const bw_name *name) {
 }
 
 /* A surface whose groups are numbers in the list of names. */
-static bw_status in_list(bw_context *context, bw_surface **surface, bw_name *list, int32_t *count) {
+static bw_status in_list(bw_context *context, bw_surface **surface, bw_name *list, uint8_t *curved,
+                         int32_t *count) {
   static const bw_name empty = {""};
   bw_surface *old = *surface, *made;
   const int32_t known = old->names ? old->names->count : 0;
@@ -88,8 +93,10 @@ static bw_status in_list(bw_context *context, bw_surface **surface, bw_name *lis
   int32_t *number = BW_NEW(context, int32_t, known);
   int32_t *group = BW_NEW(context, int32_t, old->triangle_count);
   BW_TRY_MEMORY(number && group);
-  for (int32_t i = 0; i < known; i++)
+  for (int32_t i = 0; i < known; i++) {
     number[i] = number_of(list, count, &old->names->name[i]);
+    curved[number[i]] |= old->names->curved[i];
+  }
   for (int32_t t = 0; t < old->triangle_count; t++) {
     const int32_t own = known ? old->group[t] : -1;
     const bool has = own >= 0 && own < known;
@@ -121,15 +128,16 @@ bw_status bwi_name_alike(bw_context *context, int32_t count, bw_surface **surfac
   if (!some)
     return BW_OK;
   bw_name *list = BW_NEW0(context, bw_name, most);
-  if (!list)
-    return BW_MEMORY;
+  uint8_t *curved = BW_NEW0(context, uint8_t, most);
+  BW_TRY_MEMORY(list && curved);
   for (int32_t i = 0; i < count; i++)
-    BW_TRY(in_list(context, &surface[i], list, &used));
-  BW_TRY(bw_face_names_create(context, used, list, names));
+    BW_TRY(in_list(context, &surface[i], list, curved, &used));
+  BW_TRY(bw_face_names_create(context, used, list, curved, names));
   for (int32_t i = 0; i < count; i++)
     surface[i]->names = bw_retain(*names);
 done:
   bw_free(list);
+  bw_free(curved);
   return status;
 }
 

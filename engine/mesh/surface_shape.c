@@ -8,8 +8,8 @@
 
 /* Gives a surface just made, which has groups 0 to count - 1, names for them, or releases it. */
 static bw_status name_faces(bw_context *context, int32_t count, const bw_name *name,
-                            bw_surface **surface) {
-  bw_status status = bw_face_names_create(context, count, name, &(*surface)->names);
+                            const uint8_t *curved, bw_surface **surface) {
+  bw_status status = bw_face_names_create(context, count, name, curved, &(*surface)->names);
   if (status != BW_OK) {
     bw_release(*surface);
     *surface = NULL;
@@ -33,7 +33,7 @@ bw_status bw_surface_box_shape(bw_context *context, const double min[3], const d
     for (int k = 0; k < 3; k++)
       point[3 * i + k] = i >> k & 1 ? max[k] : min[k];
   bw_status status = bw_surface_copy(context, 8, point, 12, triangle, group, surface);
-  return status == BW_OK ? name_faces(context, 6, name, surface) : status;
+  return status == BW_OK ? name_faces(context, 6, name, NULL, surface) : status;
 }
 
 /* An icosahedron, each facet cut in four `subdivisions` times, points on the sphere. */
@@ -93,7 +93,7 @@ bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], d
   BW_TRY(
       bw_surface_copy(context, (int64_t)(3 * all), corner, (int64_t)all, triangle, group, &loose));
   BW_TRY(bw_surface_weld(context, loose, 0, surface));
-  status = name_faces(context, 1, &(bw_name){"sphere"}, surface);
+  status = name_faces(context, 1, &(bw_name){"sphere"}, NULL, surface);
 done:
   bw_release(loose);
   bw_free(corner);
@@ -112,6 +112,7 @@ bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3], c
                    "to 1000000 segments are needed",
                    radius, height, segments);
   static const bw_name name[3] = {{"bottom"}, {"top"}, {"side"}};
+  static const uint8_t curved[3] = {0, 0, 1};
   bw_status status = BW_OK;
   double *point = BW_NEW(context, double, 6 * (size_t)segments + 6);
   int32_t *triangle = BW_NEW(context, int32_t, 12 * (size_t)segments);
@@ -142,7 +143,7 @@ bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3], c
   }
   BW_TRY(bw_surface_copy(context, 2 * (int64_t)segments + 2, point, 4 * (int64_t)segments, triangle,
                          group, surface));
-  status = name_faces(context, 3, name, surface);
+  status = name_faces(context, 3, name, curved, surface);
 done:
   bw_free(point);
   bw_free(triangle);

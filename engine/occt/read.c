@@ -70,7 +70,7 @@ static bw_status name_faces(bw_context *context, bw_cad_file *file) {
       length--; /* cut before a whole character */
     memcpy(name[i].text, file->face[i].name, length);
   }
-  BW_TRY(bw_face_names_create(context, file->face_count, name, &file->surface->names));
+  BW_TRY(bw_face_names_create(context, file->face_count, name, NULL, &file->surface->names));
 done:
   bw_free(name);
   return status;

@@ -349,10 +349,11 @@ typedef bw_status lbw_boundary(bw_context *context, const void *body, bw_surface
                                int32_t **node);
 int lbw_push_boundary(lua_State *L, const void *body, lbw_boundary *boundary);
 
-/* face_names.c: surface:named(name, face), surface:face_names(), mesh:face_names(),
- * polygon_triangles{...}, and a list of names in a userdata that is pushed. */
+/* face_names.c: surface:named(name, face), surface:face_names(), surface:curved_faces(),
+ * mesh:face_names(), polygon_triangles{...}, and a list of names in a userdata that is pushed. */
 int lbw_surface_named(lua_State *L);
 int lbw_surface_face_names(lua_State *L);
+int lbw_surface_curved_faces(lua_State *L);
 int lbw_mesh_face_names(lua_State *L);
 int lbw_polygon_triangles(lua_State *L);
 bw_name *lbw_to_names(lua_State *L, int index, const char *what, int32_t *count);

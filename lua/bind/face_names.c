@@ -18,6 +18,19 @@ int lbw_surface_face_names(lua_State *L) {
   return push_names(L, ((const bw_surface *)lbw_check(L, 1, &lbw_surface_class))->names);
 }
 
+/* surface:curved_faces(): the names of faces that have facets of curved ones */
+int lbw_surface_curved_faces(lua_State *L) {
+  const bw_face_names *names = ((const bw_surface *)lbw_check(L, 1, &lbw_surface_class))->names;
+  lua_Integer count = 0;
+  lua_newtable(L);
+  for (int32_t i = 0; names && i < names->count; i++)
+    if (names->curved[i]) {
+      lua_pushstring(L, names->name[i].text);
+      lua_rawseti(L, -2, ++count);
+    }
+  return 1;
+}
+
 /* mesh:face_names() */
 int lbw_mesh_face_names(lua_State *L) {
   return push_names(L, ((const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class))->names);
@@ -49,8 +62,11 @@ static bw_status rename_faces(bw_context *context, const bw_surface *surface, co
   bool some = false;
   int32_t *group = BW_NEW0(context, int32_t, surface->triangle_count);
   bw_name *list = BW_NEW0(context, bw_name, known + 1);
-  BW_TRY_MEMORY(group && list);
+  uint8_t *curved = BW_NEW0(context, uint8_t, known + 1);
+  BW_TRY_MEMORY(group && list && curved);
   list[0] = *fresh;
+  for (int32_t i = 0; i < known; i++)
+    curved[old ? i : 0] |= surface->names->curved[i];
   for (int32_t i = 0; old && i < known; i++) {
     list[i] = surface->names->name[i];
     if (bw_face_names_is(surface->names, i, old)) {
@@ -60,11 +76,12 @@ static bw_status rename_faces(bw_context *context, const bw_surface *surface, co
   }
   if (old && !some)
     BW_TRY(bw_fail(context, BW_EMPTY, "named: no face has the name '%s'", old));
-  BW_TRY(bw_face_names_create(context, old ? known : 1, list, &names));
+  BW_TRY(bw_face_names_create(context, old ? known : 1, list, curved, &names));
   BW_TRY(bw_surface_with_names(context, surface, old ? NULL : group, names, named));
 done:
   bw_free(group);
   bw_free(list);
+  bw_free(curved);
   bw_release(names);
   return status;
 }

@@ -87,7 +87,7 @@ static bool has_ending(const char *path, const char *ending) {
 }
 
 typedef struct written {
-  bool ascii;
+  bool ascii, flat;
   double min, max; /* of the colours; NAN: those of the values */
 } written;
 
@@ -116,7 +116,7 @@ static unsigned char *read_colours(lua_State *L, const bw_surface *surface, cons
   return colour;
 }
 
-/* surface:write(path, {unit, ascii, fields, values, min, max}) */
+/* surface:write(path, {unit, ascii, fields, values, min, max, flat}) */
 static int surface_write(lua_State *L) {
   static const lbw_option list[] = {{"unit", LBW_OTHER, 0},
                                     {"fields", LBW_OTHER, 0},
@@ -124,6 +124,7 @@ static int surface_write(lua_State *L) {
                                     {"ascii", LBW_BOOLEAN, offsetof(written, ascii)},
                                     {"min", LBW_REAL, offsetof(written, min)},
                                     {"max", LBW_REAL, offsetof(written, max)},
+                                    {"flat", LBW_BOOLEAN, offsetof(written, flat)},
                                     {NULL, LBW_OTHER, 0}};
   const bw_surface *surface = self(L);
   const char *path = lbw_check_text(L, 2, NULL);
@@ -133,7 +134,7 @@ static int surface_write(lua_State *L) {
   double unit = lbw_unit_option(L, 3, "write", lbw_unit_of_path(path));
   if (has_ending(path, ".glb") && unit != 1)
     return lbw_error(L, "write: option 'unit': glTF files are in metres: leave it out");
-  bw_surface_write_options options = {.ascii = w.ascii, .unit = unit};
+  bw_surface_write_options options = {.ascii = w.ascii, .unit = unit, .flat = w.flat};
   options.colour = read_colours(L, surface, &w, &options.colour_on_facets);
   lbw_option_get(L, 3, "fields");
   options.fields = lbw_fields(L, -1, "write", surface->point_count, surface->triangle_count,
@@ -151,13 +152,34 @@ done:
 
 /* ---- making ---------------------------------------------------------------------------------- */
 
-/* surface.new{points, triangles, groups, face_names}: metres, numbers from 1 */
+/* Which names are among those of the option `curved_faces`, in a userdata that is pushed; or NULL.
+ */
+static uint8_t *read_curved(lua_State *L, const bw_name *name, int32_t names) {
+  if (lbw_option_get(L, 1, "curved_faces") == LUA_TNIL)
+    return NULL;
+  int32_t count;
+  const bw_name *given = lbw_to_names(L, -1, "surface.new: curved_faces", &count);
+  uint8_t *curved = (uint8_t *)lua_newuserdatauv(L, (size_t)names + 1, 0);
+  memset(curved, 0, (size_t)names + 1);
+  for (int32_t k = 0; k < count; k++) {
+    bool some = false;
+    for (int32_t i = 0; i < names; i++)
+      if (strcmp(name[i].text, given[k].text) == 0) {
+        curved[i] = 1;
+        some = true;
+      }
+    if (!some)
+      lbw_error(L, "surface.new: option 'curved_faces': '%s' is not among 'face_names'",
+                given[k].text);
+  }
+  return curved;
+}
+
+/* surface.new{points, triangles, groups, face_names, curved_faces}: metres, numbers from 1 */
 static int surface_new(lua_State *L) {
-  static const lbw_option options[] = {{"points", LBW_OTHER, 0},
-                                       {"triangles", LBW_OTHER, 0},
-                                       {"groups", LBW_OTHER, 0},
-                                       {"face_names", LBW_OTHER, 0},
-                                       {NULL, LBW_OTHER, 0}};
+  static const lbw_option options[] = {{"points", LBW_OTHER, 0},       {"triangles", LBW_OTHER, 0},
+                                       {"groups", LBW_OTHER, 0},       {"face_names", LBW_OTHER, 0},
+                                       {"curved_faces", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   lbw_options(L, 1, "surface.new", options, NULL);
@@ -178,12 +200,13 @@ static int surface_new(lua_State *L) {
       lbw_error(L, "surface.new: option 'face_names': only with 'groups', which they are names of");
     name = lbw_to_names(L, -1, "surface.new: face_names", &names);
   }
+  uint8_t *curved = read_curved(L, name, names);
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
   bw_context *context = lbw_enter(L);
   bw_status status = bw_surface_copy(context, points, point, triangles, triangle, group, &out);
   if (status == BW_OK && name)
-    status = bw_face_names_create(context, names, name, &out->names);
+    status = bw_face_names_create(context, names, name, curved, &out->names);
   if (status != BW_OK) {
     bw_release(out);
     out = NULL;
@@ -631,6 +654,7 @@ static const luaL_Reg methods[] = {{"write", surface_write},
                                    {"groups_on", surface_groups_on},
                                    {"named", lbw_surface_named},
                                    {"face_names", lbw_surface_face_names},
+                                   {"curved_faces", lbw_surface_curved_faces},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {{"points", surface_points},
                                       {"triangles", surface_triangles},

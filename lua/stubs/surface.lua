@@ -86,6 +86,7 @@ function surface_module.new(options) end
 ---@field triangles integer[][]|bw.Array (index from 1, t × 3, per triangle) numbers of points, counter-clockwise seen from outside
 ---@field groups? integer[]|bw.Array (index from 1, t × 1, per triangle) the group of each triangle. Default: none
 ---@field face_names? string[] names of the groups, by number; empty texts for those without one. Default: none
+---@field curved_faces? string[] names among these of faces with triangles that stand for a cylinder or cone, for STEP files. Default: none
 
 ---A box along the axes, of 12 triangles. Its faces are "left" and "right" (along x), "front" and "back" (along y),
 ---"bottom" and "top" (along z).
@@ -327,8 +328,8 @@ function surface_module.implicit(value, options) end
 local Surface = {}
 
 ---Writes the surface to a file, whose ending decides the format: .stl (binary), .obj, .ply, .off, .3mf, .glb (glTF 2.0), .usda (USD),
----.step, .vtu or .msh. A STEP file has closed solids with flat faces: triangles in one plane are one face, and curved faces stay
----the triangles that they are. With `values`, .glb, .usda, .ply, .obj and .3mf have the colours of a picture, as vertex colours or colours of
+---.step, .vtu or .msh. A STEP file has closed solids: triangles in one plane are one flat face. Chords of cylinders and cones of the
+---modeller become true cylindrical and conical faces (`curved_faces`), and other curved faces stay triangles. With `values`, .glb, .usda, .ply, .obj and .3mf have the colours of a picture, as vertex colours or colours of
 ---triangles. A format that cannot hold the colours or fields raises.
 ---
 ---Errors: io (the file cannot be written), limit (more than 4 GB as .glb or .3mf), geometry (of .step: the surface is not closed,
@@ -352,6 +353,7 @@ function Surface:write(path, options) end
 ---@field min? number (any) lower end of the colours. Default: the smallest value
 ---@field max? number (any) upper end of the colours. Default: the largest value
 ---@field fields? table<string, bw.Array> arrays with a row for every point or every triangle, by name; for .vtu, and of one column for .ply and .usda
+---@field flat? boolean .step: cylinders and cones are written as the flat facets that they have here. Default: false
 
 ---What is wrong with the surface. `print` shows it in a few lines.
 ---
@@ -561,6 +563,15 @@ function Surface:named(name, face) end
 ---The names of the groups of triangles.
 ---@return string[] names by number of the group, empty texts for those without one; an empty list where none has a name
 function Surface:face_names() end
+
+---The names of faces with triangles that stand for a curved face: the modeller gives them. In STEP files those that
+---lie on a cylinder or cone become it.
+---```lua
+---local part = bw.surface.cylinder {base = {0, 0, 0}, axis = {0, 0, 0.03}, radius = 0.006}
+---print(part:curved_faces()[1]) -- side
+---```
+---@return string[] names of curved faces; an empty list where there is none
+function Surface:curved_faces() end
 
 ---The mirror image at a plane.
 ---

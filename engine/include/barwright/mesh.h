@@ -15,11 +15,13 @@ extern "C" {
 typedef struct bw_face_names {
   bw_object object;
   int32_t count;
-  bw_name *name; /* (count) of groups 0 to count - 1; empty where a group has none */
+  bw_name *name;   /* (count) of groups 0 to count - 1; empty where a group has none */
+  uint8_t *curved; /* (count) whether the group has facets that stand for a curved face */
 } bw_face_names;
-/* Names from a list, name (count), which may repeat a name. */
+/* Names from a list, name (count), which may repeat a name, and whether these groups have facets
+ * that stand for curved faces, curved (count), or NULL: none has. */
 BW_API bw_status bw_face_names_create(bw_context *context, int32_t count, const bw_name *name,
-                                      bw_face_names **names);
+                                      const uint8_t *curved, bw_face_names **names);
 /* Whether a group has this name, which is not empty. */
 BW_API bool bw_face_names_is(const bw_face_names *names, int32_t group, const char *name);
 

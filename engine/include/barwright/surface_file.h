@@ -18,14 +18,16 @@ typedef struct bw_surface_write_options {
   bool colour_on_facets;       /* one for each facet; default false: for each point */
   int field_count;             /* default 0 */
   const bw_field *fields;      /* (field_count) on points or facets, as numbers */
+  bool flat; /* .step: curved faces are written as their flat facets; default false */
 } bw_surface_write_options;
 
 /* By the ending of the path, .glb (glTF 2.0, in metres, y up), .usda (USD as text, z up) and .step
- * (solids with flat faces) beside those of bw_surface_write. Colours go to .glb .usda .ply .3mf,
- * and on points to .obj. Fields go to .vtu, and those of one component to .ply and .usda;
- * BW_INVALID for another ending, as for colours and fields that the format cannot hold, and units
- * that 3MF or STEP does not know. BW_GEOMETRY where the shells of a .step are not closed and
- * oriented. BW_LIMIT beyond 4 GB. */
+ * (solids: chords of a cylinder or cone become a face of it where their group is curved, other
+ * facets flat faces) beside those of bw_surface_write. Colours go to .glb .usda .ply .3mf, and on
+ * points to .obj. Fields go to .vtu, and those of one component to .ply and .usda; BW_INVALID for
+ * another ending, as for colours and fields that the format cannot hold, and units that 3MF or STEP
+ * does not know. BW_GEOMETRY where the shells of a .step are not closed and oriented. BW_LIMIT
+ * beyond 4 GB. */
 BW_API bw_status bw_surface_write_with(bw_context *context, const bw_surface *surface,
                                        const char *path, const bw_surface_write_options *options);
 

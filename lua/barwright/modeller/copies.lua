@@ -32,8 +32,9 @@ end
 
 -- Several surfaces as one, side by side.
 local function beside(list)
-  local points, triangles, groups, names, number = {}, {}, {}, {}, {}
+  local points, triangles, groups, names, number, curved = {}, {}, {}, {}, {}, {}
   for _, part in ipairs(list) do
+    for _, name in ipairs(part:curved_faces()) do curved[name] = true end
     local first, own, old = #points, part:face_names(), part.groups
     for _, p in ipairs(part.points:totable()) do points[#points + 1] = p end
     for t, corners in ipairs(part.triangles:totable()) do
@@ -46,7 +47,10 @@ local function beside(list)
       groups[#groups + 1] = number[name]
     end
   end
-  return core.surface.new {points = points, triangles = triangles, groups = groups, face_names = names}
+  local round = {}
+  for _, name in ipairs(names) do round[#round + 1] = curved[name] and name or nil end
+  return core.surface.new {points = points, triangles = triangles, groups = groups, face_names = names,
+    curved_faces = round}
 end
 
 -- The union of copies: by booleans where their boxes meet, else side by side.

@@ -39,12 +39,14 @@ local function ring(solid, count, radius, z)
   return list
 end
 
+-- A circle, or a polygon whose sides have tags of their own.
 local function polygon_of(count, tag)
-  local polygon = {points = {}, tags = {}}
+  local polygon = {points = {}, tags = {}, curved = {}}
   for i = 1, count do
     local angle = FULL * (i - 1) / count
     polygon.points[i] = {math.cos(angle), math.sin(angle)}
     polygon.tags[i] = tag and tag(i) or "side"
+    polygon.curved[i] = not tag
   end
   return polygon
 end

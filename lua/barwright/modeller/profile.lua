@@ -43,6 +43,41 @@ local function turn(p)
   return sum * 16 / 15
 end
 
+-- An arc of angle a is a cubic with control points at 4/3 tan(a/4) radii along the tangents. The circle of an edge
+-- that is such an arc, as {centre =, angle =} (rad, to the left positive), or nil.
+local function circle_of(edge)
+  local p, q = edge.from, edge.to
+  local a, b = edge.control[1], edge.control[2]
+  local ux, uy, vx, vy = a[1] - p[1], a[2] - p[2], q[1] - b[1], q[2] - b[2]
+  local first, second = length(ux, uy), length(vx, vy)
+  local angle = math.atan(ux * vy - uy * vx, ux * vx + uy * vy)
+  local chord = length(q[1] - p[1], q[2] - p[2])
+  if first == 0 or second == 0 or math.abs(angle) < 1e-6 or math.abs(angle) > math.pi / 2 then return nil end
+  local radius = chord / (2 * math.sin(math.abs(angle) / 2))
+  local handle, near = 4 / 3 * math.tan(math.abs(angle) / 4) * radius, 1e-9 * radius
+  local side = (angle > 0 and 1 or -1) * radius / first
+  local centre = {p[1] - side * uy, p[2] + side * ux}
+  if math.abs(first - handle) > near or math.abs(second - handle) > near
+      or math.abs(length(q[1] - centre[1], q[2] - centre[2]) - radius) > near then return nil end
+  return {centre = centre, angle = angle}
+end
+
+-- Places behind the first one of an edge of `count` sides: on its circle where it is an arc.
+local function places(outline, e, edge, count)
+  local circle, list = edge.control and count > 1 and circle_of(edge), {}
+  for i = 1, count - 1 do
+    if circle then
+      local c, p = circle.centre, edge.from
+      local cos, sin = math.cos(circle.angle * i / count), math.sin(circle.angle * i / count)
+      local x, y = p[1] - c[1], p[2] - c[2]
+      list[i] = {c[1] + cos * x - sin * y, c[2] + sin * x + cos * y}
+    else
+      list[i] = (outline:at(e, i / count))
+    end
+  end
+  return list
+end
+
 --- Sides of an edge (`outline:edge`): a chord of a cubic over the parameter h lies within h²/8 max |B''| of it.
 function profile.edge_sides(edge, curvature, tolerance)
   if not edge.control then return 1 end
@@ -85,15 +120,18 @@ end
 
 -- The same polygon the other way round: side i leads from point i to the next one.
 local function reversed(polygon)
-  local made, count = {points = {}, tags = {}}, #polygon.points
+  local made, count = {points = {}, tags = {}, curved = {}}, #polygon.points
   for i = 1, count do
+    local side = (count - i - 1) % count + 1
     made.points[i] = polygon.points[count + 1 - i]
-    made.tags[i] = polygon.tags[(count - i - 1) % count + 1]
+    made.tags[i] = polygon.tags[side]
+    made.curved[i] = polygon.curved and polygon.curved[side]
   end
   return made
 end
 
---- A polygon {points =, tags = of the side behind each point} with the material on its left.
+--- A polygon {points =, tags = of the side behind each point, curved = whether that side stands for a curve} with the
+--- material on its left.
 function profile.oriented(polygon, hole)
   if (area(polygon.points) < 0) ~= (hole or false) then return reversed(polygon) end
   return polygon
@@ -103,13 +141,15 @@ end
 function profile.polygons(outline, sides)
   local list = {}
   for _, loop in ipairs(profile.loops(outline)) do
-    local polygon = {points = {}, tags = {}}
+    local polygon = {points = {}, tags = {}, curved = {}}
     for _, e in ipairs(loop.edges) do
       local edge = outline:edge(e)
       local count = sides(edge, e)
+      local behind = places(outline, e, edge, count)
       for i = 1, count do
-        polygon.points[#polygon.points + 1] = i == 1 and edge.from or (outline:at(e, (i - 1) / count))
+        polygon.points[#polygon.points + 1] = behind[i - 1] or edge.from
         polygon.tags[#polygon.tags + 1] = edge.tag
+        polygon.curved[#polygon.points] = edge.control ~= nil
       end
     end
     list[#list + 1] = profile.oriented(polygon, loop.hole)

@@ -8,8 +8,12 @@ sections.__index = sections
 
 --- An empty solid.
 function sections.new()
-  return setmetatable({points = {}, triangles = {}, groups = {}, names = {}, number = {}}, sections)
+  return setmetatable({points = {}, triangles = {}, groups = {}, names = {}, number = {}, curved = {}},
+    sections)
 end
+
+--- Tells that a face has triangles that stand for a curved one.
+function sections:curve(name) self.curved[name] = true end
 
 --- Adds a point {x, y, z}; its number.
 function sections:point(at)
@@ -36,6 +40,7 @@ function sections:join(polygons, from, to)
     local count = #polygon.points
     for i = 1, count do
       local a, b = first + i, first + i % count + 1
+      if polygon.curved and polygon.curved[i] then self:curve(polygon.tags[i]) end
       self:triangle(polygon.tags[i], from[a], from[b], to[b])
       self:triangle(polygon.tags[i], from[a], to[b], to[a])
     end
@@ -66,8 +71,12 @@ end
 
 --- The surface, or nil, message, details.
 function sections:surface()
+  local curved = {}
+  for _, name in ipairs(self.names) do
+    if self.curved[name] then curved[#curved + 1] = name end
+  end
   return core.surface.new {points = self.points, triangles = self.triangles, groups = self.groups,
-    face_names = self.names}
+    face_names = self.names, curved_faces = curved}
 end
 
 return sections

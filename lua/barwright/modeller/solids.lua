@@ -80,6 +80,9 @@ function solids.revolve(outline, given)
     end
     list[k] = list_k
   end
+  for _, polygon in ipairs(polygons) do
+    for _, tag in ipairs(polygon.tags) do solid:curve(tag) end
+  end
   return solid:through(polygons, list, ring)
 end
 

@@ -85,7 +85,7 @@ static void test_booleans(void **state) {
   check_ok(context, bw_surface_box_shape(context, low, high, &box));
   check_ok(context, bw_surface_cylinder_shape(context, base, axis, 0.5, 8, &drill));
   int32_t *group = BW_NEW0(context, int32_t, drill->triangle_count);
-  check_ok(context, bw_face_names_create(context, 1, &hole, &names));
+  check_ok(context, bw_face_names_create(context, 1, &hole, NULL, &names));
   check_ok(context, bw_surface_with_names(context, drill, group, names, &named));
   check_ok(context, bw_surface_boolean(context, box, named, BW_BOOLEAN_DIFFERENCE, &made));
   int32_t count[2] = {0, 0};
@@ -148,7 +148,7 @@ static bw_status make_all(bw_context *context, const bw_mesh *mesh) {
   bw_face_names *names = NULL;
   bw_mesh *wide = NULL, *moved = NULL;
   BW_TRY(bw_surface_box_shape(context, low, high, &box));
-  BW_TRY(bw_face_names_create(context, 2, name, &names));
+  BW_TRY(bw_face_names_create(context, 2, name, NULL, &names));
   BW_TRY(bw_surface_with_names(context, box, NULL, names, &named));
   BW_TRY(bw_surface_weld(context, named, 0, &welded));
   BW_TRY(bw_mesh_with_order(context, mesh, 2, &wide));
