@@ -164,7 +164,8 @@ describe("a STEP or IGES file", function()
   end)
 
   it("does not end the process, whatever bytes it has", function()
-    local text = content "plate_MM.step"
+    -- without the time at which it was written: the same bytes on every day
+    local text = content "plate_MM.step":gsub("'%d+%-%d+%-%d+T[%d:]+'", "''")
     math.randomseed(7)
     for trial = 1, 12 do
       local bytes = {text:byte(1, -1)}

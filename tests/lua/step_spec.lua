@@ -28,7 +28,8 @@ local function exact(surface, options)
 end
 
 local function near(expected, got, what)
-  assert.is_true(math.abs(got / expected - 1) <= 1e-9, ("%s: %.15g expected, got %.15g"):format(what, expected, got))
+  assert.is_true(math.abs(got / expected - 1) <= 1e-9,
+    ("%s: %.15g expected, got %.15g"):format(what, expected, got))
 end
 
 -- A valid solid with this volume, area and numbers of faces.
@@ -50,7 +51,9 @@ describe("a STEP file of the modeller", function()
   it("has true cylinders and cones", function()
     local r, q, h = 5 * mm, 2 * mm, 20 * mm
     for _, turn in ipairs {0, 0.7} do
-      local function moved(surface) return assert(surface:rotate({1, 2, 3}, turn)):translate {turn, 0, 2 * turn} end
+      local function moved(surface)
+      return assert(surface:rotate({1, 2, 3}, turn)):translate {turn, 0, 2 * turn}
+    end
       holds(moved(bw.surface.cylinder {base = {0, 0, 0}, axis = {0, 0, h}, radius = r}), pi * r * r * h,
         2 * pi * r * (r + h), 2, 1)
       local slant = math.sqrt((r - q) ^ 2 + h * h)

@@ -130,8 +130,8 @@ local function reversed(polygon)
   return made
 end
 
---- A polygon {points =, tags = of the side behind each point, curved = whether that side stands for a curve} with the
---- material on its left.
+--- A polygon {points =, tags = of the side behind each point, curved = whether that side is one of a curve} with
+--- the material on its left.
 function profile.oriented(polygon, hole)
   if (area(polygon.points) < 0) ~= (hole or false) then return reversed(polygon) end
   return polygon
