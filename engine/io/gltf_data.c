@@ -177,29 +177,13 @@ size_t bwi_gltf_component_size(int64_t type) {
   return type >= 5120 && type <= 5126 ? size[type - 5120] : 0;
 }
 
-bw_status bwi_gltf_accessor_open(bwi_gltf *g, int64_t index, const char *type, size_t components,
-                                 bwi_gltf_accessor *out) {
+/* Where the `count` elements of `size` bytes begin that an object with "bufferView" refers to. */
+static bw_status open_view(bwi_gltf *g, int32_t object, int64_t count, size_t size,
+                           const unsigned char **at, size_t *step) {
   bw_status status = BW_OK;
-  int32_t object = g->accessor.value[index];
-  int32_t kind = bwi_json_member(&g->json, object, "type");
-  int32_t normalised = bwi_json_member(&g->json, object, "normalized");
   int64_t view, buffer, offset, first, length, stride;
   bwi_gltf_block *bytes;
-  if (!kind || !bwi_word_is(bwi_gltf_value(g, kind)->text, type))
-    return bwi_gltf_fail(g, kind ? kind : object, "an accessor of the type %s was expected here",
-                         type);
-  BW_TRY(bwi_gltf_integer(g, object, "componentType", 65536, -1, &out->type));
-  BW_TRY(bwi_gltf_integer(g, object, "count", INT32_MAX, -1, &out->count));
   BW_TRY(bwi_gltf_integer(g, object, "byteOffset", MOST, 0, &offset));
-  size_t size = bwi_gltf_component_size(out->type);
-  if (size == 0)
-    return bwi_gltf_fail(g, object, "the \"componentType\" %lld is none of glTF's",
-                         (long long)out->type);
-  if (bwi_json_member(&g->json, object, "sparse") ||
-      !bwi_json_member(&g->json, object, "bufferView")) {
-    bwi_gltf_fail(g, object, "sparse or compressed accessors are not read: export without them");
-    return BW_UNSUPPORTED;
-  }
   BW_TRY(bwi_gltf_integer(g, object, "bufferView", g->view.count, -1, &view));
   int32_t part = g->view.value[view];
   BW_TRY(bwi_gltf_integer(g, part, "buffer", g->buffer.count, -1, &buffer));
@@ -207,17 +191,89 @@ bw_status bwi_gltf_accessor_open(bwi_gltf *g, int64_t index, const char *type, s
   BW_TRY(bwi_gltf_integer(g, part, "byteLength", MOST, -1, &length));
   BW_TRY(bwi_gltf_integer(g, part, "byteStride", 256, 0, &stride));
   BW_TRY(open_buffer(g, buffer, &bytes));
-  size *= components;
-  out->stride = stride ? (size_t)stride : size;
+  *step = stride ? (size_t)stride : size;
   if ((uint64_t)first + (uint64_t)length > bytes->count)
     return bwi_gltf_fail(g, part, "this part ends at byte %lld of a buffer of %zu bytes",
                          (long long)(first + length), bytes->count);
-  if (out->stride < size ||
-      (out->count > 0 &&
-       (uint64_t)offset + (uint64_t)(out->count - 1) * out->stride + size > (uint64_t)length))
+  if (*step < size ||
+      (count > 0 && (uint64_t)offset + (uint64_t)(count - 1) * *step + size > (uint64_t)length))
     return bwi_gltf_fail(g, object, "%lld elements do not fit into the %lld bytes of their part",
-                         (long long)out->count, (long long)length);
-  out->at = bytes->at + first + offset;
+                         (long long)count, (long long)length);
+  *at = bytes->at + first + offset;
+done:
+  return status;
+}
+
+static bw_status object_of(const bwi_gltf *g, int32_t of, const char *key, int32_t *object) {
+  *object = bwi_json_member(&g->json, of, key);
+  if (!*object || bwi_gltf_value(g, *object)->kind != BWI_JSON_OBJECT)
+    return bwi_gltf_fail(g, of, "an object \"%s\" was expected here", key);
+  return BW_OK;
+}
+
+/* A copy of the elements of an accessor in which those are replaced that "sparse" lists. */
+static bw_status replace_elements(bwi_gltf *g, int64_t number, size_t size,
+                                  bwi_gltf_accessor *out) {
+  bw_status status = BW_OK;
+  const int32_t sparse = bwi_json_member(&g->json, g->accessor.value[number], "sparse");
+  int32_t indices, values;
+  int64_t count, type;
+  const unsigned char *index, *value;
+  size_t index_step, value_step;
+  BW_TRY(bwi_gltf_integer(g, sparse, "count", out->count + 1, -1, &count));
+  BW_TRY(object_of(g, sparse, "indices", &indices));
+  BW_TRY(object_of(g, sparse, "values", &values));
+  BW_TRY(bwi_gltf_integer(g, indices, "componentType", 65536, -1, &type));
+  if (type != 5121 && type != 5123 && type != 5125)
+    return bwi_gltf_fail(g, indices, "the indices of \"sparse\" have no such \"componentType\"");
+  BW_TRY(open_view(g, indices, count, bwi_gltf_component_size(type), &index, &index_step));
+  BW_TRY(open_view(g, values, count, size, &value, &value_step));
+  if (!g->copy[number]) {
+    g->copy[number] = BW_NEW(g->context, unsigned char, (size_t)out->count *size + 1);
+    BW_TRY_MEMORY(g->copy[number]);
+  }
+  unsigned char *copy = g->copy[number];
+  for (int64_t i = 0; i < out->count; i++)
+    memcpy(copy + (size_t)i * size, out->at + (size_t)i * out->stride, size);
+  const bwi_gltf_accessor list = {.type = type};
+  for (int64_t i = 0; i < count; i++) {
+    double at = bwi_gltf_component(&list, index + (size_t)i * index_step);
+    if (at >= (double)out->count)
+      return bwi_gltf_fail(g, indices, "\"sparse\" replaces element %.0f of %lld", at,
+                           (long long)out->count);
+    memcpy(copy + (size_t)at * size, value + (size_t)i * value_step, size);
+  }
+  out->at = copy;
+  out->stride = size;
+done:
+  return status;
+}
+
+bw_status bwi_gltf_accessor_open(bwi_gltf *g, int64_t index, const char *type, size_t components,
+                                 bwi_gltf_accessor *out) {
+  bw_status status = BW_OK;
+  int32_t object = g->accessor.value[index];
+  int32_t kind = bwi_json_member(&g->json, object, "type");
+  int32_t normalised = bwi_json_member(&g->json, object, "normalized");
+  *out = (bwi_gltf_accessor){0};
+  if (!kind || !bwi_word_is(bwi_gltf_value(g, kind)->text, type))
+    return bwi_gltf_fail(g, kind ? kind : object, "an accessor of the type %s was expected here",
+                         type);
+  BW_TRY(bwi_gltf_integer(g, object, "componentType", 65536, -1, &out->type));
+  BW_TRY(bwi_gltf_integer(g, object, "count", INT32_MAX, -1, &out->count));
+  size_t size = components * bwi_gltf_component_size(out->type);
+  if (size == 0)
+    return bwi_gltf_fail(g, object, "the \"componentType\" %lld is none of glTF's",
+                         (long long)out->type);
+  if (!bwi_json_member(&g->json, object, "bufferView")) {
+    bwi_gltf_fail(g, object,
+                  "this accessor has no data, as those that the extension "
+                  "KHR_draco_mesh_compression packs: export without compression");
+    return BW_UNSUPPORTED;
+  }
+  BW_TRY(open_view(g, object, out->count, size, &out->at, &out->stride));
+  if (bwi_json_member(&g->json, object, "sparse"))
+    BW_TRY(replace_elements(g, index, size, out));
   out->normalised = normalised && bwi_gltf_value(g, normalised)->kind == BWI_JSON_TRUE;
 done:
   return status;
@@ -246,7 +302,8 @@ bw_status bwi_gltf_open(bwi_gltf *g) {
   BW_TRY(bwi_gltf_list_of(g, 0, "bufferViews", &g->view));
   BW_TRY(bwi_gltf_list_of(g, 0, "buffers", &g->buffer));
   g->block = BW_NEW0(g->context, bwi_gltf_block, g->buffer.count + 1);
-  BW_TRY_MEMORY(g->block);
+  g->copy = BW_NEW0(g->context, unsigned char *, g->accessor.count + 1);
+  BW_TRY_MEMORY(g->block && g->copy);
 done:
   return status;
 }
@@ -254,6 +311,9 @@ done:
 void bwi_gltf_clear(bwi_gltf *g) {
   for (int64_t i = 0; g->block && i < g->buffer.count; i++)
     bw_free(g->block[i].owned);
+  for (int64_t i = 0; g->copy && i < g->accessor.count; i++)
+    bw_free(g->copy[i]);
+  bw_free(g->copy);
   bw_free(g->block);
   bw_free(g->accessor.value);
   bw_free(g->view.value);

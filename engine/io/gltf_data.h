@@ -33,6 +33,7 @@ typedef struct bwi_gltf {
   const unsigned char *chunk; /* binary part of a .glb */
   size_t chunk_count;
   bwi_gltf_block *block; /* (buffer.count) */
+  unsigned char **copy;  /* (accessor.count) its elements, some of them replaced; or NULL */
   double bytes;          /* of the file and of those beside it */
 } bwi_gltf;
 

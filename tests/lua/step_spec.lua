@@ -160,6 +160,36 @@ describe("a STEP file of the modeller", function()
     end)
   end)
 
+  it("lists each face behind a neighbour, or reading takes the square of their number", function()
+    assert(bw.surface.sphere({radius = 10 * mm, subdivisions = 3}):write(path))
+    local file = assert(io.open(path, "rb"))
+    local line_of, shell = {}, nil
+    for number, text in file:read "a":gmatch "#(%d+)=(.-);\n" do
+      line_of[number] = text
+      shell = text:match "^CLOSED_SHELL" and text or shell
+    end
+    file:close()
+    local function edges_of(number, list) -- of what a face refers to
+      for other in line_of[number]:gmatch "#(%d+)" do
+        local text = line_of[other]
+        if text:find "^EDGE_CURVE" then list[#list + 1] = other
+        elseif text:find "^FACE_" or text:find "^EDGE_LOOP" or text:find "^ORIENTED" then edges_of(other, list) end
+      end
+      return list
+    end
+    local known, faces = {}, 0
+    for face in shell:gmatch "#(%d+)" do
+      local some = faces == 0
+      for _, edge in ipairs(edges_of(face, {})) do
+        some = some or known[edge]
+        known[edge] = true
+      end
+      faces = faces + 1
+      assert.is_true(some, "face " .. faces)
+    end
+    assert.equal(1280, faces)
+  end)
+
   it("keeps names of faces", function()
     local plate = bw.surface.box {max = {60 * mm, 40 * mm, 5 * mm}}
     local part = assert(plate:difference(drill(20 * mm, 20 * mm, 4 * mm):named "bolt hole"))

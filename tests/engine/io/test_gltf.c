@@ -262,6 +262,34 @@ static void repeated_meshes(void **state) {
   free(text);
 }
 
+/* The tetrahedron, of which elements are replaced: a byte of its facets says which. */
+#define SPARSE(index, count)                                                                       \
+  "{\"asset\":{\"version\":\"2.0\"},"                                                              \
+  "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],"               \
+  "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\","         \
+  "\"sparse\":{\"count\":" count ",\"indices\":{\"bufferView\":1,\"byteOffset\":" index            \
+  ",\"componentType\":5121},\"values\":{\"bufferView\":2}}},"                                      \
+  "{\"bufferView\":1,\"componentType\":5121,\"count\":12,\"type\":\"SCALAR\"}],"                   \
+  "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":48,"             \
+  "\"byteLength\":12},{\"buffer\":1,\"byteLength\":12}],"                                          \
+  "\"buffers\":[{\"byteLength\":60,\"uri\":\"" DATA "\"},"                                         \
+  "{\"byteLength\":12,\"uri\":\"data:;base64,AABAQAAAAAAAAAAA\"}]}"
+
+/* (3, 0, 0) in the place of the point (1, 0, 0), whose number stands at byte 2 of the facets. */
+static void sparse_elements(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *surface;
+  check_ok(context, parse(context, SPARSE("2", "1"), &surface));
+  assert_true(fabs(6 * bw_surface_volume(surface) / 3 - 1) < 1e-6);
+  bw_release(surface);
+  check_ok(context, parse(context, SPARSE("2", "0"), &surface));
+  assert_true(fabs(6 * bw_surface_volume(surface) - 1) < 1e-6);
+  bw_release(surface);
+  refuse(state, SPARSE("2", "2"), "2 elements do not fit into the 12 bytes");
+  refuse(state, SPARSE("2", "5"), "an integer from 0 to 4");
+  refuse(state, SPARSE("12", "1"), "1 elements do not fit");
+}
+
 static void refusals(void **state) {
   refuse(state, FILE_OF("", "", "13", "48", DATA), "13 elements do not fit into the 12 bytes");
   refuse(state, FILE_OF("", "", "-1", "48", DATA), "\"count\"");
@@ -300,5 +328,5 @@ static void out_of_memory(void **state) {
 
 check_main(check_test(json_values), check_test(json_refusals), check_test(nodes_place_meshes),
            check_test(strips_and_fans), check_test(nodes_rotate), check_test(accessors),
-           check_test(scenes_and_names), check_test(repeated_meshes), check_test(refusals),
-           check_test(out_of_memory))
+           check_test(scenes_and_names), check_test(repeated_meshes),
+           check_test(sparse_elements), check_test(refusals), check_test(out_of_memory))
