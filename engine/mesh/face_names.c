@@ -156,26 +156,35 @@ void bwi_mesh_adopt_groups(bw_mesh *mesh, int32_t *group, bw_face_names *names) 
   }
 }
 
+/* The face of an element, 0 to 3, that a facet is. */
+static size_t side_of(const bw_mesh *mesh, int32_t facet) {
+  const int32_t *corner = mesh->facet + (size_t)mesh->nodes_per_facet * (size_t)facet;
+  const int32_t *node =
+      mesh->element + (size_t)mesh->nodes_per_element * (size_t)mesh->facet_element[facet];
+  size_t side = 0; /* opposite to the corner of the element that is none of the facet */
+  while (node[side] == corner[0] || node[side] == corner[1] || node[side] == corner[2])
+    side++;
+  return side;
+}
+
 bw_status bwi_mesh_keep_names(bw_context *context, const bw_mesh *from, const int32_t *element_from,
                               bw_mesh **mesh) {
   bw_mesh *made = *mesh;
   if (!from->names || made->names)
     return BW_OK;
   bw_status status = BW_OK;
-  int32_t facet = 0;
   /* The group of each side of an element there; -1 inside. */
   int32_t *side = BW_NEW(context, int32_t, 4 * (size_t)from->element_count);
   int32_t *group = BW_NEW(context, int32_t, made->facet_count);
   BW_TRY_MEMORY(side && group);
-  /* Facets come in the order of their elements and sides. */
   for (size_t i = 0; i < 4 * (size_t)from->element_count; i++)
-    side[i] = from->neighbour[i] < 0 ? from->facet_group[facet++] : -1;
-  facet = 0;
-  for (size_t i = 0; i < 4 * (size_t)made->element_count; i++)
-    if (made->neighbour[i] < 0) {
-      int64_t e = element_from ? element_from[i / 4] : (int64_t)(i / 4);
-      group[facet++] = e < 0 || e >= from->element_count ? -1 : side[4 * (size_t)e + i % 4];
-    }
+    side[i] = -1;
+  for (int32_t t = 0; t < from->facet_count; t++)
+    side[4 * (size_t)from->facet_element[t] + side_of(from, t)] = from->facet_group[t];
+  for (int32_t t = 0; t < made->facet_count; t++) {
+    const int64_t e = element_from ? element_from[made->facet_element[t]] : made->facet_element[t];
+    group[t] = e < 0 || e >= from->element_count ? -1 : side[4 * (size_t)e + side_of(made, t)];
+  }
   bwi_mesh_adopt_groups(made, group, from->names);
   group = NULL;
 done:

@@ -2,7 +2,7 @@
 /* Tetrahedra on a box of cells, each cell cut into the six tetrahedra that run along its edges from
  * the lowest corner to the highest, one for every order of the three directions (Kuhn). All cells
  * are cut alike, so neighbours agree on the diagonals of their common faces. */
-#include "barwright/mesh.h"
+#include "mesh/mesh_internal.h"
 
 #include <math.h>
 
@@ -114,6 +114,34 @@ static void map_to_box(void *data, const double unit[3], double out[3]) {
     out[k] = (1 - unit[k]) * to->min[k] + unit[k] * to->max[k];
 }
 
+/* The sides of the box have the names of those of bw_surface_box_shape. */
+static bw_status name_sides(bw_context *context, const box *of, bw_mesh *mesh) {
+  static const bw_name name[6] = {{"left"}, {"right"}, {"front"}, {"back"}, {"bottom"}, {"top"}};
+  bw_status status = BW_OK;
+  bw_face_names *names = NULL;
+  int32_t *group = BW_NEW0(context, int32_t, mesh->facet_count);
+  BW_TRY_MEMORY(group);
+  BW_TRY(bw_face_names_create(context, 6, name, &names));
+  for (int32_t t = 0; t < mesh->facet_count; t++) {
+    const int32_t *corner = mesh->facet + (size_t)mesh->nodes_per_facet * (size_t)t;
+    for (int i = 0; i < 6; i++) { /* points of a side have its coordinate to the last bit */
+      const int axis = i / 2;
+      const double side = i % 2 ? of->max[axis] : of->min[axis];
+      int on = 0;
+      for (int k = 0; k < 3; k++)
+        on += mesh->node[3 * (size_t)corner[k] + (size_t)axis] == side;
+      if (on == 3)
+        group[t] = i;
+    }
+  }
+  bwi_mesh_adopt_groups(mesh, group, names);
+  group = NULL;
+done:
+  bw_free(group);
+  bw_release(names);
+  return status;
+}
+
 bw_status bw_mesh_box_grid(bw_context *context, const double min[3], const double max[3],
                            const int cells[3], int order, bw_mesh **mesh) {
   for (int k = 0; k < 3; k++)
@@ -124,5 +152,14 @@ bw_status bw_mesh_box_grid(bw_context *context, const double min[3], const doubl
           "the min one",
           min[0], min[1], min[2], max[0], max[1], max[2]);
   box to = {min, max};
-  return bw_mesh_mapped_box(context, cells, order, map_to_box, &to, mesh);
+  bw_mesh *made = NULL;
+  bw_status status = bw_mesh_mapped_box(context, cells, order, map_to_box, &to, &made);
+  if (status == BW_OK)
+    status = name_sides(context, &to, made);
+  if (status != BW_OK) {
+    bw_release(made);
+    return status;
+  }
+  *mesh = made;
+  return BW_OK;
 }

@@ -254,6 +254,18 @@ done:
   return status;
 }
 
+/* The facets, in their old order, have their old groups. */
+static bw_status keep_groups(bw_context *context, const bw_mesh *mesh, bw_mesh *made) {
+  if (!mesh->names)
+    return BW_OK;
+  int32_t *group = BW_NEW(context, int32_t, mesh->facet_count);
+  if (!group)
+    return BW_MEMORY;
+  memcpy(group, mesh->facet_group, (size_t)mesh->facet_count * sizeof *group);
+  bwi_mesh_adopt_groups(made, group, mesh->names);
+  return BW_OK;
+}
+
 bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double *node,
                          const uint8_t *replace, bw_mesh **refilled, int32_t **node_from,
                          int32_t **element_from) {
@@ -277,6 +289,7 @@ bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double 
     BW_TRY(bw_fail(context, BW_INTERNAL, "%lld nodes became %d when a part was remeshed",
                    (long long)r.node_count, made->node_count));
   BW_TRY(bwi_refill_order_facets(&r, made));
+  BW_TRY(keep_groups(context, mesh, made));
   *refilled = made;
   made = NULL;
   if (node_from) {

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Bodies by formula: signed distance functions f(x, y, z), negative inside, to put together and hand
--- to bw.surface.implicit. Lengths in metres.
+-- to bw.surface.implicit. Lengths in metres. A second result is the name of the face that is nearest, or nil.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 
@@ -70,80 +70,106 @@ function shapes.box(lower, upper)
   end
 end
 
+function shapes.named(body, name)
+  if name == "" then raise "shapes.named: name: a text that is not empty expected" end
+  local by_place = type(name) == "function" and name
+  return function(x, y, z)
+    local d, face = body(x, y, z)
+    if by_place then return d, by_place(x, y, z) or face end
+    return d, name
+  end
+end
+
 --- Union of bodies whose joints are rounded over the given distance.
-function shapes.join(bodies, rounding)
+function shapes.join(bodies, rounding, name)
   check_bodies("join", bodies)
   local count = #bodies
   rounding = rounding or 0
   return function(x, y, z)
-    local d = bodies[1](x, y, z)
+    local d, face = bodies[1](x, y, z)
     for i = 2, count do
-      local e = bodies[i](x, y, z)
+      local e, other = bodies[i](x, y, z)
       local h = rounding > 0 and max(rounding - abs(d - e), 0) / rounding or 0
+      if e < d then face = other end
+      if h > 0 and name then face = name end
       d = min(d, e) - h * h * rounding / 4
     end
-    return d
+    return d, face
   end
 end
 
 -- The larger of two values where their sum of squares rounds the edge with an arc of the radius; of planes at
--- right angles it is the distance.
+-- right angles it is the distance. And whether the arc is nearest.
 local function rounded_max(a, b, radius)
   local u, v = max(a + radius, 0), max(b + radius, 0)
-  return min(-radius, max(a, b)) + sqrt(u * u + v * v)
+  return min(-radius, max(a, b)) + sqrt(u * u + v * v), u > 0 and v > 0
 end
 
--- The union whose concave edges are arcs of the radius.
+-- The union whose concave edges are arcs of the radius, and whether the arc is nearest.
 local function fillet_of_two(a, b, radius)
   local u, v = max(radius - a, 0), max(radius - b, 0)
-  return max(radius, min(a, b)) - sqrt(u * u + v * v)
+  return max(radius, min(a, b)) - sqrt(u * u + v * v), u > 0 and v > 0
 end
 
-function shapes.fillet(bodies, radius)
+function shapes.fillet(bodies, radius, name)
   check_bodies("fillet", bodies)
   check_size("fillet", "radius", radius)
   return function(x, y, z)
-    local d = bodies[1](x, y, z)
-    for i = 2, #bodies do d = fillet_of_two(d, bodies[i](x, y, z), radius) end
-    return d
+    local d, face = bodies[1](x, y, z)
+    for i = 2, #bodies do
+      local e, other = bodies[i](x, y, z)
+      local value, rounded = fillet_of_two(d, e, radius)
+      if e < d then face = other end
+      if rounded and name then face = name end
+      d = value
+    end
+    return d, face
   end
 end
 
-function shapes.intersect(bodies, radius)
+function shapes.intersect(bodies, radius, name)
   check_bodies("intersect", bodies)
   radius = radius or 0
   check_size("intersect", "radius", radius, true)
   return function(x, y, z)
-    local d = bodies[1](x, y, z)
-    for i = 2, #bodies do d = rounded_max(d, bodies[i](x, y, z), radius) end
-    return d
+    local d, face = bodies[1](x, y, z)
+    for i = 2, #bodies do
+      local e, other = bodies[i](x, y, z)
+      local value, rounded = rounded_max(d, e, radius)
+      if e > d then face = other end
+      if rounded and radius > 0 and name then face = name end
+      d = value
+    end
+    return d, face
   end
 end
 
-function shapes.cut(body, tool, radius)
+function shapes.cut(body, tool, radius, name)
   radius = radius or 0
   check_size("cut", "radius", radius, true)
-  if radius == 0 then
-    return function(x, y, z)
-      return max(body(x, y, z), -tool(x, y, z))
-    end
-  end
   return function(x, y, z)
-    return rounded_max(body(x, y, z), -tool(x, y, z), radius)
+    local d, face = body(x, y, z)
+    local e, other = tool(x, y, z)
+    if -e > d then face = other end
+    if radius == 0 then return max(d, -e), face end
+    local value, rounded = rounded_max(d, -e, radius)
+    return value, rounded and name or face
   end
 end
 
 function shapes.offset(body, distance)
   return function(x, y, z)
-    return body(x, y, z) - distance
+    local d, face = body(x, y, z)
+    return d - distance, face
   end
 end
 
-function shapes.shell(body, thickness)
+function shapes.shell(body, thickness, name)
   check_size("shell", "thickness", thickness)
   return function(x, y, z)
-    local d = body(x, y, z)
-    return max(d, -d - thickness)
+    local d, face = body(x, y, z)
+    if -d - thickness > d then return -d - thickness, name end
+    return d, face
   end
 end
 
@@ -270,9 +296,11 @@ end
 
 arguments.functions("shapes.", shapes, {sphere = "centre: triple, radius: number",
   limb = "a: triple, b: triple, ra: number, rb?: number", box = "min: triple, max: triple",
-  join = "bodies: table, rounding?: number", cut = "body: function, tool: function, radius?: number",
-  fillet = "bodies: table, radius: number", intersect = "bodies: table, radius?: number",
-  offset = "body: function, distance: number", shell = "body: function, thickness: number",
+  join = "bodies: table, rounding?: number, name?: string",
+  cut = "body: function, tool: function, radius?: number, name?: string",
+  fillet = "bodies: table, radius: number, name?: string",
+  intersect = "bodies: table, radius?: number, name?: string", named = "body: function, name: string|function",
+  offset = "body: function, distance: number", shell = "body: function, thickness: number, name?: string",
   cylinder = "a: triple, b: triple, radius: number", cone = "a: triple, b: triple, ra: number, rb: number",
   torus = "centre: triple, axis: triple, radius: number, tube: number", translate = "body: function, by: triple",
   rotate = "body: function, axis: triple, angle: number, about?: triple",

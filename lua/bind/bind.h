@@ -357,6 +357,9 @@ int lbw_surface_curved_faces(lua_State *L);
 int lbw_mesh_face_names(lua_State *L);
 int lbw_polygon_triangles(lua_State *L);
 bw_name *lbw_to_names(lua_State *L, int index, const char *what, int32_t *count);
+/* Gives the surface of a box faces by the second results of the function at `function`, called with
+ * the middle of each facet: names, or nil for none. */
+void lbw_name_facets(lua_State *L, int function, lbw_box *box);
 /* faces.c: surface:faces{angle}, selection:face(which), mesh:curved(surface), mesh:faces(surface),
  * and the text on the top of the stack with a line for each of the largest faces behind it. */
 int lbw_surface_faces(lua_State *L);

@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+enum { LBW_FACE_NAMES = 10000 }; /* of one body by formula */
+
 static int push_names(lua_State *L, const bw_face_names *names) {
   lua_createtable(L, names ? names->count : 0, 0);
   for (int32_t i = 0; names && i < names->count; i++) {
@@ -98,6 +100,76 @@ int lbw_surface_named(lua_State *L) {
   bw_surface *out = NULL;
   bw_status status = rename_faces(lbw_enter(L), surface, &name, face, &out);
   return lbw_leave_object(L, box, out, status);
+}
+
+/* The number from 0 of the name on the top of the stack, which goes, in the list of those seen; -1
+ * for none. `table` has the numbers by name. */
+static int32_t number_of_name(lua_State *L, int table, bw_name *list, int32_t *count) {
+  if (lua_isnil(L, -1)) {
+    lua_pop(L, 1);
+    return -1;
+  }
+  if (lua_type(L, -1) != LUA_TSTRING)
+    lbw_error(L,
+              "surface.implicit: a function of x, y, z: the name of a face or nil expected as its "
+              "second result, got %s",
+              lbw_got(L, -1));
+  lua_pushvalue(L, -1);
+  if (lua_rawget(L, table) == LUA_TNIL) {
+    lua_pop(L, 1);
+    if (*count == LBW_FACE_NAMES)
+      lbw_error(L, "surface.implicit: more than %d names of faces", LBW_FACE_NAMES);
+    lbw_read_name(L, -1, "surface.implicit: the name of a face", &list[*count]);
+    lua_pushvalue(L, -1);
+    lua_pushinteger(L, (*count)++);
+    lua_rawset(L, table);
+    lua_pushinteger(L, *count - 1);
+  }
+  int32_t number = (int32_t)lua_tointeger(L, -1);
+  lua_pop(L, 2);
+  return number;
+}
+
+void lbw_name_facets(lua_State *L, int function, lbw_box *box) {
+  const bw_surface *surface = (const bw_surface *)box->object;
+  const int32_t facets = surface->triangle_count;
+  const int top = lua_gettop(L);
+  int32_t count = 0;
+  int32_t *group = (int32_t *)lua_newuserdatauv(L, (size_t)facets * sizeof *group, 0);
+  bw_name *list = (bw_name *)lua_newuserdatauv(L, LBW_FACE_NAMES * sizeof *list, 0);
+  lua_newtable(L);
+  const int table = lua_gettop(L);
+  for (int32_t t = 0; t < facets; t++) {
+    const int32_t *c = surface->triangle + 3 * (size_t)t;
+    lua_pushvalue(L, function);
+    for (size_t k = 0; k < 3; k++) {
+      double sum = 0;
+      for (int i = 0; i < 3; i++)
+        sum += surface->point[3 * (size_t)c[i] + k];
+      lua_pushnumber(L, sum / 3);
+    }
+    lua_call(L, 3, 2);
+    group[t] = number_of_name(L, table, list, &count);
+    lua_pop(L, 1);
+  }
+  if (count > 0) {
+    bw_face_names *names = NULL;
+    bw_surface *named = NULL;
+    bw_status status;
+    for (int32_t t = 0; t < facets; t++) /* behind the names: facets without one */
+      group[t] = group[t] < 0 ? count : group[t];
+    bw_context *context = lbw_enter(L);
+    BW_TRY(bw_face_names_create(context, count, list, &names));
+    BW_TRY(bw_surface_with_names(context, surface, group, names, &named));
+  done:
+    bw_release(names);
+    if (status == BW_OK) {
+      bw_release(surface);
+      lbw_box_fill(L, box, named);
+    }
+    lbw_leave_or_raise(L, status);
+  }
+  lua_settop(L, top);
 }
 
 /* polygon_triangles{points, points, ...}: the triangles inside an odd number of polygons, by

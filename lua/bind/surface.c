@@ -294,7 +294,10 @@ static int surface_implicit(lua_State *L) {
   bw_status status =
       bw_surface_implicit(context, s.min, s.max, s.cells, lbw_field_value, field, &out);
   lbw_field_end(field, context);
-  return lbw_leave_object(L, box, out, status);
+  int results = lbw_leave_object(L, box, out, status);
+  if (status == BW_OK && lua_isfunction(L, 1))
+    lbw_name_facets(L, 1, box);
+  return results;
 }
 
 /* ---- changing -------------------------------------------------------------------------------- */

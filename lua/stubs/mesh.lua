@@ -163,7 +163,7 @@ function mesh_module.new(options) end
 ---@field regions? integer[]|bw.Array (-, e × 1, per element) the tag of each element's region, any whole number of 32 bits. Default: none
 ---@field region_names? table<integer, string> the names of regions by tag. Default: "region 3" for tag 3
 
----A box of cells, each cut into six tetrahedra.
+---A box of cells, each cut into six tetrahedra. Its sides have the names of those of `bw.surface.box`.
 ---
 ---Errors: limit (more than 2147483647 elements).
 ---```lua

@@ -8,7 +8,8 @@
 
 ---Bodies as functions `f(x, y, z)` of three coordinates in m. Their value is the distance to the surface in m,
 ---negative inside. `join`, `fillet`, `intersect` and `cut` give values whose size is that of the distance or less,
----with the same sign.
+---with the same sign. A second result, which may be left out, is the name of the face that is nearest. `named` gives
+---one, and all functions here pass it on. `bw.surface.implicit` gives each facet the name at its middle.
 ---@class bw.ShapesModule
 local shapes = {}
 
@@ -45,6 +46,19 @@ function shapes.limb(a, b, ra, rb) end
 ---@return fun(x: number, y: number, z: number): number body the signed distance (m) at a point
 function shapes.box(min, max) end
 
+---A body whose surface has a name, which its facets keep into the mesh. Other names of it are replaced. A function
+---names parts of the surface by their place; where it returns nil, names stay as they are.
+---```lua
+---local plate = bw.shapes.named(bw.shapes.box({-0.03, -0.03, 0}, {0.03, 0.03, 0.005}), "plate")
+---local drill = bw.shapes.named(bw.shapes.cylinder({0, 0, -0.01}, {0, 0, 0.02}, 0.008), "bolt hole")
+---local body = bw.shapes.cut(plate, drill)
+---print(body(0.008, 0, 0.002)) -- 0.0 bolt hole
+---```
+---@param body fun(x: number, y: number, z: number): number the body
+---@param name string|fun(x: number, y: number, z: number): string? of its surface, or a function that returns one
+---@return fun(x: number, y: number, z: number): number, string? body the signed distance (m) at a point, and a name
+function shapes.named(body, name) end
+
 ---The union of bodies. Fillets of about the size `rounding` smooth the edges where they meet. Where faces
 ---of two bodies coincide, the rounding moves them outwards by a quarter of it.
 ---```lua
@@ -55,8 +69,9 @@ function shapes.box(min, max) end
 ---```
 ---@param bodies (fun(x: number, y: number, z: number): number)[] one body or more
 ---@param rounding? number (m) how far from both surfaces the fillet begins. Default: 0, sharp edges
+---@param name? string of the fillets. Default: that of the nearer body
 ---@return fun(x: number, y: number, z: number): number body the signed distance (m) at a point
-function shapes.join(bodies, rounding) end
+function shapes.join(bodies, rounding, name) end
 
 ---The union of bodies with a fillet along the concave edges where they meet. The fillet is an arc of the radius where two
 ---surfaces meet at a right angle, and near one elsewhere.
@@ -68,8 +83,9 @@ function shapes.join(bodies, rounding) end
 ---```
 ---@param bodies (fun(x: number, y: number, z: number): number)[] one body or more
 ---@param radius number (m) of the fillet. Range: above 0
+---@param name? string of the fillet. Default: that of the nearer body
 ---@return fun(x: number, y: number, z: number): number body the signed distance (m) at a point
-function shapes.fillet(bodies, radius) end
+function shapes.fillet(bodies, radius, name) end
 
 ---What lies inside of all bodies. The convex edges where their surfaces meet are sharp, or rounded as by `fillet`.
 ---```lua
@@ -78,8 +94,9 @@ function shapes.fillet(bodies, radius) end
 ---```
 ---@param bodies (fun(x: number, y: number, z: number): number)[] one body or more
 ---@param radius? number (m) of the rounded edges. Default: 0, sharp edges
+---@param name? string of the rounded edges. Default: that of the nearer body
 ---@return fun(x: number, y: number, z: number): number body the signed distance (m) at a point
-function shapes.intersect(bodies, radius) end
+function shapes.intersect(bodies, radius, name) end
 
 ---A body without the part that lies inside of another one. The edges of the cut are sharp, or rounded as by `fillet`.
 ---```lua
@@ -91,8 +108,9 @@ function shapes.intersect(bodies, radius) end
 ---@param body fun(x: number, y: number, z: number): number what is cut
 ---@param tool fun(x: number, y: number, z: number): number what is taken away
 ---@param radius? number (m) of the rounded edges. Default: 0, sharp edges
+---@param name? string of the rounded edges. Default: that of the nearer body
 ---@return fun(x: number, y: number, z: number): number body the signed distance (m) at a point
-function shapes.cut(body, tool, radius) end
+function shapes.cut(body, tool, radius, name) end
 
 ---A body whose surface is moved outwards by a distance. It is exact where the value of `body` is its distance.
 ---```lua
@@ -111,8 +129,9 @@ function shapes.offset(body, distance) end
 ---```
 ---@param body fun(x: number, y: number, z: number): number the body whose surface is the outer one
 ---@param thickness number (m) of the wall. Range: above 0
+---@param name? string of the inner side of the wall. Default: none
 ---@return fun(x: number, y: number, z: number): number body the signed distance (m) at a point
-function shapes.shell(body, thickness) end
+function shapes.shell(body, thickness, name) end
 
 ---A cylinder with flat ends.
 ---```lua

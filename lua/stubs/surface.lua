@@ -289,7 +289,8 @@ function surface_module.loft(outlines, options) end
 ---@field tolerance? number (m) the largest distance of sides from curves, above 0. Default: none
 
 ---The zero set of a function of x, y and z that is negative inside, by marching tetrahedra. The function must be
----positive on the box's surface. One that is nowhere negative on the grid raises.
+---positive on the box's surface. One that is nowhere negative on the grid raises. A second result of the function is the
+---name of the face that a facet with this middle lies on, or nil; functions of `bw.shapes` give one by `named`.
 ---
 ---Errors: geometry (the function is negative on the box's surface, or not a number), limit (more than 2147483647 points).
 ---```lua
@@ -297,7 +298,7 @@ function surface_module.loft(outlines, options) end
 ---local torus = assert(bw.surface.implicit("(sqrt(x^2 + y^2) - 1.2)^2 + z^2 - 0.25", box))
 ---print(torus.volume) -- near 2 pi^2 1.2 0.25
 ---```
----@param value string|fun(x: number, y: number, z: number): number a formula as in `bw.array.map`, or a function, of coordinates in m
+---@param value string|fun(x: number, y: number, z: number): number, string? a formula as in `bw.array.map`, or a function, of coordinates in m
 ---@param options bw.SurfaceImplicitOptions where and how finely it is evaluated
 ---@return bw.Surface? surface closed and manifold
 ---@return string? message

@@ -520,7 +520,7 @@ BW_API bw_status bw_mesh_fill_parts(bw_context *context, int32_t count, const bw
 /* ---- shapes by formula --------------------------------------------------------------------- */
 
 /* A box of cells[0] x cells[1] x cells[2] cells, each cut into six tetrahedra alike (Kuhn), between
- * two corners. BW_LIMIT beyond 2^31 - 1 elements. */
+ * two corners, with the face names of bw_surface_box_shape. BW_LIMIT beyond 2^31 - 1 elements. */
 BW_API bw_status bw_mesh_box_grid(bw_context *context, const double min[3], const double max[3],
                                   const int cells[3], int order, bw_mesh **mesh);
 /* The same `cells` in the unit cube with nodes displaced by `map` (mid-edge nodes too: curved

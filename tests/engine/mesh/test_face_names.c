@@ -1,5 +1,6 @@
 /* Names of faces on surfaces and meshes, and triangles between polygons. */
 #include "barwright/boolean.h"
+#include "barwright/shape.h"
 #include "check.h"
 
 /* The area of a mesh's facets of a name. */
@@ -73,6 +74,48 @@ static void test_meshes(void **state) {
   assert_true(unnamed > 0);
   bw_release(other);
   bw_free(levels);
+  bw_release(mesh);
+}
+
+/* The sides of a grid have the names and the areas of those of the box, at both orders. */
+static void test_box_grids(void **state) {
+  bw_context *context = check_context(state);
+  const double low[3] = {-0.1, 0.3, 7}, high[3] = {2.9, 2.3, 8};
+  const int cells[3] = {5, 3, 2};
+  for (int order = 1; order <= 2; order++) {
+    bw_mesh *mesh = NULL;
+    check_ok(context, bw_mesh_box_grid(context, low, high, cells, order, &mesh));
+    check_near(named_area(context, mesh, "left"), 2, 1e-12);
+    check_near(named_area(context, mesh, "right"), 2, 1e-12);
+    check_near(named_area(context, mesh, "front"), 3, 1e-12);
+    check_near(named_area(context, mesh, "back"), 3, 1e-12);
+    check_near(named_area(context, mesh, "bottom"), 6, 1e-12);
+    check_near(named_area(context, mesh, "top"), 6, 1e-12);
+    bw_release(mesh);
+  }
+}
+
+/* Facets keep their order in a refilled mesh, which is not that of its elements. */
+static void test_refilled(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = make_mesh(context), *refilled = NULL, *other = NULL;
+  uint8_t *replace = BW_NEW0(context, uint8_t, mesh->element_count);
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    replace[e] = mesh->node[3 * (size_t)mesh->element[4 * (size_t)e]] > 1.2;
+  check_ok(context, bw_mesh_refill(context, mesh, mesh->node, replace, &refilled, NULL, NULL));
+  check_near(named_area(context, refilled, "right"), 2, 1e-12);
+  check_near(named_area(context, refilled, "top"), 6, 1e-12);
+  check_near(named_area(context, refilled, "front"), 3, 1e-12);
+  /* What is made from that one has them too. */
+  check_ok(context, bw_mesh_renumbered(context, refilled, NULL, NULL, &other));
+  check_near(named_area(context, other, "right"), 2, 1e-12);
+  check_near(named_area(context, other, "left"), 2, 1e-12);
+  bw_release(other);
+  check_ok(context, bw_mesh_with_order(context, refilled, 2, &other));
+  check_near(named_area(context, other, "top"), 6, 1e-12);
+  bw_release(other);
+  bw_free(replace);
+  bw_release(refilled);
   bw_release(mesh);
 }
 
@@ -172,5 +215,6 @@ static void test_allocation_failures(void **state) {
   bw_release(mesh);
 }
 
-check_main(check_test(test_meshes), check_test(test_booleans), check_test(test_polygons),
+check_main(check_test(test_meshes), check_test(test_box_grids), check_test(test_refilled),
+           check_test(test_booleans), check_test(test_polygons),
            check_test(test_allocation_failures))
