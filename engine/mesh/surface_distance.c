@@ -103,37 +103,3 @@ bw_status bw_surface_distance(bw_context *context, const bw_surface *a, const bw
 done:
   return status;
 }
-
-typedef struct offsets {
-  const bwi_tree *tree;
-  const double *point;
-  double *distance;
-} offsets;
-
-static bw_status find_offsets(void *data, int64_t begin, int64_t end, int worker) {
-  const offsets *o = (const offsets *)data;
-  int32_t hint = -1;
-  double place[3];
-  (void)worker;
-  for (int64_t i = begin; i < end; i++)
-    o->distance[i] = sqrt(bwi_tree_nearest(o->tree, o->point + 3 * i, hint, 0, place, &hint));
-  return BW_OK;
-}
-
-bw_status bw_surface_offsets(bw_context *context, const bw_surface *surface, int64_t count,
-                             const double *point, double *distance) {
-  bw_status status = BW_OK;
-  bwi_tree *tree = NULL;
-  if (surface->triangle_count == 0)
-    return bw_fail(context, BW_GEOMETRY, "the surface has no facets: no distance from it");
-  for (int64_t i = 0; i < 3 * count; i++)
-    if (!isfinite(point[i]))
-      return bw_fail(context, BW_INVALID, "point %lld is not finite", (long long)(i / 3 + 1));
-  BW_TRY(bwi_tree_create(context, surface->point, surface->triangle_count, surface->triangle, NULL,
-                         &tree));
-  offsets o = {tree, point, distance};
-  BW_TRY(bw_parallel(context, count, GRAIN, find_offsets, &o));
-done:
-  bwi_tree_destroy(tree);
-  return status;
-}

@@ -383,3 +383,29 @@ bool bwi_tree_is_near(const bwi_tree *tree, const double x[3], double limit, int
   double more = nextafter(square, INFINITY);
   return search_below(tree, x, more, square, place, hint) <= square;
 }
+
+int32_t bwi_tree_first_within(const bwi_tree *tree, const double x[3], double limit) {
+  int32_t first = INT32_MAX, stack[DEPTH];
+  double square = limit * limit, place[3];
+  int depth = 0;
+  if (tree->facet_count)
+    stack[depth++] = 0;
+  while (depth > 0) {
+    int32_t at = stack[--depth];
+    const node *n = &tree->node[at];
+    if (box_distance(x, n) > square)
+      continue;
+    if (n->second) {
+      stack[depth++] = n->second;
+      stack[depth++] = at + 1;
+      continue;
+    }
+    for (int32_t i = 0; i < n->count; i++) {
+      int32_t t = tree->facet[n->first + i];
+      if (t < first && bwi_nearest_on_triangle(x, corner_of(tree, t, 0), corner_of(tree, t, 1),
+                                               corner_of(tree, t, 2), place) <= square)
+        first = t;
+    }
+  }
+  return first < INT32_MAX ? first : -1;
+}

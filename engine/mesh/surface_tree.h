@@ -35,6 +35,9 @@ double bwi_tree_nearest(const bwi_tree *tree, const double x[3], int32_t hint, d
  * one that was found, if any. */
 bool bwi_tree_is_near(const bwi_tree *tree, const double x[3], double limit, int32_t *hint);
 
+/* The lowest of the facets within a distance of x; -1 where none is. */
+int32_t bwi_tree_first_within(const bwi_tree *tree, const double x[3], double limit);
+
 /* The place on a triangle nearest to x; returns the squared distance. */
 double bwi_nearest_on_triangle(const double x[3], const double a[3], const double b[3],
                                const double c[3], double place[3]);

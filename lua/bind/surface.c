@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "barwright/boolean.h"
+#include "barwright/sample.h"
 #include "barwright/surface_file.h"
 
 static const bw_surface *self(lua_State *L) {
@@ -464,6 +465,21 @@ static int surface_distance(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+/* surface:nearest(points): the nearest triangle of each, the place on it, and how far that is */
+static int surface_nearest(lua_State *L) {
+  const bw_surface *surface = self(L);
+  int64_t rows;
+  lua_settop(L, 2);
+  const double *point = lbw_to_doubles(L, 2, "points", 3, &rows);
+  int32_t *facet = (int32_t *)lbw_push_array(L, BW_I32, rows, 1)->data;
+  double *place = (double *)lbw_push_array(L, BW_F64, rows, 3)->data;
+  double *distance = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
+  bw_status status = bw_surface_nearest(lbw_enter(L), surface, rows, point, facet, place, distance);
+  for (int64_t i = 0; i < rows && status == BW_OK; i++)
+    facet[i]++;
+  return lbw_leave(L, status, 3);
+}
+
 /* ---- two bodies ------------------------------------------------------------------------------ */
 
 static int combined(lua_State *L, bw_boolean operation) {
@@ -650,6 +666,7 @@ static const luaL_Reg methods[] = {{"write", surface_write},
                                    {"translate", surface_translate},
                                    {"rotate", surface_rotate},
                                    {"distance", surface_distance},
+                                   {"nearest", surface_nearest},
                                    {"faces", lbw_surface_faces},
                                    {"union", surface_union},
                                    {"difference", surface_difference},

@@ -507,6 +507,21 @@ function Surface:rotate(axis, angle, centre) end
 ---@return bw.Details? details
 function Surface:distance(other) end
 
+---The triangle nearest to each of some points, the place on it, and how far that is. Of triangles that are as near, to 1e-12
+---of the largest coordinate, the first: so for a point nearest to an edge or a corner.
+---
+---Errors: geometry (the surface has no triangles).
+---```lua
+---local box = bw.surface.box {max = {1, 1, 1}}
+---local triangles, places, distances = box:nearest {{0.5, 0.25, 3}}
+---print(triangles[1], places(1, 3), distances[1]) -- 3, 1.0, 2.0
+---```
+---@param points bw.Array|number[][] (m, n × 3, per point) the points
+---@return bw.Array? triangles (index from 1, n × 1, per point) the nearest triangles
+---@return bw.Array|string places (m, n × 3, per point) the places on them, or the message
+---@return bw.Array|bw.Details distances (m, n × 1, per point) the distances from the points, or the details
+function Surface:nearest(points) end
+
 ---The thickness of the body under places of its surface: the length of the straight line inwards, along the normal, up to
 ---the opposite wall. Each place stands for the same area.
 ---

@@ -294,6 +294,16 @@ function Workbench:offset(options) end
 ---@return bw.Details? details
 function Workbench:try(options) end
 
+---Makes the coarse mesh that `try` moves, and with an edit how it moves, so that the first step of a drag is as fast as the others.
+---Nothing changes. It is kept until the part changes. A part without loads needs no mesh.
+---
+---Errors: invalid (with a sentence that says what to do).
+---@param options? bw.WorkbenchTryOptions an edit, of any length but 0. Default: the mesh alone
+---@return bw.Workbench? self the workbench
+---@return string? message
+---@return bw.Details? details
+function Workbench:prepare_drag(options) end
+
 ---An edit that is tried: one of these.
 ---@class bw.WorkbenchTryOptions
 ---@field push? bw.WorkbenchPushOptions a push

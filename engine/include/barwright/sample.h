@@ -1,4 +1,4 @@
-/* sample: nodal fields at points inside of a mesh. */
+/* sample: what meshes and surfaces have at points. */
 #ifndef BARWRIGHT_SAMPLE_H
 #define BARWRIGHT_SAMPLE_H
 
@@ -15,6 +15,14 @@ extern "C" {
 BW_API bw_status bw_mesh_sample(bw_context *context, const bw_mesh *mesh, const bw_locator *locator,
                                 int columns, const double *value, int64_t count,
                                 const double *point, double *out, double *outside);
+
+/* The facet of a surface that is nearest to each point, point (m, count x 3): facet (index, count),
+ * the place on it, place (m, count x 3), and how far it is, distance (m, count). Each may be NULL.
+ * Of facets that are as near, to 1e-12 of the largest coordinate, the first. BW_GEOMETRY where the
+ * surface has no facets. */
+BW_API bw_status bw_surface_nearest(bw_context *context, const bw_surface *surface, int64_t count,
+                                    const double *point, int32_t *facet, double *place,
+                                    double *distance);
 
 #ifdef __cplusplus
 }

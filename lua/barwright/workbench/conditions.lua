@@ -4,7 +4,6 @@
 local core = require "barwright.core"
 local model = require "barwright.command.model"
 local mirror = require "barwright.workbench.mirror"
-local nearest = require "barwright.workbench.nearest"
 local options = require "barwright.options"
 local patches = require "barwright.workbench.patches"
 local session = require "barwright.workbench.session"
@@ -216,9 +215,9 @@ function workbench:grow(given)
     local message, details
     point = vector("grow", "point", opts.point)
     local found
-    found, message, details = nearest(part.surface, {point})
+    found, message, details = part.surface:nearest {point}
     if not found then return nil, message, details end
-    first = found[1]
+    first = math.tointeger(found[1])
   end
   local made, list, parts = patches.grown(part, first, opts.angle, opts.radius or math.huge, point)
   return with_patches(self, "grow", {triangle = opts.triangle, point = point, angle = opts.angle,

@@ -1,6 +1,10 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Edits of a body's own surface: faces are moved along their normals, holes get another radius. Triangles stay;
--- points of the faces that move go along, and neighbouring faces follow within themselves where they can.
+-- points of the faces that move go along, and neighbouring faces follow within themselves where they can. An edit
+-- moves points in proportion to its length.
+--
+-- {before, after = where the points are, lists, triangles = list, moved = set of the faces that change, radius =
+-- {[face] = radius} of those whose radius changes, what = words for a refusal}
 local core = require "barwright.core"
 local body = require "barwright.workbench.body"
 
@@ -74,9 +78,9 @@ local function displacement(normals, pushed)
   return u
 end
 
--- The body of moved points where its surface stays sound; else nil and a sentence.
-local function checked(self, points, what, moved, radius)
-  local surface, message, details = core.surface.new {points = core.array.new(points),
+--- The body that an edit makes where its surface stays sound; else nil and a sentence.
+function edits.made(self, edit)
+  local surface, message, details = core.surface.new {points = core.array.new(edit.after),
     triangles = self.surface.triangles}
   if not surface then return nil, message, details end
   local report
@@ -84,10 +88,10 @@ local function checked(self, points, what, moved, radius)
   if not report then return nil, message, details end
   if not report.sound then
     local where = report.defects[1] and " at " .. core.point(report.defects[1].at) or ""
-    return nil, ("%s is too far: the surface would cross itself%s. Take a smaller distance."):format(what, where),
-      {status = "geometry"}
+    return nil, ("%s is too far: the surface would cross itself%s. Take a smaller distance."):format(edit.what,
+      where), {status = "geometry"}
   end
-  return body.moved(self, surface, moved, radius)
+  return body.moved(self, surface, edit.moved, edit.radius)
 end
 
 -- The set of faces that share a point with some.
@@ -109,7 +113,7 @@ local function points_of(triangles, labels, faces)
   return wanted
 end
 
---- The body with faces moved outwards by distances (m), {[face] = distance}; faces of `locked` (a set) stay where
+--- The edit that moves faces outwards by distances (m), {[face] = distance}; faces of `locked` (a set) stay where
 --- they are.
 function edits.push(self, distances, locked, what)
   local triangles, labels, points = self.surface.triangles:totable(), self.labels:totable(),
@@ -118,40 +122,41 @@ function edits.push(self, distances, locked, what)
   local at, pushed = normals_at(self, triangles, points, labels, wanted), {}
   for face in pairs(locked) do pushed[face] = 0 end
   for face, distance in pairs(distances) do pushed[face] = distance end
-  local moved = {}
+  local after = {}
   for i, p in ipairs(points) do
     if wanted[i] then
       local u = displacement(at[i], pushed)
-      moved[i] = {p[1] + u[1], p[2] + u[2], p[3] + u[3]}
+      after[i] = {p[1] + u[1], p[2] + u[2], p[3] + u[3]}
     else
-      moved[i] = p
+      after[i] = p
     end
   end
-  return checked(self, moved, what, touched(triangles, labels, wanted))
+  return {before = points, after = after, triangles = triangles, moved = touched(triangles, labels, wanted),
+    what = what}
 end
 
---- The body with another radius (m) of a round face: its points move away from the axis in proportion.
-function edits.radius(self, face, radius)
-  local about = self.faces[face]
+--- The edit that gives round faces, a list, another radius (m): points move away from the axes in proportion.
+function edits.radius(self, faces, radius)
   local triangles, labels, points = self.surface.triangles:totable(), self.labels:totable(),
     self.surface.points:totable()
-  local wanted = points_of(triangles, labels, {[face] = true})
-  local moved, factor, c, n = {}, radius / about.radius, about.point, about.axis
-  for i, p in ipairs(points) do
-    if wanted[i] then
+  local after, every, radii = table.move(points, 1, #points, 1, {}), {}, {}
+  for _, face in ipairs(faces) do
+    local about = self.faces[face]
+    local factor, c, n = radius / about.radius, about.point, about.axis
+    radii[face] = radius
+    for i in pairs(points_of(triangles, labels, {[face] = true})) do
+      local p, q = after[i], {}
       local d = {p[1] - c[1], p[2] - c[2], p[3] - c[3]}
       local along = n and d[1] * n[1] + d[2] * n[2] + d[3] * n[3] or 0
-      local q = {}
       for k = 1, 3 do
         local foot = c[k] + along * (n and n[k] or 0)
         q[k] = foot + factor * (p[k] - foot)
       end
-      moved[i] = q
-    else
-      moved[i] = p
+      after[i], every[i] = q, true
     end
   end
-  return checked(self, moved, "This radius", touched(triangles, labels, wanted), {[face] = radius})
+  return {before = points, after = after, triangles = triangles, moved = touched(triangles, labels, every),
+    radius = radii, what = "This radius"}
 end
 
 return edits

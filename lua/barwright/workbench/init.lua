@@ -85,7 +85,8 @@ local function reopened(self, unit, thickness, what)
     return refuse(("The faces of the part get other numbers with this %s: open the file again with it."):format(
       what))
   end
-  self.unit_given, self.thickness_given, self.raw, self.trial = unit, thickness, read, nil
+  self.unit_given, self.thickness_given, self.raw = unit, thickness, read
+  self.trial, self.rest = nil, nil
   for i = #self.history, self.position + 1, -1 do self.history[i] = nil end
   self.doubt, self.likely = body.doubt(read, unit)
   for i = 1, #self.history do
@@ -197,7 +198,8 @@ arguments.methods("workbench", workbench, workbench, {fix = "options: options", 
   change = "options: options", remove = "options: options", material = "options: options",
   lock = "options: options", symmetry = "options: options", grow = "options: options",
   patch = "options: options", unit = "options: options", thickness = "options: options", push = "options: options",
-  radius = "options: options", offset = "options: options", try = "options: options", answer = "options?: options",
+  radius = "options: options", offset = "options: options", try = "options: options",
+  prepare_drag = "options?: options", answer = "options?: options",
   probe = "options: options", advice = "options?: options", apply = "options: options",
   thicken = "options: options", optimise = "options?: options", undo = "", redo = "", script = "",
   save = "options?: options", export = "options: options", state = ""})

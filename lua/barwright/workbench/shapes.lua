@@ -4,7 +4,6 @@ local advise = require "barwright.workbench.advise"
 local core = require "barwright.core"
 local drag = require "barwright.workbench.drag"
 local edits = require "barwright.workbench.edits"
-local judge = require "barwright.workbench.judge"
 local mirror = require "barwright.workbench.mirror"
 local options = require "barwright.options"
 local session = require "barwright.workbench.session"
@@ -46,7 +45,7 @@ local function on_both_sides(self, faces)
   return out
 end
 
--- The body that a push makes, and what goes into the script.
+-- A push, and what goes into the script.
 local function pushed(self, given)
   local opts = options.read("push", given, push_rules)
   local faces, message, details = read_faces(self, "push", opts.faces)
@@ -56,10 +55,8 @@ local function pushed(self, given)
   if why then return refuse(why) end
   local distances = {}
   for _, face in ipairs(both) do distances[face] = opts.distance end
-  local made
-  made, message, details = edits.push(now(self).body, distances, now(self).locked, "This push")
-  if not made then return nil, message, details end
-  return made, {faces = faces, distance = opts.distance}
+  return edits.push(now(self).body, distances, now(self).locked, "This push"), {faces = faces,
+    distance = opts.distance}
 end
 
 local radius_rules = {face = {type = "integer", needed = true},
@@ -76,12 +73,7 @@ local function resized(self, given)
   if about.kind ~= "cylinder" and about.kind ~= "sphere" then
     return refuse(("%s has no radius: choose a hole or another round face, or push it."):format(about.name))
   end
-  local made = now(self).body
-  for _, face in ipairs(both) do
-    made, message, details = edits.radius(made, face, opts.radius)
-    if not made then return nil, message, details end
-  end
-  return made, {face = opts.face, radius = opts.radius}
+  return edits.radius(now(self).body, both, opts.radius), {face = opts.face, radius = opts.radius}
 end
 
 local offset_rules = {distance = {type = "number", needed = true}}
@@ -94,9 +86,7 @@ local function grown_all(self, given)
   for face in ipairs(now(self).body.faces) do
     if not now(self).locked[face] then distances[face] = opts.distance end
   end
-  local made, message, details = edits.push(now(self).body, distances, now(self).locked, "This offset")
-  if not made then return nil, message, details end
-  return made, {distance = opts.distance}
+  return edits.push(now(self).body, distances, now(self).locked, "This offset"), {distance = opts.distance}
 end
 
 local shapes = {push = pushed, radius = resized, offset = grown_all}
@@ -104,8 +94,10 @@ local rules = {push = push_rules, radius = radius_rules, offset = offset_rules}
 
 for name, make in pairs(shapes) do
   workbench[name] = function(self, given)
-    local made, line, details = make(self, given)
-    if not made then return nil, line, details end
+    local edit, line, details = make(self, given)
+    if not edit then return nil, line, details end
+    local made, message, about = edits.made(now(self).body, edit)
+    if not made then return nil, message, about end
     return act(self, name, line, {body = made})
   end
 end
@@ -122,31 +114,70 @@ local function key_of(self, name, given)
   return name .. table.concat(faces, ",")
 end
 
+-- The trial that goes on, or a new one of an edit: its mesh is that of the body at rest. nil, message, details
+-- where the edit is refused or the part cannot be solved.
+local function trial_of(self, given)
+  local name = next(given)
+  if not shapes[name] then raise("try: push, radius or offset expected") end
+  local entry, trial, asked = now(self), self.trial, options.read(name, given[name], rules[name])
+  local key, length = key_of(self, name, asked), length_of(self, name, asked)
+  if trial and trial.entry == entry and trial.key == key then return trial, length end
+  local edit, message, details = shapes[name](self, given[name])
+  if not edit then return nil, message, details end
+  if not session.has_loads(entry) then return {edit = edit}, length end
+  self.rest, message, details = drag.rest(entry, self.rest)
+  if not self.rest then return nil, message, details end
+  trial = {entry = entry, rest = self.rest, key = key}
+  if length == 0 then return trial, length end -- which says nothing of how points move
+  trial.motion, message, details = drag.motion(self.rest, edit, length)
+  if not trial.motion then return nil, message, details end
+  self.trial = trial
+  return trial, length
+end
+
+--- Makes the mesh of a drag, so that its first step is as fast as the others. Nothing changes. `given`: of `try`;
+--- without it, the mesh alone.
+function workbench:prepare_drag(given)
+  local entry, ok, message, details = now(self), true, nil, nil
+  if given then
+    ok, message, details = trial_of(self, given)
+  elseif session.has_loads(entry) and not unconfirmed(self) then
+    ok, message, details = drag.rest(entry, self.rest)
+    self.rest = ok or self.rest
+  end
+  if not ok then return nil, message, details end
+  return self
+end
+
 --- A coarse answer for a shape that is tried, while a handle is dragged: {push | radius | offset = options}.
 --- Nothing changes. Returns the answer, the solution and the labels of its facets. Without loads the answer has
 --- the mass only.
 function workbench:try(given)
-  local name = next(given)
-  if not shapes[name] then raise("try: push, radius or offset expected") end
-  local entry, trial, asked = now(self), self.trial, options.read(name, given[name], rules[name])
-  local key = key_of(self, name, asked)
-  if trial and trial.entry == entry and trial.key == key then
-    local answer, static, more = drag.step(trial, length_of(self, name, asked))
+  local trial, length, details = trial_of(self, given)
+  if not trial then return nil, length, details end
+  local entry = now(self)
+  if trial.rest then
+    local answer, static, more = drag.step(trial, length)
     if answer then return answer, static, more end
   end
-  local made, line, details = shapes[name](self, given[name])
-  if not made then return nil, line, details end
-  if not session.has_loads(entry) then
+  -- No loads, or so far that the mesh cannot follow.
+  local name = next(given)
+  local edit, message, about = trial.edit, nil, nil
+  if not edit then edit, message, about = shapes[name](self, given[name]) end
+  if not edit then return nil, message, about end
+  local made
+  made, message, about = edits.made(entry.body, edit)
+  if not made then return nil, message, about end
+  if trial.edit then
     return {kind = "shape", mass = entry.material.density and entry.material.density * made.surface.volume}
   end
-  local length = length_of(self, name, line)
-  if length == 0 then
-    return judge.statics(made, entry.material, entry.conditions, judge.elements.drag)
-  end
-  local message, why
-  trial, message, why = drag.begin(entry, made, length)
-  if not trial then return nil, message, why end
-  trial.key, self.trial = key, trial
+  local rest
+  rest, message, about = drag.rest {body = made, conditions = entry.conditions, material = entry.material}
+  if not rest then return nil, message, about end
+  trial = {entry = entry, rest = rest, key = trial.key, from = length}
+  trial.motion, message, about = drag.motion(rest, edit, length)
+  if not trial.motion then return nil, message, about end
+  self.trial = trial
   return drag.step(trial, length)
 end
 

@@ -328,5 +328,5 @@ static void out_of_memory(void **state) {
 
 check_main(check_test(json_values), check_test(json_refusals), check_test(nodes_place_meshes),
            check_test(strips_and_fans), check_test(nodes_rotate), check_test(accessors),
-           check_test(scenes_and_names), check_test(repeated_meshes),
-           check_test(sparse_elements), check_test(refusals), check_test(out_of_memory))
+           check_test(scenes_and_names), check_test(repeated_meshes), check_test(sparse_elements),
+           check_test(refusals), check_test(out_of_memory))
