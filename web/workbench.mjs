@@ -64,9 +64,10 @@ const link = connect((message) => heard[message.type]?.(message), (status, reaso
 function send(what, fields = {}) {
   const id = ++counter;
   if (!link.send({ id, do: what, ...fields })) {
-    say("Nothing was done: the connection is lost.", true);
+    if (what !== "prepare") say("Nothing was done: the connection is lost.", true);
     return 0;
   }
+  if (what === "prepare") return id; // which nobody has asked for
   if (what !== "drag") asked = { id, what, since: performance.now() };
   say("");
   return id;

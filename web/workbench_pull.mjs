@@ -26,6 +26,13 @@ export class Pull {
     this.send("drag", { push: { faces: this.numbers(), distance } });
   }
 
+  // The session makes ready for a drag of other faces, of any distance.
+  prepare(faces) {
+    if (String(faces) === this.prepared) return;
+    this.prepared = String(faces);
+    this.send("prepare", { push: { faces, distance: 0.001 } });
+  }
+
   handled() {
     this.waiting = false;
     if (this.dragging && this.wanted) this.attempt(this.wanted);
@@ -36,7 +43,11 @@ export class Pull {
     const face = [...this.chosen()][0];
     const edits = this.byId("edit").open && this.chosen().size === 1 && view.surface && !this.state().faces[face]?.locked;
     const place = edits ? view.symbols.centre(view.surface, face) : null;
-    if (!place) return this.handles.set("pull", null);
+    if (!place) {
+      this.prepared = "";
+      return this.handles.set("pull", null);
+    }
+    this.prepare(this.numbers());
     const base = 0.12 * view.size;
     this.handles.set("pull", { at: place.at, direction: place.normal, length: base, colour: "#b85c00",
       move: (handle, x, y) => {

@@ -269,6 +269,31 @@ describe("the workbench", function()
     assert.error_matches(function() bench:try {} end, "push, radius or offset")
   end)
 
+  it("drags alike whether a drag was prepared or not", function()
+    local bench, left, right, top = beam()
+    assert(bench:prepare_drag()) -- without loads there is nothing to be done
+    assert(bench:fix {faces = {left}})
+    assert(bench:load {faces = {right}, force = {0, 0, -20}})
+    local push = {push = {faces = {top}, distance = 2e-3}}
+    local first = assert(bench:try(push))
+    assert.equal(bits(first.max_stress), bits(assert(bench:try(push)).max_stress))
+    local other = beam()
+    assert(other:fix {faces = {left}})
+    assert(other:load {faces = {right}, force = {0, 0, -20}})
+    assert.equal(other, other:prepare_drag {push = {faces = {top}, distance = 1e-3}})
+    near(first.max_stress, assert(other:try(push)).max_stress, 1e-9)
+    -- At rest, and so far that the surface would cross itself.
+    near(LENGTH * WIDTH * HEIGHT * bw.material.pla.density,
+      assert(other:try {push = {faces = {top}, distance = 0}}).mass, 1e-6)
+    local made, message = other:try {push = {faces = {top}, distance = -0.05}}
+    assert.is_nil(made)
+    assert.truthy(message:find("smaller distance", 1, true), message)
+    assert(bench:lock {faces = {top}})
+    made, message = bench:prepare_drag(push)
+    assert.is_nil(made)
+    assert.truthy(message:find("locked", 1, true), message)
+  end)
+
   it("follows a dragged face with one coarse mesh, near the answer of the edit", function()
     local bench, left, right, top = beam()
     assert(bench:fix {faces = {left}})
@@ -418,6 +443,57 @@ describe("the workbench's controller", function()
       self:handle {{1, "message", text}}
     end
     assert.equal(1, #last "state".conditions)
+  end)
+
+  -- The body of work, and how often a mesh was filled in it.
+  local function counting(work)
+    local body, count = require "barwright.workbench.body", 0
+    local fill = body.mesh
+    function body.mesh(...)
+      count = count + 1
+      return fill(...)
+    end
+    local ok, why = pcall(work)
+    body.mesh = fill
+    assert(ok, why)
+    return count
+  end
+
+  it("prepares a drag while nobody asks for anything, and lets a request go first", function()
+    local self, message, last = served()
+    assert(self:open(beam_path))
+    self:idle()
+    message {id = 1, ["do"] = "fix", faces = {5}}
+    message {id = 2, ["do"] = "load", faces = {6}, force = {0, 0, -1}}
+    message {id = 3, ["do"] = "prepare", push = {faces = {2}, distance = 0.001}}
+    -- A request that arrives meanwhile is done before the preparation goes on.
+    local arrives, masses = {1, "message", json.encode {id = 4, ["do"] = "material", name = "steel"}}, {}
+    function self.server.receive()
+      local event = arrives
+      arrives = nil
+      if event then return table.unpack(event) end
+    end
+    assert.equal(2, counting(function() self:idle() end))
+    assert.equal(4, last "done".id)
+    assert.equal(0, counting(function()
+      self:idle()
+      for i = 1, 3 do
+        message {id = 4 + i, ["do"] = "drag", push = {faces = {2}, distance = i * 1e-3}}
+        masses[i] = last "drag".answer.mass
+        assert.truthy(last "drag".answer.sentence:find("coarse", 1, true))
+      end
+    end))
+    near(masses[3] - masses[2], masses[2] - masses[1], 1e-6)
+    -- A drag needs the preparation, and waits for it.
+    message {id = 8, ["do"] = "push", faces = {2}, distance = 1e-3}
+    arrives = {1, "message", json.encode {id = 9, ["do"] = "drag", push = {faces = {2}, distance = 1e-3}}}
+    assert.equal(1, counting(function() self:idle() end))
+    assert.equal(9, last "done".id)
+    near(masses[2], last "drag".answer.mass, 1e-6)
+    -- Faces that are not there prepare nothing and say nothing.
+    message {id = 10, ["do"] = "prepare", push = {faces = {77}, distance = 1e-3}}
+    self:idle()
+    assert.equal(10, last "done".id)
   end)
 
   it("opens a dropped file, and runs no dropped script", function()

@@ -52,7 +52,7 @@ local stages = {coarse = "a first answer"}
 -- ---- long work -------------------------------------------------------------------------------------
 
 -- What a page asks for that changes nothing that is computed.
-local harmless = {save = true, export = true, probe = true}
+local harmless = {save = true, export = true, probe = true, prepare = true}
 
 local function open_window(self, client)
   if self.clients[client] then return end
@@ -179,6 +179,12 @@ function handlers.drag(self, _, _, given)
   return true
 end
 
+-- What will be dragged if anything is: `idle` prepares it.
+function handlers.prepare(self, _, _, given)
+  self.likely = given
+  return true
+end
+
 -- What belongs to the message and not to the action.
 local function options_of(message)
   local given = {}
@@ -214,7 +220,7 @@ local function take(self, client, message)
   else
     notify(self, client, {type = "done", id = message.id, request = message["do"]})
   end
-  if message["do"] ~= "drag" then publish(self) end
+  if message["do"] ~= "drag" and message["do"] ~= "prepare" then publish(self) end
 end
 
 -- ---- opening ---------------------------------------------------------------------------------------
@@ -229,7 +235,7 @@ local function open(self, path, unit, name)
   ready, why, details = long(self, "checking the surface", bench.prepare, bench)
   if not ready then return nil, why, details end
   bench.name = name
-  self.bench, self.shown = bench, nil
+  self.bench, self.shown, self.likely, self.prepared = bench, nil, nil, nil
   function bench.on_answer() publish(self) end
   return true
 end
@@ -306,6 +312,38 @@ local events = {read = read, open = open_window, upload = upload,
 --- Handles what arrived: {client, "open" | "message" | "close", text}, ...
 function controller:handle(list)
   shared.handle(self, list, events)
+end
+
+-- ---- while nobody asks for anything ----------------------------------------------------------------
+
+-- Whether an event ends the preparation of a drag: not a drag, which needs it.
+local function ends_preparation(self)
+  return function(client, kind, text)
+    if kind == "open" then open_window(self, client) end
+    if kind ~= "message" then return kind == "upload", true end
+    local message = #text < 65536 and json.decode(text)
+    local asked = live_check.is_object(message) and message["do"]
+    return asked ~= "drag" and asked ~= "prepare", true
+  end
+end
+
+--- Prepares the drag of what is likely to be dragged, once for each state of the part; a request of a person stops
+--- that, and it begins again afterwards.
+function controller:idle()
+  local bench = self.bench
+  local entry = bench and bench:current()
+  while entry and not core.interrupted()
+    and (self.prepared ~= entry.revision or self.prepared_for ~= self.likely) do
+    local revision, likely = entry.revision, self.likely
+    local ok, made, _, details = pcall(shared.meanwhile, self, ends_preparation(self), bench.prepare_drag, bench,
+      likely)
+    if not (ok and made == nil and shared.stopped(details)) then
+      self.prepared, self.prepared_for = revision, likely -- also where it cannot be dragged
+    end
+    self:handle {}
+    bench = self.bench
+    entry = bench and bench:current()
+  end
 end
 
 --- The session will not go on: the pages are informed.

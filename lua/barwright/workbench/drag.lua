@@ -40,8 +40,8 @@ local function boundary_motion(rest, edit, length)
   return rows
 end
 
---- How the nodes of a mesh at rest move per unit of an edit's length: the motion of its boundary, continued. nil,
---- message, details where it has no answer.
+--- How the nodes of a mesh at rest move per unit of an edit's length: the motion of its boundary, continued.
+--- nil, message, details where it has no answer.
 function drag.motion(rest, edit, length)
   local rows, message, details = boundary_motion(rest, edit, length)
   if not rows then return nil, message, details end

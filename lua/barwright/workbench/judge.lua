@@ -194,8 +194,8 @@ function judge.quick(static, material, seconds)
     at = {nodes(node, 1), nodes(node, 2), nodes(node, 3)}, max_stress = static.von_mises[node],
     max_displacement = static.displacement:map "norm(a)":max(), elements = static.mesh.element_count,
     mass = material.density and material.density * static.mesh.volume, seconds = seconds,
-    sentence = used and ("About %s of the strength."):format(shown.percent(used))
-      or ("The largest stress is about %s."):format(core.quantity(static.von_mises[node], "Pa"))}
+    sentence = used and ("About %s of the strength, on a coarse mesh."):format(shown.percent(used))
+      or ("The largest stress is about %s, on a coarse mesh."):format(core.quantity(static.von_mises[node], "Pa"))}
 end
 
 --- The first natural frequency (Hz) of a body that is held, or of the free body.
