@@ -11,11 +11,13 @@ local workbench = require "barwright.workbench"
 local opts = script.read {
   summary = "drags a face in the workbench, with times",
   about = "Holds the largest face of each file, loads the face farthest from it with 10 N along -z, and pushes "
-    .. "that face in steps of 0.05 % of the diagonal. A file without units is confirmed in millimetres, or the first "
+    .. "that face in steps. A file without units is confirmed in millimetres, or the first "
     .. "likely unit.",
   arguments = {{name = "files", type = "file", many = true, what = "models"}},
   options = {
     {name = "steps", value = "N", type = "integer", default = 10, min = 2, max = 1000, what = "of each drag"},
+    {name = "step", value = "X", type = "number", default = 5e-4, above = 0,
+      what = "length of a step, of the diagonal of the part"},
     {name = "unprepared", type = "flag", what = "drag at once, before anything was prepared"},
     {name = "unconverged", type = "flag", what = "no answer after the drag"},
   },
@@ -78,18 +80,19 @@ local function run(path)
   if not opts.unprepared then row.prepared = timed(bench.prepare_drag, bench, push(far, 1e-3)) end
   local later, last = {}, nil
   for i = 1, opts.steps do
-    local time, answer, message = timed(step, bench, far, 5e-4 * i * diagonal)
+    local time, answer, message = timed(step, bench, far, opts.step * i * diagonal)
     if not answer then row.refused = message return row end
     if i == 1 then row.first = time else later[#later + 1] = time end
     last = answer
   end
   row.later = {cpu = median(later, "cpu"), elapsed = median(later, "elapsed")}
   row.elements, row.coarse = last.elements, last.utilisation
-  assert(bench:push {faces = {far}, distance = 5e-4 * opts.steps * diagonal})
   if opts.unconverged then return row end
+  local pushed, why = bench:push {faces = {far}, distance = opts.step * opts.steps * diagonal}
+  if not pushed then row.refused = why return row end
   local time, answer, message = timed(bench.answer, bench)
-  row.answer_time = time
   if not answer then row.refused = message return row end
+  row.answer_time = time
   row.converged, row.low, row.high = answer.utilisation, answer.low, answer.high
   row.ratio = row.coarse / row.converged
   return row

@@ -87,8 +87,50 @@ local function face_of(text)
   return math.tointeger(tonumber(text)) or text
 end
 
+-- The triangles of a face of a surface by its name in the file, or its name or number among those that are found.
+local function triangles_of(surface, name)
+  local wanted, labels, list = {}, surface.groups, {}
+  for group, known in ipairs(surface:face_names()) do wanted[group] = known == name or nil end
+  if not next(wanted) then
+    local faces
+    faces, labels = surface:faces()
+    for number, face in ipairs(faces or {}) do wanted[number] = number == name or face.name == name or nil end
+  end
+  local triangles = surface.triangles:totable()
+  for t, label in ipairs(next(wanted) and labels:totable() or {}) do
+    if wanted[label] then list[#list + 1] = triangles[t] end
+  end
+  return list
+end
+
+local ON_FACE = 1e-6 -- of the diagonal: how far a point of a face may lie from its triangles
+
+-- Whether a point lies on a face of a surface: a function; or nil and a sentence.
+local function on_face(surface, name)
+  local triangles, min, max = triangles_of(surface, name), {}, {}
+  if #triangles == 0 then
+    return nil, ("face:%s: the part has no such face; `barwright check --faces yes` lists its faces"):format(name)
+  end
+  local points, near = surface.points:totable(), ON_FACE * model.diagonal(surface.box)
+  for k = 1, 3 do
+    min[k], max[k] = math.huge, -math.huge
+    for _, corners in ipairs(triangles) do
+      for _, i in ipairs(corners) do
+        min[k], max[k] = math.min(min[k], points[i][k] - near), math.max(max[k], points[i][k] + near)
+      end
+    end
+  end
+  local face = bw.surface.new {points = surface.points, triangles = triangles}
+  return function(p)
+    for k = 1, 3 do
+      if p[k] < min[k] or p[k] > max[k] then return false end
+    end
+    return face:distance {p}[1] <= near
+  end
+end
+
 -- Of each kind: how it is written, how its parts are read (with `whole` one part is all the text), what it selects
--- of a boundary, and whether a point lies in it (nil: only the mesh knows).
+-- of a boundary, and whether a point lies in it (nil: the surface knows).
 local kinds = {
   all = {form = "all", parts = {},
     select = function(boundary) return boundary end,
@@ -114,13 +156,13 @@ local kinds = {
     select = function(boundary, _, name) return boundary:face(name) end},
 }
 
--- The kind of a place and its values, or nil and a sentence. by_point: what kinds are named there.
-local function read(text, by_point)
+-- The kind of a place and its values, or nil and a sentence.
+local function read(text)
   local name, rest = text:match "^(%l+):?(.*)$"
   local kind = kinds[name]
   if not kind then
-    return nil, ("'%s' is no place: all, min:z, max:z, below:z:1mm, above:z:20mm%s expected"):format(text,
-      by_point and " or near:0,0,30mm:5mm" or ", near:0,0,30mm:5mm or face:NAME")
+    return nil, ("'%s' is no place: all, min:z, max:z, below:z:1mm, above:z:20mm, near:0,0,30mm:5mm or face:NAME "
+      .. "expected"):format(text)
   end
   local words, values = {}, {}
   if kind.whole then
@@ -141,14 +183,10 @@ end
 
 -- ---- what commands ask -----------------------------------------------------------------------------
 
---- Checks the text of a place without a mesh: nil and a sentence where it is none, or with `by_point` one that
---- `places.test` cannot take.
-function places.check(text, by_point)
-  local kind, message = read(text, by_point)
+--- Checks the text of a place without a mesh: nil and a sentence where it is none.
+function places.check(text)
+  local kind, message = read(text)
   if not kind then return nil, message end
-  if by_point and not kind.test then
-    return nil, ("'%s': a place by coordinates expected, such as min:z or near:0,0,30mm:5mm"):format(text)
-  end
   return true
 end
 
@@ -161,15 +199,16 @@ function places.split(text)
   return place, value
 end
 
---- Whether a point (x, y, z) lies in one of several places of a body of this box: a function; or nil and a
---- sentence.
-function places.test(texts, box)
-  local list = {}
+--- Whether a point (x, y, z) of a surface lies in one of several places of it: a function; or nil and a sentence.
+function places.test(texts, surface)
+  local list, box = {}, surface.box
   for i, text in ipairs(texts) do
     local kind, values = read(text)
     if not kind then return nil, values end
-    if not kind.test then return places.check(text, true) end
-    list[i] = function(p) return kind.test(p, box, values[1], values[2]) end
+    local test, message = kind.test
+    if not test then test, message = on_face(surface, values[1]) end
+    if not test then return nil, message end
+    list[i] = function(p) return test(p, box, values[1], values[2]) end
   end
   return function(x, y, z)
     for _, test in ipairs(list) do

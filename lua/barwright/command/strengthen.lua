@@ -91,7 +91,11 @@ local function kept(read, opts, out)
       list[#list + 1] = place
     end
   end
-  if #list > 0 then tests[#tests + 1] = places.test(list, read.box) end
+  if #list > 0 then
+    local test, message = places.test(list, read.surface)
+    if not test then return nil, "option --keep: " .. message, {status = "empty"} end
+    tests[#tests + 1] = test
+  end
   if #tests < 2 then return tests[1] or false end
   return function(...) return tests[1](...) or tests[2](...) end
 end
@@ -102,7 +106,7 @@ local function strengthen(opts, out)
   local ok, message, details = writable(opts.out)
   if not ok then return nil, message, details end
   for _, place in ipairs(opts.keep) do
-    if place ~= "holes" then ok, message = places.check(place, true) end
+    if place ~= "holes" then ok, message = places.check(place) end
     if not ok then return nil, "option --keep: holes or a place: " .. message, {status = "misuse"} end
   end
   local read
