@@ -51,11 +51,15 @@ function shown.size(size)
   return table.concat(texts, " x ") .. " mm"
 end
 
---- A value with its interval, in one unit: "25.8 N (21.3 to 30.9 N)"
+--- A value with its interval, in one unit: "25.8 N (21.3 to 30.9 N)". Without an upper bound, which is nil or
+--- infinite: "25.8 N (at least 21.3 N)"; without any: "25.8 N (error unknown)".
 function shown.interval(value, low, high, unit)
   local name, scale = core.shown_unit(rounded(value), unit)
   local function number(x) return shown.number(rounded(x) / scale) end
-  return ("%s %s (%s to %s %s)"):format(number(value), name, number(low), number(high), name)
+  local bounds = ("at least %s %s"):format(number(low), name)
+  if high and high < math.huge then bounds = ("%s to %s %s"):format(number(low), number(high), name)
+  elseif low <= 0 then bounds = "error unknown" end
+  return ("%s %s (%s)"):format(number(value), name, bounds)
 end
 
 return shown

@@ -336,7 +336,7 @@ function Workbench:answer(options) end
 ---@field factor? number (-) of all loads at which it breaks
 ---@field force? number (N) that breaks it: of statics the sum of all loads times `factor`
 ---@field force_low? number (N) lower end of its interval
----@field force_high? number (N) upper end
+---@field force_high? number (N) upper end; nil where the stress may be 0 within its error
 ---@field at bw.Vector (m) where it breaks
 ---@field max_displacement number (m) the largest displacement
 ---@field max_stress? number (Pa) the largest von Mises stress

@@ -123,6 +123,11 @@ local heads = {
       assert.is_true(answer.first_passage > 0.01)
       return shown.percent(answer.first_passage)
     end},
+  {"respond", "--base 0,0,1g --duration 1s --damping 0.02 --psd LOUD --first-passage 0.5", 0,
+    {"It holds", "up to 50 % is taken as safe"}, function(answer)
+      assert.is_true(answer.first_passage > 0.01 and answer.first_passage_limit == 0.5)
+      return shown.percent(answer.utilisation)
+    end},
   {"drop", "--height 1m --down -1,-2,-3", 1, {"Not certain", "no friction", "Stress where it touches"},
     function(answer) return shown.estimate(answer.force_n, "N") end},
   {"heat", "--temperature min:x=80C --convection all=10,20C", 0, {"80 C", "steady state"},

@@ -469,18 +469,36 @@ describe("barwright respond", function()
     check.near(response:von_mises(shaken.frequency_hz):max(), shaken.value, 1e-6)
   end)
 
-  it("compares with a coarser mesh of a surface, says exceeds, and says where the range ends", function()
+  it("compares with a coarser mesh of a surface, and is not certain at an end of the range", function()
     local surface = folder .. "neck.stl" -- the largest stress is in the neck, far from support and load
     local neck = assert(bw.surface.implicit("max(sqrt(y*y + z*z) - 0.006 - 5.6*x*x, abs(x) - 0.05)",
       {min = {-0.052, -0.022, -0.022}, max = {0.052, 0.022, 0.022}, cells = 40}))
     assert(neck:write(surface, {unit = "mm"}))
-    local status, out = check.run(("respond %s --material steel --elements 600 --fix min:x --pressure max:x=1MPa "
-      .. "--from 50 --to 100 --damping 0.02 --strength 1kPa"):format(surface))
+    local words = ("respond %s --material steel --elements 600 --fix min:x --pressure max:x=1MPa "
+      .. "--from 50 --to 100 --damping 0.02 --strength "):format(surface)
+    local status, out = check.run(words .. "1kPa")
     assert.equal(1, status)
     assert.truthy(out:find("it exceeds the strength", 1, true), out)
     assert.truthy(out:find("by a coarser mesh", 1, true), out)
     assert.truthy(out:find("The error of the mesh is not in it", 1, true), out)
     assert.truthy(out:find("an end of the range", 1, true), out)
+    local page = folder .. "end.html"
+    status, out = check.run(words .. "1GPa --report " .. page)
+    assert.equal(1, status, out)
+    local advice = "give a smaller --from, or --band-limited yes where nothing vibrates outside of the range"
+    assert.truthy(out:find("not certain, as it is largest at an end of the range: " .. advice, 1, true), out)
+    assert.truthy(check.read(page):find(advice, 1, true))
+    status, out = check.run(words .. "1GPa --band-limited yes")
+    assert.equal(0, status, out)
+    local right = out:find("it stays below the strength", 1, true) and not out:find("end of the range", 1, true)
+    assert.truthy(right, out)
+  end)
+
+  it("says the same of the upper end", function()
+    local status, out = check.run(("respond %s --material steel --fix min:x --force max:x=0,0,1 --to 5 "
+      .. "--damping 0.02"):format(path))
+    assert.equal(1, status)
+    assert.truthy(out:find("largest at an end of the range: give a larger --to, or", 1, true), out)
   end)
 
   it("writes a curve, a plot, fields and a picture", function()

@@ -39,7 +39,8 @@ end
 local load_words = {positive = "this load", negative = "the reversed load",
   either = "this load or the reversed one"}
 
--- The verdict on the loads of the wanted sign, and its words. The first factor is the smallest in size.
+-- The verdict on the loads of the wanted sign, and its words. The first factor is the smallest in size; without a
+-- count a smaller one may be missing.
 local function judge(buckling, errors, sign)
   local size, error = buckling.searched, MIN_ERROR
   if buckling.count > 0 then
@@ -47,6 +48,9 @@ local function judge(buckling, errors, sign)
     if size < 1 then return "buckles", "the part buckles under " .. load_words[sign] end
   elseif not buckling.counted then
     return "unsure", "no load factor was found, and none was excluded"
+  end
+  if size * (1 - error) > 1 and not buckling.counted then
+    return "unsure", "it is not certain that the part does not buckle, as the load factors could not be counted"
   end
   if size * (1 - error) > 1 then return "holds", "the part does not buckle under " .. load_words[sign] end
   return "unsure", "the error leaves open whether the part buckles"
@@ -123,7 +127,7 @@ local function run_worst(opts, out)
         function(name) return buckle_worst.picture(worst, opts, name) end)
     end}}
   if failed then return failed end
-  return verdict == "holds" and 0 or 1
+  return 1 -- a search proves that a part buckles, never that it does not
 end
 
 local options = {
@@ -155,7 +159,8 @@ return {
   about = "Constrains a part at places, applies loads at others, and finds the load factors of linear buckling. A "
     .. "surface is repaired where it must be and filled with tetrahedra. With --worst no load must be known: the "
     .. "load that buckles the part first is searched for.\n\n" .. places.help .. "\n\n"
-    .. output.codes("it does not buckle", "it buckles, or the estimated error leaves it open"),
+    .. output.codes("it does not buckle", "it buckles, or that is not certain, as always with --worst where no "
+      .. "load that buckles it is found"),
   arguments = {model.body_argument},
   options = options,
   examples = {"barwright buckle strut.stl --fix min:z --force max:z=0,0,-50 --material steel",

@@ -88,19 +88,20 @@ function buckle_worst.picture(worst, opts, path)
     :format(force_words(worst.factor, opts), shown.number(math.abs(worst.factor)))})
 end
 
-local words = {buckles = "the part buckles under %s", unsure = "the error leaves open whether it buckles under %s",
-  holds = "no load of %s that was found buckles it"}
+local BUCKLES, ERROR, NONE = "the part buckles under %s", "the error leaves open whether it buckles under %s",
+  "no load of %s that was found buckles it, which is not certain of all loads"
 
---- Says what was found; the verdict, its words and the sentences. `min_error`: what one mesh leaves open at least.
+--- Says what was found; the verdict, "buckles" or "unsure", its words and the sentences. `min_error`: what one
+--- mesh leaves open at least.
 function buckle_worst.report(worst, opts, min_error, out)
-  local factor, verdict, asked = worst.factor, "unsure", core.quantity(opts.worst, "N")
+  local factor, verdict, words, asked = worst.factor, "unsure", ERROR, core.quantity(opts.worst, "N")
   local error = math.max(worst.mesh_error or 0, min_error)
   if factor and math.abs(factor) < 1 then
-    verdict = "buckles"
+    verdict, words = "buckles", BUCKLES
   elseif factor and math.abs(factor) * (1 - error) > 1 then
-    verdict = "holds"
+    words = NONE
   end
-  local says = words[verdict]:format(asked)
+  local says = words:format(asked)
   out:say("")
   local say, sentences = out:recorded()
   if factor then

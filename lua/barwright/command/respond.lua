@@ -105,28 +105,40 @@ local function analyse(measure, opts, given, out)
   return found
 end
 
--- With --psd: "holds" leaves at most this probability that the strength is exceeded within the duration.
-local MOST_LIKELY <const> = 0.01
+-- What to do where the stress of a vibration is largest at an end of the range, and may be larger beyond it; or
+-- nil.
+local function end_advice(frequency, opts)
+  local at_to = frequency == opts.to
+  if not frequency or opts.band_limited == "yes" or not at_to and (opts.from == 0 or frequency ~= opts.from) then
+    return nil
+  end
+  return ("give a %s, or --band-limited yes where nothing vibrates outside of the range"):format(
+    at_to and "larger --to" or "smaller --from")
+end
 
--- The verdict on a stress that is `used` of the strength, within a relative error, and its words. margins: of a
--- random vibration, which exceeds three root mean squares now and then, and more often in a longer time; or nil.
-local function judge(used, estimated, margins)
+-- The verdict on a stress that is `used` of the strength, within a relative error, and its words. A random
+-- vibration exceeds three root mean squares now and then, and more often in a longer time.
+local function judge(used, estimated, found, opts)
   local verdict, words = model.verdict(used, estimated)
   if verdict == "unsure" then return verdict, words end
   if verdict ~= "holds" then return "exceeds", "it exceeds the strength" end
+  local margins, at_end = found.margins, end_advice(found.stress.frequency, opts)
   local likely = margins and margins.first_passage[margins.node] or 0
-  if likely <= MOST_LIKELY then return verdict, "it stays below the strength" end
-  return "unsure", ("not certain, as it may exceed the strength within %s with a probability of up to %s"):format(
-    core.quantity(margins.duration, "s"), shown.percent(likely))
+  if likely > opts.first_passage then
+    return "unsure", ("not certain, as it may exceed the strength within %s with a probability of up to %s")
+      :format(core.quantity(margins.duration, "s"), shown.percent(likely))
+  end
+  if at_end then return "unsure", "not certain, as it is largest at an end of the range: " .. at_end end
+  return verdict, "it stays below the strength"
 end
 
 -- The stress over strength that is judged, its relative error, the verdict and its words. Of a stress without a
 -- finite value it is the mean over patches.
-local function judged(found, errors)
+local function judged(found, errors, opts)
   local governing, coarse = found.governing, found.coarse
   if not governing then return nil, nil, "unsure" end
   if not found.singular then
-    return governing.used, errors.stress, judge(governing.used, errors.stress, found.margins)
+    return governing.used, errors.stress, judge(governing.used, errors.stress, found, opts)
   end
   if not found.mean then
     return governing.used, nil, "unsure",
@@ -134,13 +146,13 @@ local function judged(found, errors)
   end
   local used = found.mean / governing.material.strength
   local estimated = model.error_of(found.mean, coarse and coarse.mean) + errors.equations
-  return used, estimated, judge(used, estimated, found.margins)
+  return used, estimated, judge(used, estimated, found, opts)
 end
 
 -- What the stress means for the part, in sentences and in JSON; the verdict.
 local function report_verdict(found, mesh, errors, opts, say, out)
   local stress, displacement, governing = found.stress, found.displacement, found.governing
-  local used, judged_error, verdict, words = judged(found, errors)
+  local used, judged_error, verdict, words = judged(found, errors, opts)
   local large = model.beyond_linear(displacement.value, mesh.box)
   if large then say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
   if found.singular then say("%s.", (tostring(found.singular):gsub("^%l", string.upper))) end
@@ -186,7 +198,7 @@ local function report(found, opts, given, out)
   say("The von Mises stress is largest at %s Hz: amplitude %s at %s (estimated error %s, %s).",
     shown.number(stress.frequency), shown.estimate(stress.value, "Pa"), core.point(stress.at),
     shown.error(errors.stress), errors.way)
-  if stress.frequency == opts.to or stress.frequency == opts.from and opts.from > 0 then
+  if end_advice(stress.frequency, opts) then
     say("That is an end of the range: the stress may be larger beyond it.")
   end
   local verdict = report_verdict(found, response.mesh, errors, opts, say, out)
@@ -212,7 +224,8 @@ end
 local function head_of(found, opts, given, way, out)
   local material, mass = page_head.part(found.made, opts, out)
   local about = found.judged
-  about.margins, about.way, about.damping = found.margins, way, opts.damping
+  about.margins, about.way, about.damping, about.allowed = found.margins, way, opts.damping, opts.first_passage
+  about.at_end = end_advice(found.stress.frequency, opts)
   about.facts = {{"Loads", #given > 0 and loads_of.text(given) or nil},
     {"Supports accelerated by", given.base and shown.vector(given.base, "m/s2")},
     page_head.constrained(opts.fix, found.area), material, mass}
@@ -267,6 +280,9 @@ local options = {
     what = "the lowest frequency"},
   {name = "to", value = "FREQUENCY", type = "number", unit = "Hz", above = 0,
     what = "the highest frequency; needed without --psd and --spectrum"},
+  {name = "band-limited", value = "yes|no", one_of = {"yes", "no"}, default = "no",
+    what = "yes: nothing vibrates beyond --from and --to; no: a stress that is largest at an end of the range may "
+      .. "be larger beyond it, and the verdict is not certain"},
   {name = "damping", value = "RATIO", type = "number", above = 0, below = 1, needed = true,
     what = "of the critical damping, in every mode: 0.01, say, of a metal part, 0.03 of a bolted one"},
   model.unit_option,
@@ -285,7 +301,7 @@ local options = {
 }
 local of_points = table.move(respond_spectrum.options, 1, #respond_spectrum.options, #respond_random.options + 1,
   {table.unpack(respond_random.options)})
-for i, option in ipairs(of_points) do table.insert(options, 8 + i, option) end -- behind --damping
+for i, option in ipairs(of_points) do table.insert(options, 9 + i, option) end -- behind --damping
 table.move(made_of.value_options, 1, #made_of.value_options, #options + 1, options)
 
 return {
@@ -296,7 +312,7 @@ return {
     .. "mean squares, the probability that the stress exceeds the strength, and damage. With --spectrum it finds "
     .. "the largest responses to a motion of the supports that is known by its response spectrum.\n\n"
     .. places.help .. "\n\n" .. output.codes("the stress stays below the strength",
-      "it exceeds the strength, or the estimated error leaves it open"),
+      "it exceeds the strength, or that is not certain"),
   arguments = {model.body_argument},
   options = options,
   examples = {"barwright respond bracket.stl --fix min:z --base 0,0,1g --to 500 --damping 0.02 --material steel",

@@ -20,14 +20,16 @@ local function likely(probability)
 end
 
 --- The head of a page (report_verdict.lua). about: {verdict =, used = stress over strength or nil, estimated = its
---- relative error or nil, margins = of a random vibration or nil, beyond = whether linear theory is left, way =
---- what the vibration is, damping =, facts =}; found: of the command.
+--- relative error or nil, margins = of a random vibration or nil, allowed = the probability that is taken as safe,
+--- at_end = what to do where the stress is largest at an end of the range, or nil, beyond = whether linear theory
+--- is left, way = what the vibration is, damping =, facts =}; found: of the command.
 function respond_page.head(found, about)
   local m, stress, displacement = about.margins, found.stress, found.displacement
   local at = stress.frequency and (" at %s Hz"):format(shown.number(stress.frequency)) or ""
   local facts = {page_head.margin(about.used, about.estimated),
     {"Exceeds the strength within " .. (m and core.quantity(m.duration, "s") or ""),
-      m and "probability " .. likely(m.first_passage[m.node])},
+      m and ("probability %s; up to %s is taken as safe"):format(likely(m.first_passage[m.node]),
+        shown.percent(about.allowed))},
     {"Largest von Mises stress", ("%s%s, %s"):format(shown.estimate(stress.value, "Pa"), at,
       core.point(stress.at))},
     {"Largest displacement", shown.estimate(displacement.value, "m")}}
@@ -40,6 +42,8 @@ function respond_page.head(found, about)
   local advice = {}
   if about.verdict == "exceeds" then
     advice[1] = "Move the natural frequencies away from the vibration (stiffer or lighter), or add damping."
+  elseif about.verdict == "unsure" and about.at_end then
+    advice[1] = ("The stress is largest at an end of the range: %s."):format(about.at_end)
   elseif about.verdict == "unsure" and about.estimated then
     advice[1] = "More --elements make the error smaller; less vibration or a thicker part leaves more margin."
   end

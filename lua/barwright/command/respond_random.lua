@@ -19,6 +19,9 @@ respond_random.options = {
       .. "frequency in Hz and a density in 1/Hz, which with --base 0,0,1g is in g2/Hz"},
   {name = "duration", value = "TIME", type = "number", unit = "s", above = 0,
     what = "with --psd: how long the vibration lasts"},
+  {name = "first-passage", value = "PROBABILITY", type = "number", default = 0.01, above = 0, below = 1,
+    what = "with --psd: what is taken as safe, the probability that the stress exceeds the strength within the "
+      .. "duration"},
   {name = "life", value = "AMPLITUDE,CYCLES,EXPONENT",
     what = "with --psd: the life curve of fatigue, 160MPa,2e6,5 for instance"},
 }
@@ -40,12 +43,12 @@ end
 --- What is wrong with the options, or nil; `given` takes the life curve.
 function respond_random.misuse(opts, given)
   if not opts.psd then
-    for _, name in ipairs {"duration", "life"} do
+    for _, name in ipairs {"duration", "first-passage", "life"} do
       if opts.given["--" .. name] then return ("option --%s is for --psd FILE.csv"):format(name) end
     end
     return nil
   end
-  for _, name in ipairs {"spectrum", "from", "to", "csv", "plot"} do
+  for _, name in ipairs {"spectrum", "from", "to", "band-limited", "csv", "plot"} do
     if opts.given["--" .. name] then
       return ("option --%s does not go with --psd: leave one of them out"):format(name)
     end
@@ -122,6 +125,9 @@ function respond_random.report(found, errors, opts, say, out)
     .. "%s).", shown.estimate(stress.value, "Pa"), core.point(stress.at), shown.error(errors.stress),
     errors.way)
   for _, sentence in ipairs(m and vibration.margin_sentences(m) or {}) do say("%s", sentence) end
+  if m then
+    say("A probability of up to %s is taken as safe (--first-passage).", shown.percent(opts.first_passage))
+  end
   local fatigue = found.fatigue
   if fatigue then
     for _, sentence in ipairs(vibration.fatigue_sentences(fatigue)) do say("%s", sentence) end
@@ -136,7 +142,8 @@ function respond_random.report(found, errors, opts, say, out)
     judged and ", and that of the mesh in " .. judged or "")
   out:json {quantity = "largest von Mises stress, three times its root mean square, Pa",
     duration_s = opts.duration, exceedance = m and m.exceedance[m.node], crossing_rate_hz = m and m.rate[m.node],
-    first_passage = m and m.first_passage[m.node], first_passage_poisson = m and m.poisson,
+    first_passage = m and m.first_passage[m.node], first_passage_limit = m and opts.first_passage,
+    first_passage_poisson = m and m.poisson,
     margin = m and m.margin, beyond_three_deviations = m and m.beyond, equations_error = random.error,
     counted = random.counted, natural_frequencies_hz = bw.json.list(found.modes.frequencies:totable()),
     damage = fatigue and fatigue.damage[fatigue.node],

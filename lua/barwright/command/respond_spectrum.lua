@@ -48,7 +48,7 @@ function respond_spectrum.misuse(opts, given)
     end
     return not opts.to and not opts.psd and "option --to FREQUENCY is missing" or nil
   end
-  for _, name in ipairs {"force", "pressure", "base", "from", "to", "csv", "plot"} do
+  for _, name in ipairs {"force", "pressure", "base", "from", "to", "band-limited", "csv", "plot"} do
     if opts.given["--" .. name] then
       return ("option --%s is for a vibration and does not go with --spectrum: leave one of them out"):format(name)
     end

@@ -174,7 +174,7 @@ function judge.statics(self, material, conditions, elements, former)
     answer.utilisation, answer.low, answer.high = used, used * math.max(0, 1 - error), used * (1 + error)
     answer.factor = 1 / used
     answer.force, answer.force_low = all / used, all / answer.high
-    answer.force_high = answer.low > 0 and all / answer.low or math.huge
+    answer.force_high = answer.low > 0 and all / answer.low or nil
     answer.sentence = sentence(answer, words)
   else
     answer.sentence = ("The strength of %s is not known: the largest stress is %s."):format(material.name,
