@@ -146,9 +146,10 @@ void bwi_column_motions(const bw_pressure_basis *basis, const bw_dof_map *dof_ma
   }
 }
 
-/* Orthonormal combinations of a body's rows, weighted with A, without those that are negligible. */
+/* Orthonormal combinations of a body's rows, weighted with A, without those that are negligible.
+ * all: takes the rows of the body's columns. */
 static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof_map,
-                           bwi_balance *body) {
+                           bwi_balance *body, double (*all)[BWI_LOCAL_ROWS]) {
   int n = body->motions;
   double natural[BWI_LOCAL_ROWS] = {0}, gram[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS] = {{0}};
   double vector[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS], square[BWI_LOCAL_ROWS] = {0}, area = 0;
@@ -166,7 +167,7 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof
   for (int m = 0; m < n; m++)
     natural[m] = fmax(natural[m], smallest_motion);
   for (int32_t j = 0; j < basis->count; j++) {
-    double raw[BWI_LOCAL_ROWS];
+    double *raw = all[j];
     if (!bwi_moves(body->component, basis->mesh->component[basis->node[j]]))
       continue;
     raw_rows(basis, dof_map, body, j, raw);
@@ -179,10 +180,9 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof
   /* Eigenvalues are exact to rounding of the largest: the size of a combination that should vanish
    * is that of the combination itself. */
   for (int32_t j = 0; j < basis->count; j++) {
-    double raw[BWI_LOCAL_ROWS];
+    const double *raw = all[j];
     if (!bwi_moves(body->component, basis->mesh->component[basis->node[j]]))
       continue;
-    raw_rows(basis, dof_map, body, j, raw);
     for (int i = 0; i < n; i++) {
       double sum = 0;
       for (int m = 0; m < n; m++)
@@ -202,7 +202,8 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof
 }
 
 static bw_status make_bodies(bw_context *context, bwi_load_program *program,
-                             const bw_pressure_basis *basis, const bw_dof_map *dof_map) {
+                             const bw_pressure_basis *basis, const bw_dof_map *dof_map,
+                             double (*raw)[BWI_LOCAL_ROWS]) {
   program->rigid_mode_count = dof_map->rigid_mode_count;
   program->body = BW_NEW0(context, bwi_balance, dof_map->rigid_mode_count + 1);
   if (!program->body)
@@ -224,7 +225,7 @@ static bw_status make_bodies(bw_context *context, bwi_load_program *program,
   }
   for (int32_t k = 0; k < program->body_count; k++) {
     program->body[k].row = program->lp.rows;
-    orthonormalise(basis, dof_map, &program->body[k]);
+    orthonormalise(basis, dof_map, &program->body[k], raw);
     program->lp.rows += program->body[k].rows;
   }
   program->lp.rows++; /* the fractions */
@@ -268,6 +269,7 @@ bw_status bwi_load_program_create(bw_context *context, const bw_pressure_basis *
   bwi_load_program *program = BW_NEW0(context, bwi_load_program, 1);
   if (!program)
     return BW_MEMORY;
+  double(*raw)[BWI_LOCAL_ROWS] = NULL;
   size_t n = (size_t)basis->count + (options->force_is_max ? 1 : 0);
   program->lp.columns = (int32_t)n;
   program->force = options->force;
@@ -281,10 +283,11 @@ bw_status bwi_load_program_create(bw_context *context, const bw_pressure_basis *
   program->lp.grouped = basis->directions > 1;
   program->lp.group_start = BW_NEW(context, int32_t, n + 1);
   program->lp.group = BW_NEW(context, int32_t, n);
-  BW_TRY_MEMORY(program->lp.group_start && program->lp.group && program->lp.entry &&
+  raw = (double(*)[BWI_LOCAL_ROWS])BW_NEW(context, double, BWI_LOCAL_ROWS *(size_t)basis->count);
+  BW_TRY_MEMORY(raw && program->lp.group_start && program->lp.group && program->lp.entry &&
                 program->lp.upper && program->source && program->area && program->lp.first_row &&
                 program->lp.row_count);
-  BW_TRY(make_bodies(context, program, basis, dof_map));
+  BW_TRY(make_bodies(context, program, basis, dof_map, raw));
   BW_TRY(order_columns(context, program, basis, options->force_is_max));
   group_columns(program, basis->directions);
   for (int32_t s = 0; s < program->lp.segment_count; s++) {
@@ -301,17 +304,16 @@ bw_status bwi_load_program_create(bw_context *context, const bw_pressure_basis *
       program->lp.row_count[j] = segment->rows;
       if (!body)
         continue;
-      double raw[BWI_LOCAL_ROWS];
-      raw_rows(basis, dof_map, body, from, raw);
       for (int l = 0; l < body->rows; l++) {
         double sum = 0;
         for (int m = 0; m < body->motions; m++)
-          sum += body->transform[l][m] * raw[m];
+          sum += body->transform[l][m] * raw[from][m];
         program->lp.entry[(size_t)l * n + (size_t)j] = sum;
       }
     }
   }
 done:
+  bw_free(raw);
   if (status == BW_OK)
     *result = program;
   else
