@@ -190,7 +190,7 @@ local function main()
     end
     return area
   end
-  result.held_area_m2 = selections(opts.fix, "fixed", function(selection) part:fix(selection) end)
+  result.supported_area_m2 = selections(opts.fix, "fixed", function(selection) part:fix(selection) end)
   result.forbidden_area_m2 = selections(opts.forbid, "no pressure", function(selection)
     forbidden = forbidden or {}
     forbidden[#forbidden + 1] = selection

@@ -90,7 +90,7 @@ describe("barwright worst", function()
     assert.truthy(out:find("within 1 place at once", 1, true))
     status, out = worst "--fix min:x --force 5kN --json"
     assert.equal(1, status)
-    assert.truthy(out:find '"held_area_m2": [%d.e-]+')
+    assert.truthy(out:find '"supported_area_m2": [%d.e-]+')
     assert.truthy(out:find '"friction": 0')
   end)
 

@@ -14,9 +14,9 @@ local computing = {["worst"] = "", ["strengthen"] = "--force 1N --out " .. path 
   ["heat"] = "--temperature min:x=80C --convection all=10,20C"}
 
 -- What the program prints on a terminal where somebody types lines; nil without the program that makes one.
-local function on_terminal(words, typed)
-  local pipe = assert(io.popen(("command -v script >/dev/null && printf '%s' | BARWRIGHT_QUIET=1 NO_COLOR=1 "
-    .. "script -qec \"%s %s\" /dev/null 2>&1"):format(typed, check.program, words)))
+local function on_terminal(words, typed, environment)
+  local pipe = assert(io.popen(("command -v script >/dev/null && printf '%s' | BARWRIGHT_QUIET=1 NO_COLOR=1 %s "
+    .. "script -qec \"%s %s\" /dev/null 2>&1"):format(typed, environment or "", check.program, words)))
   local text = pipe:read "a"
   pipe:close()
   return text ~= "" and text:gsub("\r", "") or nil
@@ -58,6 +58,30 @@ describe("the unit of a file that has none", function()
     assert.is_false(select(2, check.answer("statics " .. path "bar.3mf" .. words)).unit_assumed)
   end)
 
+  it("is that of the environment, unless the file or the command line has one", function()
+    local function answer(unit, words)
+      local pipe = assert(io.popen(("BARWRIGHT_UNIT=%s BARWRIGHT_QUIET=1 %s check --json %s 2>&1"):format(unit,
+        check.program, words)))
+      local text = pipe:read "a"
+      pipe:close()
+      return bw.json.decode(text)
+    end
+    assert.is_true(math.abs(answer("cm", path "bar.stl").size_m[1] - 1) < 1e-6)
+    assert.is_false(answer("cm", path "bar.stl").unit_assumed)
+    assert.is_true(math.abs(answer("cm", path "bar.3mf").size_m[1] - 0.1) < 1e-6)
+    assert.is_true(math.abs(answer("cm", path "bar.stl --unit mm").size_m[1] - 0.1) < 1e-6)
+    assert.is_true(answer("", path "bar.stl").unit_assumed)
+    assert.is_true(answer("km", path "bar.stl").unit_doubtful) -- 100 km
+    local words = ("BARWRIGHT_UNIT=%%s %s modes %s 2>&1"):format(check.program, path "bar.stl")
+    for unit, expected in pairs {km = "which makes it 100000000 x", furlong = "BARWRIGHT_UNIT: one of mm, cm"} do
+      local pipe = assert(io.popen(words:format(unit)))
+      local text = pipe:read "a"
+      local _, _, status = pipe:close()
+      assert.equal(2, status, text)
+      assert.truthy(text:find(expected, 1, true), text)
+    end
+  end)
+
   it("counts in conversions that write it", function()
     assert.equal(0, (check.run(("convert %s %s"):format(path "tiny.stl", path "same.off"))))
     for _, name in ipairs {"tiny.3mf", "tiny.step", "tiny.glb", "tiny.vtu"} do
@@ -73,6 +97,11 @@ describe("the unit of a file that has none", function()
     assert.truthy(text:find("12 triangles, 100 x 10 x 10 mm", 1, true), text)
     text = on_terminal("check " .. path "bar.stl", "cm\\n")
     assert.truthy(text:find("12 triangles, 1000 x 100 x 100 mm", 1, true), text)
+    assert.truthy(text:find("Without a question: --unit cm, or BARWRIGHT_UNIT=cm for all files", 1, true), text)
+    text = on_terminal("check " .. path "bar.stl", "", "BARWRIGHT_UNIT=cm")
+    assert.truthy(text:find("taken as cm (BARWRIGHT_UNIT; --unit gives another)", 1, true), text)
+    assert.truthy(text:find("12 triangles, 1000 x 100 x 100 mm", 1, true), text)
+    assert.falsy(text:find("Unit", 1, true), text)
     -- In doubt there is no default, and what is no unit is asked for again.
     text = on_terminal("check " .. path "tiny.stl", "furlong\\n\\nin\\n")
     assert.equal(2, select(2, text:gsub("One of mm, cm, m, km, um, in, ft is expected. Unit: ", "")), text)

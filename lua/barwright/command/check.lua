@@ -9,7 +9,6 @@ local made_of = require "barwright.command.made_of"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local shown = require "barwright.shown"
-local writable = require "barwright.writable"
 
 -- Each kind of defect in words: one, many, what it means.
 local kinds = {
@@ -29,12 +28,6 @@ local kinds = {
 local order = {"open edge", "non-manifold edge", "non-manifold point", "misoriented edge", "flipped shell",
   "zero-area facet", "duplicate facet", "self-intersection"}
 
-local function size_of(box)
-  local size = {}
-  for i = 1, #box.min do size[i] = box.max[i] - box.min[i] end
-  return size
-end
-
 -- The value below which a fraction of the sorted list lies.
 local function quantile(sorted, fraction)
   return sorted[math.max(1, math.ceil(fraction * #sorted))]
@@ -48,7 +41,7 @@ local function new_page() return {facts = {}, advice = {}, tables = {}} end
 local function add_fact(page, name, text) page.facts[#page.facts + 1] = {name, text} end
 
 local function report_unit(read, page, out)
-  local size = size_of(read.box)
+  local size = file_unit.size_of(read.box)
   local sentence, names = file_unit.guess(size, read.metres_per_unit or 1, read.unit)
   out:json {size_m = size, box_low_m = read.box.min, box_high_m = read.box.max,
     metres_per_unit = read.metres_per_unit, unit_doubtful = sentence ~= nil,
@@ -195,9 +188,6 @@ local function report_edges(surface, opts, picture, page, out)
   picture.line_name = model.count(#edges, "re-entrant edge") .. " without a fillet"
 end
 
--- So many faces are listed.
-local MAX_FACES = 24
-
 -- The faces that the file names, the largest first: {name =, area =}.
 local function named_faces(surface)
   local names, area, list = surface:face_names(), {}, {}
@@ -232,20 +222,20 @@ local function report_faces(surface, opts, page, out)
   for i, face in ipairs(faces) do
     list[i] = {name = face.name, kind = face.kind, area_m2 = face.area, centre_m = face.centre,
       radius_m = face.radius}
-    if i <= MAX_FACES then
+    if i <= check_page.MAX_FACES then
       rows[i] = {face.name, core.quantity(face.area, "m2"), face.radius and core.quantity(face.radius, "m") or ""}
       out:say("  %-12s %s%s", face.name, core.quantity(face.area, "m2"),
         face.radius and ", radius " .. core.quantity(face.radius, "m") or "")
     end
   end
-  if #faces > MAX_FACES then out:say("  and %d smaller ones.", #faces - MAX_FACES) end
+  if #faces > check_page.MAX_FACES then out:say("  and %d smaller ones.", #faces - check_page.MAX_FACES) end
   page.tables[#page.tables + 1] = {"Faces", {"face", "area", "radius"}, rows}
   local named = named_faces(surface)
   local entries, named_rows = bw.json.list {}, {}
   if #named > 0 then out:say("%s with names of the file:", model.count(#named, "face")) end
   for i, face in ipairs(named) do
     entries[i] = {name = face.name, area_m2 = face.area}
-    if i <= MAX_FACES then
+    if i <= check_page.MAX_FACES then
       named_rows[i] = {face.name, core.quantity(face.area, "m2")}
       out:say("  %-12s %s", face.name, core.quantity(face.area, "m2"))
     end
@@ -253,7 +243,7 @@ local function report_faces(surface, opts, page, out)
   if #named > 0 then
     page.tables[#page.tables + 1] = {"Faces that the file names", {"face", "area"}, named_rows}
   end
-  if #named > MAX_FACES then out:say("  and %d smaller ones.", #named - MAX_FACES) end
+  if #named > check_page.MAX_FACES then out:say("  and %d smaller ones.", #named - check_page.MAX_FACES) end
   out:json {faces = list, named_faces = #named > 0 and entries or nil}
   return true
 end
@@ -286,7 +276,7 @@ local function check_surface(read, opts, page, out)
   local surface = read.surface
   local report = surface:check {limit = MAX_CROSSES}
   out:say("%s: %s, %s, %s.", model.name(read.path), read.format,
-    model.count(surface.triangle_count, "triangle"), shown.size(size_of(read.box)))
+    model.count(surface.triangle_count, "triangle"), shown.size(file_unit.size_of(read.box)))
   report_unit(read, page, out)
   report_bodies(read, out)
   out:json {triangles = surface.triangle_count, points = surface.point_count, sound = report.sound,
@@ -396,7 +386,7 @@ end
 local function check_outline(read, _, _, out)
   local outline, holes = read.outline, 0
   for _, loop in ipairs(outline.loops) do holes = holes + (loop.hole and 1 or 0) end
-  local size = size_of(read.box)
+  local size = file_unit.size_of(read.box)
   out:say("%s: %s, %s.", model.name(read.path), read.format, shown.size(size))
   out:say("Sound: %s closed and without crossings, of which %s; %s; area %s, length of the cuts %s.",
     model.count(#outline.loops, "loop"), model.count(holes, "hole"), model.count(outline.edge_count, "edge"),
@@ -415,14 +405,9 @@ local function open(opts, out)
     made, message = made_of.read(opts)
     if not made then return nil, message, {status = "misuse"} end
   end
-  for _, name in ipairs {"picture", "report"} do
-    local path, ok = opts[name], true
-    if path and model.same_path(path, opts.model) then
-      return nil, ("option --%s: %s is the MODEL: give another file"):format(name, path), {status = "misuse"}
-    end
-    if path then ok, message, details = writable(path) end
-    if not ok then return nil, message, details end
-  end
+  local ok
+  ok, message, details = model.check_outputs(opts)
+  if not ok then return nil, message, details end
   local read
   read, message, details = model.open(opts.model, opts.unit, out)
   if not read then

@@ -7,8 +7,8 @@ local html = require "barwright.html"
 
 local check_page = {}
 
--- So many faces are drawn with their names.
-local MAX_FACES = 24
+--- So many faces are listed, and drawn with their names.
+check_page.MAX_FACES = 24
 -- A triangle is seen where its normal has this part of its length towards the viewer.
 local TOWARDS = 0.2
 -- A triangle may be so many times the radius of its inner circle farther away than another one.
@@ -47,7 +47,7 @@ function check_page.face_labels(surface, picture)
     end
   end
   local labels = {}
-  for i = 1, math.min(#seen, MAX_FACES) do
+  for i = 1, math.min(#seen, check_page.MAX_FACES) do
     local sum, best, min = seen[i], nil, nil
     for _, centroid in ipairs(sum.centroids) do
       local away = distance(centroid, {sum[1] / sum.area, sum[2] / sum.area, sum[3] / sum.area})

@@ -57,9 +57,10 @@ local function has_unit(read)
   return false
 end
 
-local function size_of(read)
+--- The lengths of a box along the axes.
+function file_unit.size_of(box)
   local size = {}
-  for i = 1, 3 do size[i] = read.box.max[i] - read.box.min[i] end
+  for i = 1, #box.min do size[i] = box.max[i] - box.min[i] end
   return size
 end
 
@@ -92,24 +93,37 @@ local function can_ask(opts)
   return not opts.json and not opts.quiet and core.terminal() and core.terminal(true)
 end
 
+--- The unit that the environment gives to a file that was read and has none, or nil; false and a sentence where it
+--- is no unit.
+function file_unit.of_environment(read)
+  local name = os.getenv "BARWRIGHT_UNIT"
+  if not name or name == "" or read.kind == "outline" or has_unit(read) then return nil end
+  if lengths[name] then return name end
+  return false, ("BARWRIGHT_UNIT: one of %s expected, got '%s'"):format(table.concat(file_unit.names, ", "), name)
+end
+
 --- What is to be done about the unit of a file that was read: nil, it stays as it was taken; the name of the unit
 --- that the user gave on the terminal; or false and a sentence that refuses it. Says what was assumed.
 function file_unit.settle(read, path, opts, out)
   if opts.unit or read.kind == "outline" then return nil end
-  local size, metres = size_of(read), file_unit.taken(read)
+  local size, metres = file_unit.size_of(read.box), file_unit.taken(read)
   local doubt, likely = file_unit.guess(size, metres)
-  local name, known = file_unit.name_of(metres), has_unit(read)
+  local name, known = file_unit.name_of(metres), read.by_environment or has_unit(read)
   out:json {unit_assumed = not known, unit_suggestions = likely and json.list(likely)}
   if (doubt or not known) and can_ask(opts) then
     local unit = ask(doubt and ("%s: %s"):format(path, doubt)
       or ("%s: the file has no unit; in %s it is %s."):format(path, name, shown.size(size)), not doubt and name)
     if unit then
       out:json {unit_assumed = false}
+      out:say("Without a question: --unit %s, or BARWRIGHT_UNIT=%s for all files that have no unit.", unit, unit)
       return unit
     end
   end
   if doubt then return false, ("%s: %s Nothing was computed; --unit confirms a unit."):format(path, doubt) end
-  if not known then out:say("The file has no unit: its numbers are taken as %s (--unit gives another).", name) end
+  if read.by_environment or not known then
+    out:say("The file has no unit: its numbers are taken as %s (%s gives another).", name,
+      read.by_environment and "BARWRIGHT_UNIT; --unit" or "--unit")
+  end
   return nil
 end
 

@@ -287,7 +287,7 @@ return {
     made_of.option,
     {name = "conductivity", value = "NUMBER", type = "number", above = 0,
       what = "thermal conductivity, in W/(m K), in place of the material's"},
-    {name = "temperature", value = "PLACE=TEMPERATURE", many = true, what = "a place is held at a temperature"},
+    {name = "temperature", value = "PLACE=TEMPERATURE", many = true, what = "a place has this temperature"},
     {name = "power", value = "PLACE=POWER", many = true, what = "a power, in W, spread over a place"},
     {name = "volume-power", value = "POWER", type = "number",
       what = "a power, in W, spread over the volume of the part"},

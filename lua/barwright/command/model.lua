@@ -189,8 +189,6 @@ function model.pick(keys, from)
   return out
 end
 
---- Whether a size makes sense for a part: see file_unit.lua.
-
 -- ---- reading ---------------------------------------------------------------------------------------
 
 local volume_endings = {pvtu = true, msh = true, vtu = true, mesh = true, inp = true, node = true, ele = true}
@@ -242,11 +240,17 @@ function model.read(path, unit)
     metres_per_unit = info.metres_per_unit, info = info}
 end
 
--- A file in a unit that was asked for.
-local function again(path, unit)
-  local read, message, details = model.read(path, unit)
-  core.warnings() -- they are shown already
-  return read, message, details
+-- What was read in a unit: read again where it was taken for another one.
+local function in_unit(read, path, unit)
+  local metres = file_unit.metres(unit)
+  if math.abs(metres / file_unit.taken(read) - 1) > 1e-9 then
+    local message, details
+    read, message, details = model.read(path, unit)
+    core.warnings() -- they are shown already
+    if not read then return nil, message, details end
+  end
+  read.metres_per_unit = metres
+  return read
 end
 
 --- What was read of a body or a drawing, with its unit settled (file_unit.lua): a size that is implausible for a
@@ -258,21 +262,27 @@ function model.settle_unit(read, opts, out, path)
   if not unit then return read end
   opts.unit = unit
   opts.given["--unit"] = unit -- for commands that are advised
-  local metres = file_unit.metres(unit)
-  if math.abs(metres / file_unit.taken(read) - 1) > 1e-9 then
-    local other, why, details = again(path, unit)
-    if not other then return nil, why, details end
-    read = other
-  end
-  read.unit, read.metres_per_unit = unit, metres
+  local details
+  read, message, details = in_unit(read, path, unit)
+  if not read then return nil, message, details end
+  read.unit = unit
   return read
 end
 
---- The same with what people want to hear of it.
+--- What was read, in the unit of the environment where neither the file nor the command line has one; and what
+--- people want to hear of it.
 function model.open(path, unit, out)
   local read, message, details = model.read(path, unit)
   out:warnings()
   if not read then return nil, message, details end
+  local by_environment
+  if not unit then by_environment, message = file_unit.of_environment(read) end
+  if by_environment == false then return nil, message, {status = "misuse"} end
+  if by_environment then
+    read, message, details = in_unit(read, path, by_environment)
+    if not read then return nil, message, details end
+    read.unit, read.by_environment = nil, true -- a doubt about it stays one
+  end
   out:json {file = path, format = read.format, kind = read.kind}
   return read
 end
@@ -339,10 +349,9 @@ end
 
 --- Says and keeps what a mesh is. made: what it is made of (made_of.lua), or nil.
 function model.report_mesh(mesh, made, out)
-  local size, mass = {}, made and made_of.mass(made, mesh)
-  for i = 1, 3 do size[i] = mesh.box.max[i] - mesh.box.min[i] end
+  local mass = made and made_of.mass(made, mesh)
   out:say("%s, %s, %s, %s%s.", model.count(mesh.element_count, "element"), model.count(mesh.node_count, "node"),
-    shown.size(size), core.quantity(mesh.volume, "m3"),
+    shown.size(file_unit.size_of(mesh.box)), core.quantity(mesh.volume, "m3"),
     mass and ", " .. core.quantity(mass, "kg") or "")
   out:json {elements = mesh.element_count, nodes = mesh.node_count, bodies = mesh.component_count,
     box_low_m = mesh.box.min, box_high_m = mesh.box.max, volume_m3 = mesh.volume,
@@ -409,9 +418,9 @@ function model.same_path(a, b)
   return plain_path(a) == plain_path(b)
 end
 
--- What the command is to write: a fault before the work and not after it. No file is written over one that is read
--- or over another that is written.
-local function check_outputs(opts)
+--- What the command is to write: a fault before the work and not after it. No file is written over one that is
+--- read, or over another that is written. True, or nil, message, details.
+function model.check_outputs(opts)
   local role = {}
   role[plain_path(opts.model)] = "the MODEL"
   for _, name in ipairs {"spectrum", "psd"} do
@@ -440,7 +449,7 @@ model.field_endings = {"vtu", "pvtu", "msh", "mesh", "inp", "node", "ele"}
 --- implausible for a part is refused unless the unit was given. one: the name of a command that takes one material
 --- for all of a part, `read.made.default`, or nil.
 function model.start(opts, out, one)
-  local ok, message, details = check_outputs(opts)
+  local ok, message, details = model.check_outputs(opts)
   if not ok then return nil, message, details end
   local made, read
   made, message = made_of.read(opts)

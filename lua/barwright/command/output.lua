@@ -56,12 +56,12 @@ function output.paint(text)
   return text
 end
 
---- A line for people; with more arguments a format and its values.
+--- A line for people; with more arguments a format and its values. Returns the line.
 function output:say(text, ...)
   if select("#", ...) > 0 then text = text:format(...) end
   if self.lines then self.lines[#self.lines + 1] = text end
-  if self.machine or self.quiet then return end
-  write(self, self.colour and output.paint(text) or text)
+  if not (self.machine or self.quiet) then write(self, self.colour and output.paint(text) or text) end
+  return text
 end
 
 --- A list that grows by each line that is said from now on, for a page: quiet or not.
@@ -83,11 +83,7 @@ end
 --- A function that says a line, and the list of the lines that it said, for a page: quiet or not.
 function output:recorded()
   local lines = {}
-  return function(text, ...)
-    if select("#", ...) > 0 then text = text:format(...) end
-    lines[#lines + 1] = text
-    self:say(text)
-  end, lines
+  return function(...) lines[#lines + 1] = self:say(...) end, lines
 end
 
 --- Fields of the object that --json prints; later ones are added to earlier ones.

@@ -130,7 +130,7 @@ local function report_limits(breaking, opts, out)
     out:say("  Loads act within %s at once; where these are is a heuristic search.",
       model.count(opts.hands, "place"))
   end
-  out:json {held_area_m2 = fixed, forbidden_area_m2 = forbidden, friction = opts.friction, hands = opts.hands}
+  out:json {supported_area_m2 = fixed, forbidden_area_m2 = forbidden, friction = opts.friction, hands = opts.hands}
 end
 
 -- Options of the advised command that must be those of this one.
