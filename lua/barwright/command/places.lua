@@ -218,13 +218,19 @@ function places.test(texts, surface)
   end
 end
 
+-- What the engine says to scripts, as people take it.
+local function for_people(message)
+  return (message:gsub("the nearest is node %d+ at", "the nearest one is at")
+    :gsub("print%(mesh:surface%(%)%) lists them", "`barwright check --faces yes` lists them"))
+end
+
 --- The selection on a mesh, or nil and a sentence.
 function places.select(mesh, text)
   local kind, values = read(text)
   if not kind then return nil, values, {status = "misuse"} end
   local selection, message = model.try(kind.select, mesh.boundary, mesh.box, values[1], values[2])
   if not selection then
-    return nil, ("%s: %s"):format(text, message), {status = "empty"}
+    return nil, ("%s: %s"):format(text, for_people(message)), {status = "empty"}
   end
   return selection
 end

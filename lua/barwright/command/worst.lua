@@ -261,19 +261,18 @@ local function analyse(opts, out)
   local limits, why = read_limits(opts)
   if not limits then return nil, why, {status = "misuse"} end
   if opts.threads then bw.threads(opts.threads) end
+  local read, message, details = model.start(opts, out, "worst")
+  if not read then return nil, message, details end
+  if read.kind == "outline" then return model.mesh(read, opts, out) end
   local folder
   if opts.out then
     local options = model.pick({"force", "contact", "fix", "forbid", "friction", "hands", "error", "length",
       "modes", "regions", "solver", "elements", "material", "unit", "young", "poisson", "strength", "density",
       "toughness"}, opts)
-    local message, details
     folder, message, details = bw.results.open(opts.out, {script = "barwright worst", inputs = {opts.model},
       options = options, seed = 1})
     if not folder then return nil, message, details end
   end
-  local read, message, details = model.start(opts, out, "worst")
-  if not read then return nil, message, details end
-  if read.kind == "outline" then return model.mesh(read, opts, out) end
   local breaking
   breaking, message, details = model.try(bw.breaking_force, read.surface or read.mesh, {
     material = read.made.default, force = opts.force, contact = opts.contact,
