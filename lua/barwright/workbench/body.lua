@@ -168,28 +168,39 @@ function body.moved(self, surface, moved, radius)
   return {surface = surface, labels = self.labels, faces = faces, log = self.log, sound = self.sound}
 end
 
--- Labels of all triangles: those without one take that of a neighbour.
-local function spread(surface, labels)
-  local triangles, list, at_edge = surface.triangles:totable(), labels:totable(), {}
-  for t, p in ipairs(triangles) do
-    for k = 1, 3 do
-      local a, b = p[k], p[k % 3 + 1]
-      if a > b then a, b = b, a end
-      local key = a * 4294967296 + b
-      at_edge[key] = at_edge[key] or {}
-      table.insert(at_edge[key], t)
+--- What the k-th edge of a triangle, a list of points, is named by.
+function body.edge_key(triangle, k)
+  local a, b = triangle[k], triangle[k % 3 + 1]
+  if a > b then a, b = b, a end
+  return a * 4294967296 + b
+end
+
+--- The triangles at each edge by its name, of those that are wanted, a function of their number; or of all.
+function body.at_edges(triangles, wanted)
+  local at = {}
+  for t, triangle in ipairs(triangles) do
+    if not wanted or wanted(t) then
+      for k = 1, 3 do
+        local key = body.edge_key(triangle, k)
+        at[key] = at[key] or {}
+        table.insert(at[key], t)
+      end
     end
   end
+  return at
+end
+
+-- Labels of all triangles: those without one take that of a neighbour.
+local function spread(surface, labels)
+  local triangles, list = surface.triangles:totable(), labels:totable()
+  local at_edge = body.at_edges(triangles)
   local queue = {}
   for t, label in ipairs(list) do
     if label > 0 then queue[#queue + 1] = t end
   end
   for _, t in ipairs(queue) do
-    local p = triangles[t]
     for k = 1, 3 do
-      local a, b = p[k], p[k % 3 + 1]
-      if a > b then a, b = b, a end
-      for _, other in ipairs(at_edge[a * 4294967296 + b]) do
+      for _, other in ipairs(at_edge[body.edge_key(triangles[t], k)]) do
         if list[other] == 0 then
           list[other] = list[t]
           queue[#queue + 1] = other -- which ipairs goes on to

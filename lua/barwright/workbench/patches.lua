@@ -6,27 +6,6 @@ local core = require "barwright.core"
 
 local patches = {}
 
-local function edge_key(p, k)
-  local a, b = p[k], p[k % 3 + 1]
-  if a > b then a, b = b, a end
-  return a * 4294967296 + b
-end
-
--- The triangles at each edge, of those with a label.
-local function at_edges(triangles, labels, label)
-  local at = {}
-  for t, p in ipairs(triangles) do
-    if labels[t] == label then
-      for k = 1, 3 do
-        local key = edge_key(p, k)
-        at[key] = at[key] or {}
-        table.insert(at[key], t)
-      end
-    end
-  end
-  return at
-end
-
 -- The middle and the unit normal of a triangle.
 local function middle_and_normal(points, p)
   local a, b, c = points[p[1]], points[p[2]], points[p[3]]
@@ -77,7 +56,8 @@ function patches.grown(self, first, angle, radius, around)
   local label = labels[first]
   if not label then core.raise "grow: there is no such triangle" end
   local points, triangles = self.surface.points:totable(), self.surface.triangles:totable()
-  local at, chosen, queue, min = at_edges(triangles, labels, label), {[first] = true}, {first}, math.cos(angle)
+  local at = body.at_edges(triangles, function(t) return labels[t] == label end)
+  local chosen, queue, min = {[first] = true}, {first}, math.cos(angle)
   local centre, direction = middle_and_normal(points, triangles[first])
   around = around or centre
   local function belongs(t)
@@ -87,7 +67,7 @@ function patches.grown(self, first, angle, radius, around)
   end
   for _, t in ipairs(queue) do
     for k = 1, 3 do
-      for _, other in ipairs(at[edge_key(triangles[t], k)]) do
+      for _, other in ipairs(at[body.edge_key(triangles[t], k)]) do
         if not chosen[other] and belongs(other) then
           chosen[other] = true
           queue[#queue + 1] = other -- which ipairs goes on to
