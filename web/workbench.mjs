@@ -120,6 +120,7 @@ const heard = {
 
   // An action was done; the state that it made follows.
   done(message) {
+    if (message.message) say(message.message);
     if (splitting?.id === message.id) splitting.done = true;
     if (released === message.id) ask(); // the converged answer of what was dragged
   },
@@ -149,7 +150,7 @@ const heard = {
 
   file(message) {
     make("a", { href: message.url, download: message.name || "" }).click();
-    say(`${message.name || "The file"} is downloaded.`);
+    say([`${message.name || "The file"} is downloaded.`, message.deviation].filter(Boolean).join(" "));
   },
 };
 
@@ -189,6 +190,9 @@ function render() {
   byId("thickness-form").hidden = !state.thickness;
   if (state.thickness && document.activeElement !== byId("thickness")) byId("thickness").value = Number((1000 * state.thickness).toPrecision(6));
   setText("note", state.note || "");
+  setText("deviation", state.deviation?.text || "");
+  byId("undo").title = `Undo${state.undo_words ? ` ${state.undo_words}` : ""} (Ctrl+Z)`;
+  byId("redo").title = `Redo${state.redo_words ? ` ${state.redo_words}` : ""} (Ctrl+Shift+Z)`;
   const pushed = loaded();
   setText("target-words", pushed ? "It must carry its loads" : "It must carry");
   setText("target-unit", pushed ? "times" : "N");

@@ -435,7 +435,7 @@ function Workbench:optimise(options) end
 ---@field factor? number (-) with loads: on all of them. Default: 1
 ---@field steps? integer (count) at most. Range: 1 to 20. Default: 5
 
----Takes the last action back.
+---Takes the last action back, the choice of a unit or a thickness too. `state` names it before, in `undo_words`.
 ---
 ---Errors: invalid (with a sentence that says what to do).
 ---@return bw.Workbench? self the workbench
@@ -468,12 +468,34 @@ function Workbench:save(options) end
 ---@class bw.WorkbenchSaveOptions
 ---@field path? string Default: the part's path with the ending .workbench.lua
 
+---How far the edited surface lies from that of the file, as it was repaired. Points that no edit moved are equal bit for bit.
+---The result is printed as a sentence.
+---```lua
+---bw.surface.box {max = {0.1, 0.02, 0.01}}:write "beam.stl"
+---local bench = assert(bw.workbench.open "beam.stl")
+---assert(bench:push {faces = {1}, distance = 0.001})
+---print(assert(bench:deviation()).largest) -- 0.001
+---```
+---
+---Errors: memory.
+---@return bw.WorkbenchDeviation? deviation how far, and where
+---@return string? message
+---@return bw.Details? details
+function Workbench:deviation() end
+
+---A deviation from the original surface.
+---@class bw.WorkbenchDeviation
+---@field largest number (m) the largest distance of a point of one surface from the other one
+---@field at? bw.Vector (m) that point; nil where nothing has moved
+---@field unmoved integer (count) points of the original that the edited surface has, bit for bit
+---@field points integer (count) points of the original
+
 ---Writes the edited surface.
 ---
 ---Errors: io, format.
 ---@param options bw.WorkbenchExportOptions which file
 ---@return string? path the file
----@return string? message
+---@return bw.WorkbenchDeviation|string|nil deviation how far it lies from the original, or the message
 ---@return bw.Details? details
 function Workbench:export(options) end
 

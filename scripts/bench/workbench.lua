@@ -29,14 +29,15 @@ local function run(path)
   local start, row = os.clock(), {file = path:match "[^/]+$"}
   local bench, message = workbench.read(path)
   if not bench then row.refused = message return row end
-  frame.raw(bench.raw.surface, 0)
-  row.seconds_scene, row.triangles = os.clock() - start, bench.raw.surface.triangle_count
+  frame.raw(bench.source.read.surface, 0)
+  row.seconds_scene, row.triangles = os.clock() - start, bench.source.read.surface.triangle_count
   local ok
   ok, message = bench:prepare()
   row.seconds_faces = os.clock() - start
   if not ok then row.refused = message return row end
-  if bench.doubt then
-    ok, message = bench:unit {unit = bench.likely[1] or "mm"}
+  local state = bench:state()
+  if not state.units_plausible then
+    ok, message = bench:unit {unit = state.units_likely[1] or "mm"}
     if not ok then row.refused = message return row end
   end
   local faces = bench:current().body.faces

@@ -119,6 +119,122 @@ describe("the workbench", function()
     assert.equal(script, bench:script())
   end)
 
+  it("undoes and redoes the choice of a unit and of a thickness, and its script goes along", function()
+    local path = file("unsure.stl", bw.surface.box {max = {0.1, 0.02, 0.01}}, {unit = "m"})
+    local bench = assert(bw.workbench.open(path))
+    local script = bench:script()
+    assert(bench:fix {faces = {facing(bench, {-1, 0, 0})}})
+    assert(bench:unit {unit = "m"})
+    assert.equal("the unit metres", bench:state().undo_words)
+    near(0.1, bench:state().size[1], 1e-6)
+    assert.is_true(bench:state().units_plausible)
+    assert.equal(1, #bench:state().conditions)
+    assert(bench:unit {unit = "in"})
+    near(0.1 * 0.0254, bench:state().size[1], 1e-6)
+    local inches = bench:script()
+    assert(bench:undo())
+    near(0.1, bench:state().size[1], 1e-6)
+    assert.equal("the unit inches", bench:state().redo_words)
+    assert.equal("m", bench:state().unit)
+    assert(bench:undo())
+    near(0.1e-3, bench:state().size[1], 1e-6)
+    assert.is_false(bench:state().units_plausible)
+    assert.truthy(bench:state().units_message:find("In metres it is 100 x 20 x 10 mm", 1, true))
+    assert.is_nil(bench:answer())
+    assert(bench:undo())
+    assert.equal(script, bench:script())
+    for _ = 1, 3 do assert(bench:redo()) end
+    assert.equal(inches, bench:script())
+    assert.equal(bits(bench:current().body.surface.volume), bits(load(inches)():current().body.surface.volume))
+    -- Lengths of an edit are those of its unit: undone with it.
+    assert(bench:undo())
+    assert(bench:push {faces = {1}, distance = 0.001})
+    local made, message = bench:unit {unit = "in"}
+    assert.is_nil(made)
+    assert.truthy(message:find("undo that", 1, true))
+
+    path = folder .. "/sheet.svg"
+    assert(bw.outline.rectangle({width = 0.06, height = 0.02}):write(path))
+    bench = assert(bw.workbench.open(path))
+    assert(bench:thickness {thickness = 0.002})
+    assert.equal("the thickness of 2 mm", bench:state().undo_words)
+    assert(bench:undo())
+    near(0.003, bench:state().size[3], 1e-9)
+    near(0.003, bench:state().thickness, 1e-9)
+    assert(bench:redo())
+    near(0.002, bench:state().size[3], 1e-9)
+  end)
+
+  it("says of every action what is undone", function()
+    local bench, left, right, top = beam()
+    local function does(words, made, message)
+      assert(made, message)
+      assert.equal(words, bench:state().undo_words)
+    end
+    local name = function(face) return bench:state().faces[face].name end
+    does("the fixed support of " .. name(left), bench:fix {faces = {left}})
+    does("the sliding support of " .. name(top), bench:fix {faces = {top}, kind = "normal"})
+    does("the force of 5 N on " .. name(right), bench:load {faces = {right}, force = {3, 0, -4}})
+    does("the pressure of 0.1 MPa on " .. name(top), bench:pressure {faces = {top}, pressure = 1e5})
+    does("the moment of 2 N m on " .. name(right), bench:moment {faces = {right}, moment = {0, 0, 2}})
+    does("gravity", bench:gravity())
+    does("the change of the force on " .. name(right), bench:change {condition = 3, vector = {0, 0, -1}})
+    does("the removal of gravity", bench:remove {condition = 6})
+    does("the material steel", bench:material {name = "steel"})
+    does("the material of own values", bench:material {young = 1e9, poisson = 0.3})
+    does("the lock of " .. name(left), bench:lock {faces = {left}})
+    does("the unlocking of all faces", bench:lock {faces = {}})
+    does("symmetry", bench:symmetry {across = "y"})
+    does("the push of " .. name(top) .. " by 1 mm", bench:push {faces = {top}, distance = 0.001})
+    does("the offset by 0.5 mm", bench:offset {distance = 0.0005})
+    does("the end of symmetry", bench:symmetry {across = "none"})
+    does("the thickening by 1 mm at (20, 10, 11.5) mm",
+      bench:thicken {at = {0.02, 0.01, 0.0115}, radius = 0.008, offset = 0.001})
+    does("the patch", bench:grow {point = {0.09, 0.01, 0.0115}, radius = 0.005})
+  end)
+
+  it("prints the deviation from the original, and moves no other point by a bit", function()
+    local bench, _, right, top = beam()
+    assert.is_nil(bench:state().deviation)
+    local same = assert(bench:deviation())
+    assert.equal(0, same.largest)
+    assert.equal(8, same.unmoved)
+    assert(bench:push {faces = {top}, distance = 0.002})
+    local found = bench:state().deviation
+    near(0.002, found.largest, 1e-9)
+    near(HEIGHT + 0.002, found.at[3], 1e-6)
+    assert.equal(4, found.unmoved)
+    assert.equal(8, found.points)
+    assert.truthy(found.text:find("At most 2 mm from the original, at (", 1, true), found.text)
+    assert.truthy(found.text:find("4 of 8 points of the original are where they were, bit for bit", 1, true))
+    assert.truthy(bench:script():find("print(workbench:deviation())", 1, true))
+    -- A corner of two pushed faces lies farther away; a push of -2 mm gives the surface of the file again.
+    assert(bench:push {faces = {right}, distance = 0.001})
+    near(math.sqrt(0.002 ^ 2 + 0.001 ^ 2), bench:deviation().largest, 1e-6)
+    assert(bench:undo())
+    assert(bench:thicken {at = {0.02, 0.01, HEIGHT + 0.002}, radius = 0.008, offset = 0.001})
+    near(0.003, bench:deviation().largest, 1e-3)
+    assert.equal(4, bench:deviation().unmoved)
+    -- In a file of single precision too: what was not moved has the bytes of the file that was opened.
+    local path, deviation = assert(bench:export {path = folder .. "/deviation.stl"})
+    assert.equal(tostring(bench:deviation()), tostring(deviation))
+    local function vertices(name)
+      local input, set = assert(io.open(name, "rb")), {}
+      local bytes = input:read "a"
+      input:close()
+      for at = 85, #bytes, 50 do
+        for k = 1, 3 do set[bytes:sub(at + 12 * k, at + 12 * k + 11)] = true end
+      end
+      return set
+    end
+    local before, after, kept = vertices(beam_path), vertices(path), 0
+    for vertex in pairs(before) do kept = kept + (after[vertex] and 1 or 0) end
+    assert.equal(4, kept)
+    for _ = 1, 2 do assert(bench:undo()) end
+    assert.is_nil(bench:state().deviation)
+    assert.is_nil(bench:script():find("deviation", 1, true))
+  end)
+
   it("pushes planes, keeps neighbours plane, and refuses what crosses itself", function()
     local bench, _, right, top = beam()
     assert(bench:push {faces = {top, right}, distance = 0.002})
@@ -425,6 +541,7 @@ describe("the workbench's controller", function()
     message {id = 6, ["do"] = "drag", push = {faces = {2}, distance = 0.001}}
     assert.truthy(last "drag".latency_ms)
     message {id = 7, ["do"] = "undo"}
+    assert.truthy(last "done".message:find("^Undone: the force of 1 N on "))
     header = scene()
     assert.equal("shape", header.kind)
     message {id = 8, ["do"] = "export", format = "stl"}

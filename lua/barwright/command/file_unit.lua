@@ -10,6 +10,10 @@ local file_unit = {}
 --- The names that --unit takes.
 file_unit.names = {"mm", "cm", "m", "km", "um", "in", "ft"}
 
+--- The names in words.
+file_unit.words = {mm = "millimetres", cm = "centimetres", m = "metres", km = "kilometres", um = "micrometres",
+  ["in"] = "inches", ft = "feet"}
+
 local lengths = {mm = 1e-3, cm = 1e-2, m = 1, km = 1e3, um = 1e-6, ["in"] = 0.0254, ft = 0.3048}
 
 --- The length of a unit in m; nil where there is none of the name.
@@ -22,9 +26,14 @@ function file_unit.taken(read) return read.metres_per_unit or 1 end
 local SMALLEST, LARGEST = 5e-3, 3
 local units = {{"mm", 1e-3}, {"in", 0.0254}, {"cm", 1e-2}, {"m", 1}}
 
+-- How the units that are likely are offered on a command line.
+local by_option = {each = function(unit, shown_size) return ("--unit %s makes it %s"):format(unit, shown_size) end,
+  none = " Is that what is meant? (--unit)"}
+
 --- Whether the size makes sense, or a sentence on what unit the file may be in. `size` in metres as read with
---- `metres` to a unit of the file; asked: whether the unit was given.
-function file_unit.guess(size, metres, asked)
+--- `metres` to a unit of the file; asked: whether the unit was given; words: how units are offered.
+function file_unit.guess(size, metres, asked, words)
+  words = words or by_option
   local longest = math.max(table.unpack(size))
   if asked or longest >= SMALLEST and longest <= LARGEST then return nil end
   local likely = {}
@@ -37,14 +46,14 @@ function file_unit.guess(size, metres, asked)
   local head = ("The numbers were taken as %s, which makes it %s: %s for a part."):format(
     metres == 1 and "metres" or metres == 1e-3 and "millimetres" or ("%g m"):format(metres),
     shown.size(size), longest < SMALLEST and "small" or "large")
-  if #likely == 0 then return head .. " Is that what is meant? (--unit)", {} end
+  if #likely == 0 then return head .. words.none, {} end
   local texts, names = {}, {}
   local function scaled(by)
     return {by * size[1], by * size[2], by * size[3]}
   end
   for i, unit in ipairs(likely) do
     names[i] = unit[1]
-    texts[i] = ("--unit %s makes it %s"):format(unit[1], shown.size(scaled(unit[2] / metres)))
+    texts[i] = words.each(unit[1], shown.size(scaled(unit[2] / metres)))
   end
   return head .. " " .. table.concat(texts, ", ") .. ".", names
 end

@@ -70,9 +70,14 @@ function body.size(box)
   return {box.max[1] - box.min[1], box.max[2] - box.min[2], box.max[3] - box.min[3]}
 end
 
+local in_words = {each = function(unit, size) return ("in %s it is %s"):format(file_unit.words[unit], size) end,
+  none = ""}
+
 --- A sentence where the size is implausible for a part, and the units that would make it plausible; else nil.
 function body.doubt(read, unit)
-  return file_unit.guess(body.size(read.surface.box), read.metres_per_unit, unit ~= nil or read.exact_unit)
+  local text, likely = file_unit.guess(body.size(read.surface.box), read.metres_per_unit,
+    unit ~= nil or read.exact_unit, in_words)
+  return text and (text:gsub("%. in ", ". In ")), likely
 end
 
 -- ---- repair ----------------------------------------------------------------------------------------

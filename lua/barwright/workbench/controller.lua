@@ -111,16 +111,21 @@ local function export(self, client, message)
     return nil, ("export: no such format '%s': one of %s expected"):format(live_check.shown(format),
       table.concat(format_names, ", "))
   end
-  local bytes, why
+  local bytes, why, deviation
   if format == "lua" then
     bytes = self.bench:script()
   else
-    bytes, why = shared.written("." .. format, function(path) return self.bench:export {path = path} end)
+    bytes, why = shared.written("." .. format, function(path)
+      local written
+      written, deviation = self.bench:export {path = path}
+      return written, deviation
+    end)
   end
   if not bytes then return nil, why end
   local path, name = "export." .. format, stem(self) .. "." .. format
   self.server:serve(path, mimes[format], bytes, name)
-  notify(self, client, {type = "file", id = message.id, url = path, name = name, format = format, bytes = #bytes})
+  notify(self, client, {type = "file", id = message.id, url = path, name = name, format = format, bytes = #bytes,
+    deviation = deviation and tostring(deviation)})
   return true
 end
 
@@ -130,12 +135,22 @@ local handlers = {export = export}
 
 -- Actions that are done at once, by the method of the same name.
 for _, name in ipairs {"fix", "load", "pressure", "moment", "gravity", "change", "remove", "material", "lock",
-  "symmetry", "grow", "patch", "push", "radius", "offset", "thicken", "undo", "redo"} do
-  handlers[name] = function(self, _, _, given)
-    local method = self.bench[name]
-    if name == "undo" or name == "redo" then return method(self.bench) end
-    return method(self.bench, given)
-  end
+  "symmetry", "grow", "patch", "push", "radius", "offset", "thicken"} do
+  handlers[name] = function(self, _, _, given) return self.bench[name](self.bench, given) end
+end
+
+-- With what was undone, or done again, in words.
+function handlers.undo(self)
+  local undone = self.bench:current()
+  local ok, why, details = self.bench:undo()
+  if not ok then return nil, why, details end
+  return true, ("Undone: %s."):format(undone.words)
+end
+
+function handlers.redo(self)
+  local ok, why, details = self.bench:redo()
+  if not ok then return nil, why, details end
+  return true, ("Done again: %s."):format(self.bench:current().words)
 end
 
 -- Those that take long, and what they are called.
@@ -218,7 +233,7 @@ local function take(self, client, message)
     say(self, (tostring(result):gsub("^[^\n:]+:%d+: ", "")), {status = "misuse"})
     notify(self, client, {type = "refused", id = message.id, request = message["do"], message = self.message.text})
   else
-    notify(self, client, {type = "done", id = message.id, request = message["do"]})
+    notify(self, client, {type = "done", id = message.id, request = message["do"], message = why})
   end
   if message["do"] ~= "drag" and message["do"] ~= "prepare" then publish(self) end
 end
@@ -230,7 +245,7 @@ local function open(self, path, unit, name)
   if type(path) ~= "string" then return nil, "open: 'path': the name of a file expected", {status = "misuse"} end
   local bench, why, details = model.try(workbench.read, path, {unit = unit})
   if not bench then return nil, why, details end
-  send_scene(self, frame.raw(bench.raw.surface, 0))
+  send_scene(self, frame.raw(bench.source.read.surface, 0))
   local ready
   ready, why, details = long(self, "checking the surface", bench.prepare, bench)
   if not ready then return nil, why, details end

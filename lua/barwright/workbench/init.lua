@@ -5,6 +5,7 @@
 local arguments = require "barwright.arguments"
 local body = require "barwright.workbench.body"
 local core = require "barwright.core"
+local deviation_of = require "barwright.workbench.deviation"
 local file_unit = require "barwright.command.file_unit"
 local lines = require "barwright.workbench.lines"
 local options = require "barwright.options"
@@ -17,7 +18,7 @@ local workbench = {}
 workbench.__index = workbench
 workbench.__name = "barwright.workbench"
 
-local now, refuse = session.now, session.refuse
+local now, refuse, act = session.now, session.refuse, session.act
 
 -- ---- opening ---------------------------------------------------------------------------------------
 
@@ -25,24 +26,31 @@ local unit_names = file_unit.names
 
 local open_rules = {unit = {type = "string", one_of = unit_names}, thickness = {type = "number", above = 0}}
 
+-- How the file was read: {read = what it holds, unit =, thickness = those that were given, doubt =, likely =, body =
+-- the repaired body, once it is known}.
+local function source_of(read, unit, thickness)
+  local source = {read = read, unit = unit, thickness = thickness}
+  source.doubt, source.likely = body.doubt(read, unit)
+  return source
+end
+
 --- Reads a file, without repair: the shape can be shown already. `prepare` goes on. A `name` of the result takes
 --- the place of the path in scripts.
 function workbench.read(path, given)
   local opts = options.read("open", given, open_rules)
   local read, message, details = body.read(path, opts.unit, opts.thickness)
   if not read then return nil, message, details end
-  return setmetatable({path = path, unit_given = opts.unit, thickness_given = opts.thickness, raw = read,
-    history = {}, position = 0, revision = 0}, workbench)
+  return setmetatable({path = path, source = source_of(read, opts.unit, opts.thickness), history = {}, position = 0,
+    revision = 0}, workbench)
 end
 
 --- Repairs the surface that was read and finds its faces.
 function workbench:prepare()
-  local made, message, details = body.new(self.raw.surface)
+  local made, message, details = body.new(self.source.read.surface)
   if not made then return nil, self.path .. ": " .. message, details end
-  local material = core.material.named "pla"
-  self.doubt, self.likely = body.doubt(self.raw, self.unit_given)
-  self.history = {{body = made, conditions = {}, material = material, material_options = {name = "pla"},
-    locked = {}, revision = 1}}
+  self.source.body = made
+  self.history = {{body = made, source = self.source, conditions = {}, material = core.material.named "pla",
+    material_options = {name = "pla"}, locked = {}, revision = 1}}
   self.position, self.revision = 1, self.revision + 1
   self.last_revision = 1
   return self
@@ -66,52 +74,48 @@ local function same_faces(a, b)
   return true
 end
 
--- The file is as if it had been opened with a unit and a thickness: what was done so far goes on with the new
--- lengths; what was undone is lost.
-local function reopened(self, unit, thickness, what)
-  local first = self.history[1].body
-  for i = 2, self.position do
-    if self.history[i].body ~= first then
-      return refuse(("The shape or its faces were changed with lengths of the former %s: undo that, then choose "
-        .. "the %s."):format(what, what))
-    end
+-- Whether supports, loads or locks of an entry name faces.
+local function names_faces(entry)
+  for _, condition in ipairs(entry.conditions) do
+    if condition.faces then return true end
   end
+  return next(entry.locked) ~= nil
+end
+
+-- A further entry in which the file is read with another unit or thickness; supports and loads stay on their faces.
+local function reopened(self, what, given)
+  local entry = now(self)
+  local source = entry.source
+  if entry.body ~= source.body then
+    return refuse(("The shape or its faces were changed with lengths of the former %s: undo that, then choose "
+      .. "the %s."):format(what, what))
+  end
+  local unit, thickness = given.unit or source.unit, given.thickness or source.thickness
   local read, message, details = body.read(self.path, unit, thickness)
   if not read then return nil, message, details end
-  local made
-  made, message, details = body.new(read.surface)
-  if not made then return nil, message, details end
-  if self.position > 1 and not same_faces(first.faces, made.faces) then
-    return refuse(("The faces of the part get other numbers with this %s: open the file again with it."):format(
-      what))
+  local new = source_of(read, unit, thickness)
+  new.body, message, details = body.new(read.surface)
+  if not new.body then return nil, message, details end
+  if names_faces(entry) and not same_faces(entry.body.faces, new.body.faces) then
+    return refuse(("The faces of the part get other numbers with this %s: undo the supports and loads, then choose "
+      .. "the %s."):format(what, what))
   end
-  self.unit_given, self.thickness_given, self.raw = unit, thickness, read
-  self.trial, self.rest = nil, nil
-  for i = #self.history, self.position + 1, -1 do self.history[i] = nil end
-  self.doubt, self.likely = body.doubt(read, unit)
-  for i = 1, #self.history do
-    local entry = self.history[i]
-    entry.body, entry.answer, entry.solved, entry.coarse, entry.advice = made, nil, nil, nil, nil
-    self.last_revision = self.last_revision + 1
-    entry.revision = self.last_revision
-  end
-  self.revision = self.revision + 1
-  return self
+  return act(self, what, given, {body = new.body, source = new})
 end
 
 --- The unit of the numbers in the file. It is chosen before the shape is edited.
 function workbench:unit(given)
   local opts = options.read("unit", given, {unit = {type = "string", needed = true, one_of = unit_names}})
-  return reopened(self, opts.unit, self.thickness_given, "unit")
+  return reopened(self, "unit", opts)
 end
 
 --- The thickness (m) of the body of a drawing. It is chosen before the shape is edited.
 function workbench:thickness(given)
   local opts = options.read("thickness", given, {thickness = {type = "number", needed = true, above = 0}})
-  if not self.raw.thickness then
+  if not self.source.read.thickness then
     return refuse "The file is solid and has a thickness already: push a face instead."
   end
-  return reopened(self, self.unit_given, opts.thickness, "thickness")
+  return reopened(self, "thickness", opts)
 end
 
 -- ---- undo ------------------------------------------------------------------------------------------
@@ -132,11 +136,16 @@ end
 
 -- ---- files -----------------------------------------------------------------------------------------
 
--- The lines of the actions in force.
+local function is_edited(entry)
+  return entry.body.surface ~= entry.source.body.surface
+end
+
+-- The lines of the actions in force, and of what they print.
 local function script_lines(self)
   local list = {}
   for i = 2, self.position do list[#list + 1] = self.history[i].line end
   local entry = now(self)
+  if is_edited(entry) then list[#list + 1] = "print(workbench:deviation())" end
   if entry.answer_line then
     list[#list + 1] = ("local answer = %s"):format(entry.answer_line)
     list[#list + 1] = "print(answer.sentence)"
@@ -146,7 +155,7 @@ end
 
 --- A script that opens the file and repeats every action in force, and the answer.
 function workbench:script()
-  return lines.script(self.name or self.path, {unit = self.unit_given, thickness = self.thickness_given},
+  return lines.script(self.name or self.path, {unit = self.source.unit, thickness = self.source.thickness},
     script_lines(self))
 end
 
@@ -164,17 +173,26 @@ function workbench:save(given)
   return path
 end
 
---- Writes the edited surface to a file, by its ending.
+--- How far the edited surface lies from that of the file, as it was repaired: {largest, at, unmoved, points}.
+function workbench:deviation()
+  local entry = now(self)
+  return deviation_of(entry.body.surface, entry.source.body.surface)
+end
+
+--- Writes the edited surface to a file, by its ending. Returns the path and the deviation.
 function workbench:export(given)
   local opts = options.read("export", given, {path = {type = "string", needed = true}})
   local ok, message, details = now(self).body.surface:write(opts.path)
   if not ok then return nil, message, details end
-  return opts.path
+  local deviation
+  deviation, message, details = self:deviation()
+  if not deviation then return nil, message, details end
+  return opts.path, deviation
 end
 
 --- The session as a plain table: what a page shows.
 function workbench:state()
-  return state_of(self, script_lines(self))
+  return state_of(self, script_lines(self), is_edited(now(self)) and self:deviation() or nil)
 end
 
 -- What a page draws: the entry in force.
@@ -201,7 +219,7 @@ arguments.methods("workbench", workbench, workbench, {fix = "options: options", 
   radius = "options: options", offset = "options: options", try = "options: options",
   prepare_drag = "options?: options", answer = "options?: options",
   probe = "options: options", advice = "options?: options", apply = "options: options",
-  thicken = "options: options", optimise = "options?: options", undo = "", redo = "", script = "",
+  thicken = "options: options", optimise = "options?: options", undo = "", redo = "", script = "", deviation = "",
   save = "options?: options", export = "options: options", state = ""})
 arguments.functions("workbench.", workbench, {open = "path: string, options?: options"})
 

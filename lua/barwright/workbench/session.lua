@@ -1,8 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- What the actions of a workbench share: the entry in force, refusals, a further entry of the history, and how
 -- faces and vectors are read. `history` has what the actions made so far, `position` where undo and redo are. An
--- entry changes with the unit alone: {body, conditions, material, material_options, locked, symmetry, line, note,
--- answer, ...}. `trial` is a shape that is tried (drag.lua).
+-- entry stays as it was made, but for its answers: {body, source, conditions, material, material_options, locked,
+-- symmetry, line, words, note, answer, ...}. `trial` is a shape that is tried (drag.lua).
+local action_words = require "barwright.workbench.action_words"
 local core = require "barwright.core"
 local lines = require "barwright.workbench.lines"
 local vectors = require "barwright.modeller.vectors"
@@ -23,11 +24,11 @@ end
 -- What an action made takes the place of all that was undone. `change`: what differs from the entry before.
 function session.act(self, name, given, change)
   local before, entry = session.now(self), {}
-  for _, key in ipairs {"body", "conditions", "material", "material_options", "locked", "symmetry"} do
+  for _, key in ipairs {"body", "source", "conditions", "material", "material_options", "locked", "symmetry"} do
     entry[key] = before[key]
     if change[key] ~= nil then entry[key] = change[key] end
   end
-  entry.line, entry.note = lines.action(name, given), change.note
+  entry.line, entry.words, entry.note = lines.action(name, given), action_words(name, given, before), change.note
   self.last_revision = self.last_revision + 1
   entry.revision = self.last_revision
   for i = #self.history, self.position + 1, -1 do self.history[i] = nil end
@@ -65,8 +66,8 @@ end
 
 -- The unit must be confirmed before anything is computed or a length is given.
 function session.unconfirmed(self)
-  if not self.doubt then return nil end
-  return ("%s Nothing was computed: choose the unit of the file first."):format(self.doubt)
+  local doubt = session.now(self).source.doubt
+  return doubt and ("%s Nothing was computed: choose the unit of the file first."):format(doubt)
 end
 
 --- Whether an entry has loads.

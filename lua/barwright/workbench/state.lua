@@ -63,25 +63,30 @@ local function answer_of(entry)
   return out
 end
 
---- The state of a workbench, with the lines of its script.
-return function(self, script)
+--- The state of a workbench, with the lines of its script and the deviation of an edited part.
+return function(self, script, deviation)
   local entry = self:current()
+  local source = entry and entry.source or self.source
+  local read = source.read
   local out = {type = "state", revision = self.revision, file = model.name(self.path),
-    format = self.raw.format, unit = model.unit_of({metres_per_unit = self.raw.metres_per_unit},
-    {unit = self.unit_given}), units_plausible = self.doubt == nil, units_message = self.doubt,
-    units_likely = self.likely and json.list(self.likely) or nil, saved = self.saved or false,
-    size = body.size(entry and entry.body.surface.box or self.raw.surface.box)}
+    format = read.format, unit = model.unit_of(read, {unit = source.unit}), units_plausible = source.doubt == nil,
+    units_message = source.doubt, units_likely = source.likely and json.list(source.likely) or nil,
+    saved = self.saved or false, size = body.size(entry and entry.body.surface.box or read.surface.box)}
   if not entry then return out end
   local volume = entry.body.surface.volume
   out.repair = {sound = entry.body.sound, log = json.list(entry.body.log)}
   out.faces, out.conditions = faces_of(entry), conditions_of(entry)
   out.material, out.materials = material_of(entry.material), json.list(core.material.names())
-  out.thickness = self.raw.thickness
+  out.thickness = read.thickness
   out.mass = entry.material.density and entry.material.density * volume or nil
   out.volume = volume
   out.script = json.list(script)
   out.undo, out.redo = self.position > 1, self.position < #self.history
+  out.undo_words, out.redo_words = out.undo and entry.words or nil,
+    out.redo and self.history[self.position + 1].words or nil
   out.answer, out.note, out.symmetry = answer_of(entry), entry.note, entry.symmetry or "none"
+  out.deviation = deviation and {text = tostring(deviation), largest = deviation.largest, at = deviation.at,
+    unmoved = deviation.unmoved, points = deviation.points}
   out.grown_faces = json.list(self.grown_faces or {})
   out.advice = json.list {}
   for i, place in ipairs(entry.advice or {}) do
