@@ -80,9 +80,9 @@ const heard = {
   state(message) {
     counts.states++;
     state = message;
-    // A support's kind says how it holds.
+    // A support's kind says which directions it constrains.
     for (const condition of state.conditions || [])
-      if (condition.kind === "all" || condition.kind === "normal") Object.assign(condition, { holds: condition.kind, kind: "fix" });
+      if (condition.kind === "all" || condition.kind === "normal") Object.assign(condition, { constrains: condition.kind, kind: "fix" });
     if (asked && (message.reply === undefined || message.reply >= asked.id)) {
       const took = message.latency_ms ?? performance.now() - asked.since;
       setText("latency", `The last step took ${took < 2000 ? `${Math.round(took)} ms` : `${digits(took / 1000)} s`}.`);
@@ -217,10 +217,10 @@ function renderRepair() {
 
 function nextStep() {
   const conditions = state.conditions || [];
-  if (!state.file) return "Open a part, choose faces, and say what holds and what pushes.";
-  if (!state.material) return "Choose a material, then faces that hold and faces that are pushed.";
+  if (!state.file) return "Open a part, choose faces, and say which are fixed and which are pushed.";
+  if (!state.material) return "Choose a material, then faces that are fixed and faces that are pushed.";
   if (!conditions.some((c) => c.kind === "fix"))
-    return conditions.length ? "Choose faces that hold the part, and press Fix." : "Choose faces that hold the part and press Fix; or ask where it breaks first.";
+    return conditions.length ? "Choose the faces where the part is screwed or glued, and press Fix." : "Choose the faces where the part is screwed or glued, and press Fix; or press Answer to see where it breaks first.";
   if (!conditions.some((c) => c.kind !== "fix")) return "Choose a face and press Push, Press or Turn; then Answer.";
   return "Ready: press Answer.";
 }

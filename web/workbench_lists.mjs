@@ -45,10 +45,10 @@ export const unitOf = { force: "N", pressure: "MPa", moment: "N m", gravity: "m/
 
 const verbs = { force: "Push", pressure: "Press", moment: "Turn", gravity: "Gravity" };
 
-function conditionWords({ kind, holds, faces, value, vector }, all) {
+function conditionWords({ kind, constrains, faces, value, vector }, all) {
   const of = (number) => all.find((f) => f.index === number);
   const where = !faces?.length ? "" : faces.length > 2 ? `: ${faces.length} faces` : `: ${faces.map((n) => faceName(of(n) || {})).join(" and ")}`;
-  if (kind === "fix") return `${holds === "normal" ? "Held across" : "Fixed"}${where}`;
+  if (kind === "fix") return `${constrains === "normal" ? "Slides along" : "Fixed"}${where}`;
   const much = kind === "pressure" ? megapascals(value) : `${digits(value ?? Math.hypot(...vector))} ${unitOf[kind]}`;
   return `${verbs[kind] || kind} ${much}${vector && kind !== "moment" ? heading(vector) : ""}${where}`;
 }

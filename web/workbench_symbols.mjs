@@ -1,5 +1,5 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// Supports and loads as symbols on the part: cones that hold, arrows that push, an arc with a head that turns.
+// Supports and loads as symbols on the part: cones of supports, arrows that push, an arc with a head that turns.
 import * as THREE from "three";
 import { arrow } from "./arrows.mjs";
 

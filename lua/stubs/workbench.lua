@@ -4,7 +4,7 @@
 --
 -- Workbench
 --
--- A part from a file, what holds and loads it, an answer, edits of its surface: what `barwright open` shows
+-- A part from a file, what constrains and loads it, an answer, edits of its surface: what `barwright open` shows
 -- (docs/workbench.md).
 
 ---Workbenches. `barwright open` shows one in the browser.

@@ -285,13 +285,26 @@ describe("the workbench", function()
     end, "three numbers", 1, true)
     assert(bench:gravity())
     assert(bench:change {condition = 1, faces = {1, 2, 3, 4, 5, 6}})
-    refused("Every face is held", bench:answer {accuracy = "coarse"})
+    refused("Every face is fixed", bench:answer {accuracy = "coarse"})
     assert(bench:remove {condition = 1})
-    refused("Nothing holds the part", bench:answer {accuracy = "coarse"})
+    refused("No face is fixed", bench:answer {accuracy = "coarse"})
     assert(bench:fix {faces = {left}, kind = "normal"})
     refused("leave the part free to move", bench:answer {accuracy = "coarse"})
     assert.error_matches(function() bench:remove {condition = 7} end, "no support or load 7", 1, true)
     assert.has_error(function() bench:fix {surfaces = {1}} end)
+  end)
+
+  it("says in the words of the page where a load goes into the fixed faces around it", function()
+    local bench, _, right = beam()
+    bench:current().body.faces[7] = {name = "free form 1", kind = "free form", area = 1e-12, normal = {1, 0, 0},
+      centre = {LENGTH, WIDTH / 2, HEIGHT / 2}} -- smaller than all elements: it takes a facet of the right face
+    assert(bench:fix {faces = {right}})
+    assert(bench:load {faces = {7}, force = {0, 0, -10}})
+    local answer, message = bench:answer {accuracy = "coarse"}
+    assert.is_nil(answer)
+    assert.truthy(message:find("The force on free form 1", 1, true), message)
+    assert.truthy(message:find("press Remove beside the support", 1, true))
+    assert.is_nil(message:find("metres", 1, true))
   end)
 
   it("balances loads without a support", function()
@@ -530,7 +543,7 @@ describe("the workbench's controller", function()
     assert.equal(2, last "done".id)
     message {id = 3, ["do"] = "load", faces = {5}, force = {0, 0, -1}}
     assert.equal(3, last "refused".id)
-    assert.truthy(last "state".message.text:find("held", 1, true))
+    assert.truthy(last "state".message.text:find("is fixed and cannot be loaded", 1, true))
     message {id = 4, ["do"] = "load", faces = {6}, force = {0, 0, -1}}
     assert.is_nil(last "state".message)
     message {id = 5, ["do"] = "answer", accuracy = "coarse"}

@@ -59,7 +59,7 @@ local function on_triangles(list, near, x, y, z)
   return false
 end
 
--- Whether a point lies on a face that no edit moves: locked ones and those that are held; nil where there is none.
+-- Whether a point lies on a face that no edit moves: locked ones and those with supports; nil where there is none.
 local function kept(entry)
   local faces, near, some = {}, ON_FACE * model.diagonal(entry.body.surface.box), false
   for face in pairs(entry.locked) do faces[face] = true end

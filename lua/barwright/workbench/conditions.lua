@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Actions of a workbench about what holds and loads the part, its material and its faces: they are put into its
+-- Actions of a workbench about what constrains and loads the part, its material and its faces: they are put into its
 -- class.
 local core = require "barwright.core"
 local model = require "barwright.command.model"
@@ -20,18 +20,18 @@ local function with_condition(self, name, given, condition)
   return act(self, name, given, {conditions = list})
 end
 
--- A sentence where a load would act on a face that is held, or the other way round.
+-- A sentence where a load would act on a face that is fixed, or the other way round.
 local function clash(self, condition, but)
   local part = now(self).body
   for i, other in ipairs(now(self).conditions) do
-    local one_holds = condition.kind == "all" ~= (other.kind == "all")
+    local one_fixes = condition.kind == "all" ~= (other.kind == "all")
     local load = condition.kind == "all" and other or condition
-    if i ~= but and one_holds and load.kind ~= "normal" and load.kind ~= "gravity" then
+    if i ~= but and one_fixes and load.kind ~= "normal" and load.kind ~= "gravity" then
       for _, a in ipairs(condition.faces or {}) do
         for _, b in ipairs(other.faces or {}) do
           if a == b then
-            return ("%s is held and cannot be loaded: a load on a support does nothing. Load another face, or "
-              .. "remove the support."):format(part.faces[a].name)
+            return ("%s is fixed and cannot be loaded: a load on a support does nothing. Choose another face, or "
+              .. "press Remove beside the support."):format(part.faces[a].name)
           end
         end
       end
@@ -48,7 +48,7 @@ end
 local fix_rules = {faces = {type = "table", needed = true},
   kind = {type = "string", default = "all", one_of = {"all", "normal"}}}
 
---- Holds faces: all directions, or only along their normals.
+--- Constrains faces: all directions, or only along their normals.
 function workbench:fix(given)
   local opts = options.read("fix", given, fix_rules)
   local faces, message, details = read_faces(self, "fix", opts.faces)

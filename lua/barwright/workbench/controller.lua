@@ -7,6 +7,7 @@
 local core = require "barwright.core"
 local frame = require "barwright.workbench.frame"
 local json = require "barwright.json"
+local lengths = require "barwright.command.lengths"
 local live_check = require "barwright.live_check"
 local model = require "barwright.command.model"
 local shared = require "barwright.live_session"
@@ -226,8 +227,9 @@ local function take(self, client, message)
   local ok, result, why, details = pcall(act, self, client, message)
   if ok and result == nil then
     if not shared.stopped(details) then
-      say(self, tostring(why), details)
-      notify(self, client, {type = "refused", id = message.id, request = message["do"], message = tostring(why)})
+      say(self, lengths(tostring(why)), details)
+      notify(self, client, {type = "refused", id = message.id, request = message["do"],
+        message = self.message.text})
     end
   elseif not ok then
     say(self, (tostring(result):gsub("^[^\n:]+:%d+: ", "")), {status = "misuse"})

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The workbench: a part from a file, what holds and loads it, an answer, edits of its surface. Every action is a
+-- The workbench: a part from a file, what constrains and loads it, an answer, edits of its surface. Every action is a
 -- method, a line of a script, and can be undone. docs/workbench.md.
 -- The actions are in conditions.lua, shapes.lua and answers.lua; session.lua has what they share.
 local arguments = require "barwright.arguments"
@@ -26,8 +26,8 @@ local unit_names = file_unit.names
 
 local open_rules = {unit = {type = "string", one_of = unit_names}, thickness = {type = "number", above = 0}}
 
--- How the file was read: {read = what it holds, unit =, thickness = those that were given, doubt =, likely =, body =
--- the repaired body, once it is known}.
+-- How the file was read: {read = what it holds, unit =, thickness = those that were given, doubt =, likely =,
+-- body = the repaired body, once it is known}.
 local function source_of(read, unit, thickness)
   local source = {read = read, unit = unit, thickness = thickness}
   source.doubt, source.likely = body.doubt(read, unit)
@@ -40,8 +40,8 @@ function workbench.read(path, given)
   local opts = options.read("open", given, open_rules)
   local read, message, details = body.read(path, opts.unit, opts.thickness)
   if not read then return nil, message, details end
-  return setmetatable({path = path, source = source_of(read, opts.unit, opts.thickness), history = {}, position = 0,
-    revision = 0}, workbench)
+  return setmetatable({path = path, source = source_of(read, opts.unit, opts.thickness), history = {},
+    position = 0, revision = 0}, workbench)
 end
 
 --- Repairs the surface that was read and finds its faces.
@@ -82,7 +82,8 @@ local function names_faces(entry)
   return next(entry.locked) ~= nil
 end
 
--- A further entry in which the file is read with another unit or thickness; supports and loads stay on their faces.
+-- A further entry in which the file is read with another unit or thickness; supports and loads stay on their
+-- faces.
 local function reopened(self, what, given)
   local entry = now(self)
   local source = entry.source
@@ -97,8 +98,8 @@ local function reopened(self, what, given)
   new.body, message, details = body.new(read.surface)
   if not new.body then return nil, message, details end
   if names_faces(entry) and not same_faces(entry.body.faces, new.body.faces) then
-    return refuse(("The faces of the part get other numbers with this %s: undo the supports and loads, then choose "
-      .. "the %s."):format(what, what))
+    return refuse(("The faces of the part get other numbers with this %s: undo the supports and loads, then "
+      .. "choose the %s."):format(what, what))
   end
   return act(self, what, given, {body = new.body, source = new})
 end

@@ -7,6 +7,7 @@ local breaking_force = require "barwright.breaking_force"
 local core = require "barwright.core"
 local facet_error = require "barwright.facet_error"
 local growth = require "barwright.singular_growth"
+local lengths = require "barwright.command.lengths"
 local model = require "barwright.command.model"
 local patch_means = require "barwright.command.patch_means"
 local shown = require "barwright.shown"
@@ -52,48 +53,65 @@ local function total(part)
 end
 
 -- Why nothing can be solved, in a sentence that says what to do; nil where all is well.
-local function fault(part, held, conditions)
+local function fault(part, fixed, conditions)
   local covered = 0
   for _, support in ipairs(part.supports) do covered = covered + support.on.area end
-  if held and covered >= (1 - 1e-9) * part.mesh.boundary.area then
-    return "Every face is held: no load can stress the part. Release the faces that are not screwed or glued."
+  if fixed and covered >= (1 - 1e-9) * part.mesh.boundary.area then
+    return "Every face is fixed: no load can stress the part. Press Remove beside the supports of faces that are "
+      .. "not screwed or glued."
   end
   local free = part:rigid_modes()
-  if held and free and #free > 0 and part.mesh.component_count > 1 then
-    return ("The file has %d separate bodies, and not all of them are held: hold a face of each, or join them.")
-      :format(part.mesh.component_count)
+  if fixed and free and #free > 0 and part.mesh.component_count > 1 then
+    return ("The file has %d separate bodies, and not all of them are constrained: choose a face of each and press "
+      .. "Fix, or join them in the program that made the file."):format(part.mesh.component_count)
   end
-  if held and free and #free > 0 then
-    return ("The supports leave the part free to move: %s. Fix a face fully, or further faces."):format(
+  if fixed and free and #free > 0 then
+    return ("The supports leave the part free to move: %s. Choose one more face and press Fix."):format(
       free[1].text)
   end
-  if held then return nil end
+  if fixed then return nil end
   local force, size = {0, 0, 0}, 0
   for _, load in ipairs(part.loads) do
     for k = 1, 3 do force[k] = force[k] + load.resultant[k] end
     size = size + norm(load.resultant)
   end
   if #conditions > 0 and norm(force) > 1e-6 * size then
-    return ("Nothing holds the part, and the loads push it away with %s: fix the faces where it is held, or add "
-      .. "the load on the other side."):format(core.quantity(norm(force), "N"))
+    return ("No face is fixed, and the loads push the part away with %s: choose the faces where it is screwed or "
+      .. "glued and press Fix, or add the load on the other side."):format(core.quantity(norm(force), "N"))
   end
 end
 
---- The part on a mesh: model, whether it is held; or nil and why not.
+local load_names = {force = "force", pressure = "pressure", gravity = "gravity"}
+
+-- What the engine says of a solve, in the words of a page.
+local function in_words(self, conditions, message, details)
+  local number = tonumber(tostring(message):match "^load (%d+), an? ")
+  for _, condition in ipairs(number and conditions or {}) do
+    if load_names[condition.kind] then number = number - 1 end
+    if number == 0 then
+      return ("The %s on %s goes straight into the fixed faces beside it, and nothing deforms: press Change "
+        .. "beside it and choose another face, or press Remove beside the support."):format(load_names[condition.kind],
+        self.faces[condition.faces[1]].name), details
+    end
+  end
+  return lengths(tostring(message)), details
+end
+
+--- The part on a mesh: model, whether it is constrained; or nil and why not.
 function judge.part(self, material, conditions, mesh, labels)
   local part, message, details = model.try(core.model, {mesh = mesh, material = material})
   if not part then return nil, message, details end
-  local held, loads = false, {}
+  local fixed, loads = false, {}
   for _, condition in ipairs(conditions) do
     local ok
     ok, message, details = apply(self, part, labels, condition)
     if not ok then return nil, message, details end
-    if condition.kind == "all" or condition.kind == "normal" then held = true
+    if condition.kind == "all" or condition.kind == "normal" then fixed = true
     else loads[#loads + 1] = condition end
   end
-  local why = fault(part, held, loads)
+  local why = fault(part, fixed, loads)
   if why then return nil, why, {status = "unsupported"} end
-  return part, held
+  return part, fixed
 end
 
 -- ---- known loads -----------------------------------------------------------------------------------
@@ -118,9 +136,9 @@ local function facets(static, surface, at)
 end
 
 -- The lowest elastic frequency (Hz) on a mesh; nil where it cannot be computed.
-local function frequency(part, held)
+local function frequency(part, fixed)
   if not part.material.density then return nil end
-  local modes = model.try(part.modes, part, {count = held and 1 or 7})
+  local modes = model.try(part.modes, part, {count = fixed and 1 or 7})
   if not modes then return nil end
   for _, f in ipairs(modes.frequencies:totable()) do
     f = type(f) == "table" and f[1] or f
@@ -143,10 +161,10 @@ function judge.statics(self, material, conditions, elements, former)
   local start = core.seconds()
   local mesh, labels, details = body.mesh(self, elements)
   if not mesh then return nil, labels, details end
-  local part, held, about = judge.part(self, material, conditions, mesh, labels)
-  if not part then return nil, held, about end
-  local static, message, why = model.try(part.solve, part, {inertia_relief = not held or nil})
-  if not static then return nil, message, why end
+  local part, fixed, about = judge.part(self, material, conditions, mesh, labels)
+  if not part then return nil, fixed, about end
+  local static, message, why = model.try(part.solve, part, {inertia_relief = not fixed or nil})
+  if not static then return nil, in_words(self, conditions, message, why) end
   local radius = averaging_radius("workbench", nil, material, mesh.box)
   local fine, notes = measure(static, material, radius), {}
   local mean = static:error_estimate()
@@ -181,7 +199,7 @@ function judge.statics(self, material, conditions, elements, former)
       shown.estimate(fine.stress, "Pa"))
   end
   answer.seconds = core.seconds() - start
-  return answer, static, {measure = fine, part = part, held = held, labels = labels}
+  return answer, static, {measure = fine, part = part, fixed = fixed, labels = labels}
 end
 
 --- An answer from one coarse solution alone, without an estimate of its error: what is shown while a face is
@@ -198,25 +216,25 @@ function judge.quick(static, material, seconds)
       or ("The largest stress is about %s, on a coarse mesh."):format(core.quantity(static.von_mises[node], "Pa"))}
 end
 
---- The first natural frequency (Hz) of a body that is held, or of the free body.
+--- The first natural frequency (Hz) of a body with its supports, or of the free body.
 function judge.frequency(solved)
-  return frequency(solved.part, solved.held)
+  return frequency(solved.part, solved.fixed)
 end
 
 -- ---- the worst load --------------------------------------------------------------------------------
 
---- The breaking force of a body under the worst load, held where conditions say so. Returns the answer and the
+--- The breaking force of a body under the worst load, fixed where conditions say so. Returns the answer and the
 --- bw.breaking_force; or nil, message, details.
 function judge.worst(self, material, conditions, elements, force)
-  local start, held = core.seconds(), {}
+  local start, fixed = core.seconds(), {}
   for _, condition in ipairs(conditions) do
-    if condition.kind == "all" then held[#held + 1] = condition end
+    if condition.kind == "all" then fixed[#fixed + 1] = condition end
   end
-  local fix = #held > 0 and function(mesh)
+  local fix = #fixed > 0 and function(mesh)
     local labels, message, details = core.face_labels(self.surface, self.labels, mesh)
     if not labels then return nil, message, details end
     local list = {}
-    for i, condition in ipairs(held) do list[i] = body.select(self, mesh, labels, condition.faces) end
+    for i, condition in ipairs(fixed) do list[i] = body.select(self, mesh, labels, condition.faces) end
     return list
   end or nil
   local found, message, details = model.try(breaking_force, self.surface, {material = material, force = force,

@@ -6,7 +6,7 @@ local json = require "barwright.json"
 local model = require "barwright.command.model"
 local shown = require "barwright.shown"
 
-local words = {all = "held", normal = "held along the normal", force = "force", pressure = "pressure",
+local words = {all = "fixed", normal = "sliding", force = "force", pressure = "pressure",
   moment = "moment", gravity = "gravity"}
 local dimension = {force = "N", moment = "N m", gravity = "m/s2"}
 
