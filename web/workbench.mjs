@@ -1,11 +1,12 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 // The workbench: shows the state that the session sends, sends what the person does. The page keeps nothing of its own
-// but what is looked at and chosen: windows agree and a reload loses nothing, because the session holds the rest.
+// but what is looked at, chosen and typed, and keeps that through a reload: the rest is the session's, so that windows agree.
 import { connect } from "./live_socket.mjs";
 import { drawBar } from "./stage.mjs";
 import { Draft } from "./workbench_draft.mjs";
 import { Handles } from "./workbench_handles.mjs";
 import { answerLine, fill, listAdvice, listConditions, listFaces, listMaterial, listNumbers, make } from "./workbench_lists.mjs";
+import { keepOnLeaving, kept, putBack } from "./workbench_kept.mjs";
 import { listen } from "./workbench_pointer.mjs";
 import { Pull } from "./workbench_pull.mjs";
 import { Triad } from "./workbench_triad.mjs";
@@ -30,6 +31,7 @@ let trueScale = false;
 let splitting = null; // a patch that was asked for: {id, add}
 let released = 0; // the message of an edit that was dragged while there was an answer
 let clicked = null; // where the part was clicked last
+let former = kept(); // what this window had before it was loaded again, until it is put back
 const counts = { states: 0, scenes: 0 };
 
 const view = new View(byId("view"), () => {
@@ -96,6 +98,7 @@ const heard = {
     }
     if (message.message) say(message.message.text, true, message.message.details);
     render();
+    if (former && view.scene && state.faces) restore();
   },
 
   scene(message) {
@@ -108,6 +111,7 @@ const heard = {
     drawBar(byId("bar"), view.colour);
     byId("drop").hidden = true;
     if (state) render();
+    if (former && state?.faces) restore();
   },
 
   refused(message) {
@@ -154,6 +158,40 @@ const heard = {
   },
 };
 
+// ---- a reload -----------------------------------------------------------------------------------------------
+
+keepOnLeaving(() => ({ part: state?.part, camera: view.scene && view.camera(), chosen: state?.faces ? numbers() : [], clicked, bending,
+  trueScale, draft: draft.kept() }));
+
+// This window goes on as it was left; of another part only what is no face and no place.
+function restore() {
+  const found = former;
+  former = null;
+  [bending, trueScale] = [found.bending, found.trueScale];
+  const same = found.part === state.part;
+  if (same) choose(new Set(found.chosen.map(indexOf)));
+  putBack(found); // after what choosing writes into fields
+  if (view.lines) view.lines.visible = pressed("edges");
+  byId("section").hidden = !pressed("cut");
+  if (same) {
+    clicked = found.clicked;
+    view.look(found.camera);
+    draft.restore(found.draft);
+  }
+  modes();
+  section();
+  bend();
+  enable();
+}
+
+// A field shows what the session has until something is typed: it follows where that changes.
+const followed = {};
+function follow(id, value) {
+  if (followed[id] === value) return;
+  followed[id] = value;
+  if (document.activeElement !== byId(id)) byId(id).value = value;
+}
+
 // ---- showing the state --------------------------------------------------------------------------------------
 
 function render() {
@@ -188,7 +226,7 @@ function render() {
   listMaterial(byId("material-data"), state.material);
   byId("symmetry").value = state.symmetry || "none";
   byId("thickness-form").hidden = !state.thickness;
-  if (state.thickness && document.activeElement !== byId("thickness")) byId("thickness").value = Number((1000 * state.thickness).toPrecision(6));
+  if (state.thickness) follow("thickness", Number((1000 * state.thickness).toPrecision(6)));
   setText("note", state.note || "");
   setText("deviation", state.deviation?.text || "");
   byId("undo").title = `Undo${state.undo_words ? ` ${state.undo_words}` : ""} (Ctrl+Z)`;
@@ -218,6 +256,7 @@ function renderRepair() {
 function nextStep() {
   const conditions = state.conditions || [];
   if (!state.file) return "Open a part, choose faces, and say which are fixed and which are pushed.";
+  if (state.units_plausible === false) return "Choose the unit of the file first.";
   if (!state.material) return "Choose a material, then faces that are fixed and faces that are pushed.";
   if (!conditions.some((c) => c.kind === "fix"))
     return conditions.length ? "Choose the faces where the part is screwed or glued, and press Fix." : "Choose the faces where the part is screwed or glued, and press Fix; or press Answer to see where it breaks first.";
@@ -237,7 +276,7 @@ function renderAnswer() {
   byId("progress").value = busy?.fraction || 0;
   byId("cancel").hidden = !busy;
   byId("verdict-details").hidden = !shown;
-  byId("place").hidden = !shown?.at;
+  byId("place").hidden = !shown?.at || !!busy; // beside Answer there is room for one of both
   if (shown) {
     listNumbers(byId("numbers"), shown);
     fill(byId("notes"), shown.notes || [], () => (shown.notes || []).map((note) => make("li", { textContent: note })));
@@ -301,7 +340,7 @@ function choose(faces) {
   setText("chosen-words", chosen.size === 0 ? "none chosen" : one ? faceText(one) : `${chosen.size} chosen`);
   const all = chosen.size > 0 && [...chosen].every((i) => state.faces[i].locked);
   setText("lock", all ? "Unlock" : "Lock");
-  if (one?.radius && document.activeElement !== byId("radius")) byId("radius").value = Number((1000 * one.radius).toPrecision(4));
+  if (one?.radius) follow("radius", Number((1000 * one.radius).toPrecision(4)));
   draft.facesChanged();
   pull.facesChanged();
   enable();

@@ -62,6 +62,19 @@ export class Draft {
     this.openForm(condition.kind, condition.kind === "pressure" ? value / 1e6 : value, "own");
   }
 
+  // A form that is open, and the same opened again.
+  kept() {
+    return this.open ? { kind: this.kind, condition: this.condition, value: this.byId("value").value,
+      direction: this.byId("direction").value, own: this.own && this.own.toArray() } : null;
+  }
+
+  restore(kept) {
+    if (!kept) return;
+    this.condition = kept.condition;
+    this.own = kept.own && new THREE.Vector3(...kept.own);
+    this.openForm(kept.kind, kept.value, kept.direction);
+  }
+
   openForm(kind, value, direction) {
     const { byId } = this;
     this.kind = kind;

@@ -81,11 +81,13 @@ export class View {
     const u = scene.displacement;
     for (let i = 0; u && i < u.length; i += 3) this.largest = Math.max(this.largest, Math.hypot(u[i], u[i + 1], u[i + 2]));
     this.rest = new THREE.Box3().setFromArray(scene.positions);
+    const before = this.size;
     this.size = this.rest.getSize(new THREE.Vector3()).length() || 1;
+    const resized = this.size > 2 * before || 2 * this.size < before; // the file is read in another unit
     this.range = this.rangeOf(scene.von_mises);
     this.deform();
     this.recolour();
-    if (first) this.fit();
+    if (first || resized) this.fit();
   }
 
   rangeOf(values) {
@@ -203,6 +205,24 @@ export class View {
     const away = from || (this.aimed ? camera.position.clone().sub(controls.target).toArray() : [1, -1.4, 0.8]);
     this.aimed = true;
     this.stage.aim(this.box(), away);
+    this.stage.touch();
+  }
+
+  // Where the camera is and what it looks at, and the same put back.
+  camera() {
+    const { camera, controls } = this.stage;
+    return [camera.position.toArray(), controls.target.toArray(), camera.near, camera.far];
+  }
+
+  look(from) {
+    if (!from) return;
+    const { camera, controls } = this.stage;
+    camera.position.fromArray(from[0]);
+    controls.target.fromArray(from[1]);
+    [camera.near, camera.far] = from.slice(2);
+    camera.updateProjectionMatrix();
+    controls.update();
+    this.aimed = true;
     this.stage.touch();
   }
 

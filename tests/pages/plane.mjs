@@ -404,6 +404,14 @@ async function bridge(all) {
     assert(bored.area < pulled.area && bored.loops.length === 2, "no hole");
     assert(bored.level === "reconstruction", bored.level);
     await v.picture("bored");
+    // A hole in the mirror image is one in the half that is designed: no region is asked for.
+    const half = (await v.state()).edits;
+    await v.page.click("#undo");
+    await v.until((n) => window.barwright.state().edits === n - 1, half);
+    const [, image] = await v.drag(await v.place("place", -0.03, 0.033), 14, 0, 4);
+    assert(image.refused === bored.refused && !/region/.test(image.said), image.said);
+    assert(image.loops.length === 2 && Math.abs(image.area / bored.area - 1) < 1e-3, `area ${image.area}, right half ${bored.area}`);
+    await v.picture("bored_image");
     assert(v.problems.length === 0, v.problems.join("; "));
   });
   await v.end();
@@ -424,6 +432,22 @@ async function flows(all) {
       await v.picture("dragged");
       console.log(`# ${name}: ${await v.page.textContent("#fps")} frames a second, ${JSON.stringify(after.levels)}`);
       assert(!after.failure && v.problems.length === 0, `${after.failure} ${v.problems.join("; ")}`);
+    });
+    if (name === "flow") await test("flow: the red message of a refused drag goes away with undo", async () => {
+      const before = await v.state();
+      await v.grab(await v.place("place", ...from), 0, 30, 4);
+      await v.until((n) => window.barwright.state().states > n + 2, before.states);
+      const box = await v.page.locator("#over").boundingBox();
+      await v.page.mouse.move(box.x + box.width / 2, box.y + 2, { steps: 3 }); // out of the channel
+      await v.until((n) => window.barwright.state().refused > n, before.refused);
+      assert(await v.page.evaluate(() => document.getElementById("said").classList.contains("bad")), "no red message");
+      await v.page.mouse.up();
+      await v.until(() => !window.barwright.state().drag);
+      await v.page.click("#undo");
+      await v.until(() => {
+        const said = document.getElementById("said");
+        return !said.textContent || !said.classList.contains("bad");
+      });
     });
     await v.end();
   }

@@ -273,6 +273,97 @@ async function withoutEngine({ browser, root, test, assert, pictures }) {
     await context.close();
   });
 
+  await test("a reload keeps what was chosen, looked at and typed; the other window stays as it is", async () => {
+    const { context, page } = await begin();
+    const other = await context.newPage();
+    await other.goto(page.url());
+    await until(other, () => window.barwright?.state().faces?.length > 0);
+    await page.evaluate(() => window.barwright.view.fit([-1, -0.4, 0.3]));
+    await clickFace(page, await facing(page, [-1, 0, 0]));
+    await page.keyboard.press("+");
+    await page.click("#edit summary");
+    await page.fill("#distance", "2.5");
+    await page.fill("#offset", "0.7");
+    await page.fill("#must-carry", "12");
+    await page.click("#cut");
+    await page.selectOption("#axis", "1");
+    await page.click("#edges");
+    await page.click("[data-act=force]");
+    await page.fill("#value", "33");
+    await page.selectOption("#direction", "+y");
+    const look = (one) => one.evaluate(() => ({ chosen: window.barwright.state().chosen, camera: window.barwright.view.camera(),
+      cut: [window.barwright.view.cut, ...window.barwright.view.plane.normal.toArray(), window.barwright.view.plane.constant],
+      lines: window.barwright.view.lines.visible, draft: window.barwright.state().draft,
+      typed: ["distance", "offset", "must-carry", "value", "direction", "axis"].map((id) => document.getElementById(id).value),
+      open: [...document.querySelectorAll("aside details")].map((one) => one.open) }));
+    const [before, others] = [await look(page), await look(other)];
+    assert(before.chosen.length === 1 && before.cut[0] && !before.lines && before.draft === "force", JSON.stringify(before));
+    await page.reload();
+    await until(page, () => window.barwright?.state().draft === "force");
+    const after = await look(page);
+    const close = (a, b) => a.flat().every((x, i) => Math.abs(x - b.flat()[i]) < 1e-9);
+    assert(close(before.camera, after.camera), `the camera moved: ${JSON.stringify([before.camera, after.camera])}`);
+    assert(JSON.stringify({ ...before, camera: 0 }) === JSON.stringify({ ...after, camera: 0 }), JSON.stringify([before, after]));
+    if (pictures) await page.screenshot({ path: path.join(pictures, "workbench_reload.png") });
+    await page.click("#add");
+    await until(other, () => window.barwright.state().conditions.length === 1);
+    assert(JSON.stringify(others) === JSON.stringify(await look(other)), "the other window changed its choice or view");
+    // Another window's action leaves alone what is typed here.
+    await clickFace(page, 7).catch(() => page.click("#faces input[value='6']"));
+    await page.fill("#radius", "9");
+    await page.focus("#distance");
+    await other.evaluate(() => window.barwright.send("gravity", { acceleration: [0, 0, -9.81] }));
+    await until(page, () => window.barwright.state().conditions.length === 2);
+    assert((await page.inputValue("#radius")) === "9", `the radius that was typed became ${await page.inputValue("#radius")}`);
+    await context.close();
+  });
+
+  await test("nothing moves while a part is opened, picked, loaded, answered and edited", async () => {
+    const { context, mock, page } = await begin();
+    await page.evaluate(() => {
+      window.shifts = [];
+      const name = (node) => (node?.nodeType === 1 ? node : node?.parentElement)?.id || node?.nodeName || "?";
+      new PerformanceObserver((list) => {
+        for (const entry of list.getEntries())
+          if (!entry.hadRecentInput) window.shifts.push([entry.value, ...entry.sources.map((one) => name(one.node))]);
+      }).observe({ type: "layout-shift", buffered: true });
+    });
+    mock.delay = 700; // what comes within 500 ms of a click is not counted
+    const settle = () => page.waitForTimeout(900);
+    await page.setInputFiles("#upload", { name: "a_bracket_with_a_name_of_some_length_v12_final.stl", mimeType: "model/stl", buffer: Buffer.from("solid") });
+    await settle();
+    await clickFace(page, 3);
+    await page.click("[data-act=fix]");
+    await settle();
+    await page.click("#faces input[value='3']");
+    await page.click("[data-act=force]");
+    await page.click("#add");
+    await settle();
+    await page.selectOption("#material", "steel");
+    await settle();
+    await page.click("#answer");
+    await settle();
+    mock.now.answer = { ...mock.now.answer, colour: "amber", verdict: "unsure", sentence: "Too close to decide: stress over strength " +
+      "98.4 % (71.2 to 126 %). It breaks at 20.3 N (15.9 to 28.1 N) of all loads together, where the arm meets the plate." };
+    mock.tell();
+    await page.evaluate(() => document.querySelector("#edit summary").click());
+    await settle();
+    await page.click("#faces input[value='0']");
+    await page.click("#push");
+    await settle();
+    for (const socket of mock.sockets) socket.send(JSON.stringify({ type: "refused", id: 0, message: "This push is too far: the surface " +
+      "would cross itself at (12.5, 3.25, 8) mm. Take a smaller distance, or push the face beside it first, and then this one." }));
+    await settle();
+    await page.click("#undo");
+    await settle();
+    const shifts = await page.evaluate(() => window.shifts);
+    const total = shifts.reduce((sum, [value]) => sum + value, 0);
+    console.log(`  cumulative layout shift: ${total.toFixed(4)}`);
+    assert(total < 0.02, `cumulative layout shift ${total}: ${JSON.stringify(shifts)}`);
+    if (pictures) await page.screenshot({ path: path.join(pictures, "workbench_shift.png") });
+    await context.close();
+  });
+
   await test("handles: a face is pulled with the mouse, a load turned", async () => {
     const { context, mock, page } = await begin();
     await clickFace(page, 1);

@@ -63,6 +63,7 @@ export class Mock {
     this.past = [];
     this.future = [];
     this.file = "plate.stl";
+    this.delay = 0; // of replies (ms)
     this.scene = 1;
   }
 
@@ -78,7 +79,7 @@ export class Mock {
       conditions: conditions.map((c, i) => ({ ...c, index: i + 1 })), materials,
       material: material && { name: material, young: 2.3e9, poisson: 0.35, strength: 4.5e7, density: 1240 },
       mass: material ? top * height * 1240 : undefined, script: ['local part = assert(bw.workbench.open("plate.stl"))', ...script],
-      undo: this.past.length > 0, redo: this.future.length > 0, saved: this.saved, advice: this.advice || [], answer, latency_ms: 12 };
+      part: 1, undo: this.past.length > 0, redo: this.future.length > 0, saved: this.saved, advice: this.advice || [], answer, latency_ms: 12 };
   }
 
   picture() {
@@ -175,7 +176,8 @@ export class Mock {
     });
     await context.routeWebSocket(/workbench\.test\/socket/, (socket) => {
       this.sockets.add(socket);
-      socket.onMessage((text) => this.handle(JSON.parse(text), socket));
+      socket.onMessage((text) => (this.delay ? setTimeout(() => this.handle(JSON.parse(text), socket), this.delay)
+        : this.handle(JSON.parse(text), socket)));
       socket.onClose(() => this.sockets.delete(socket));
       socket.send(JSON.stringify({ type: "welcome", client: ++this.clients }));
       if (this.file) socket.send(this.picture());

@@ -206,6 +206,16 @@ export async function workbenchTasks({ browser, root, folder, test, assert, pict
     assert(await page.isDisabled("#answer"), "an answer before the unit is known");
     await done("unit", () => click("#unit-choices button:text-is('Metres')"));
     near((await state()).size[0], 0.1016, 1e-6, "length");
+    const outside = () => page.evaluate(() => {
+      const box = document.querySelector("#view > canvas").getBoundingClientRect();
+      return window.barwright.corners().filter(([x, y]) => x < box.left || x > box.right || y < box.top || y > box.bottom).length;
+    });
+    assert((await outside()) === 0, "the part that became larger is not fitted into the view");
+    await done("undo", () => page.click("#undo"));
+    assert(/^Undone: the unit metres/.test((await state()).said), (await state()).said);
+    assert((await page.isVisible("#units")) && (await outside()) === 0, "the unit is not asked for again");
+    await done("redo", () => page.click("#redo"));
+    near((await state()).size[0], 0.1016, 1e-6, "length again");
     await cantilever(50);
     assert((await answer()).verdict === "holds", "it does not hold");
   });

@@ -48,7 +48,8 @@ local words = {
   remove = function(given, before) return "the removal of " .. condition(before, given.condition) end,
   material = function(given) return "the material " .. (given.name or "of own values") end,
   lock = function(given, before)
-    return #given.faces == 0 and "the unlocking of all faces" or "the lock of " .. of_faces(before.body, given.faces)
+    if #given.faces == 0 then return "the unlocking of all faces" end
+    return "the lock of " .. of_faces(before.body, given.faces)
   end,
   grow = function() return "the patch" end,
   patch = function() return "the faces in the rectangle" end,

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Actions of a workbench about what constrains and loads the part, its material and its faces: they are put into its
--- class.
+-- Actions of a workbench about what constrains and loads the part, its material and its faces: they are put into
+-- its class.
 local core = require "barwright.core"
 local model = require "barwright.command.model"
 local mirror = require "barwright.workbench.mirror"

@@ -22,7 +22,7 @@ controller.__index = controller
 
 local function send_state(self)
   local state = self.bench and self.bench:state() or {type = "state", revision = 0}
-  state.message, state.busy, state.latency_ms = self.message, self.busy, self.latency
+  state.message, state.busy, state.latency_ms, state.part = self.message, self.busy, self.latency, self.part
   self.state = state
   notify_all(self, state)
 end
@@ -252,7 +252,7 @@ local function open(self, path, unit, name)
   ready, why, details = long(self, "checking the surface", bench.prepare, bench)
   if not ready then return nil, why, details end
   bench.name = name
-  self.bench, self.shown, self.likely, self.prepared = bench, nil, nil, nil
+  self.bench, self.shown, self.prepared, self.part = bench, nil, nil, self.part + 1
   function bench.on_answer() publish(self) end
   return true
 end
@@ -289,7 +289,7 @@ end
 
 --- A controller without a part, or that of a file. about: {save = where scripts go}
 function controller.new(server, about)
-  return setmetatable({server = server, clients = {}, later = {}, save = about and about.save}, controller)
+  return setmetatable({server = server, clients = {}, later = {}, part = 0, save = about and about.save}, controller)
 end
 
 --- Opens a file; nil, message, details where it cannot be read.

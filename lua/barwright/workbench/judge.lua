@@ -62,8 +62,8 @@ local function fault(part, fixed, conditions)
   end
   local free = part:rigid_modes()
   if fixed and free and #free > 0 and part.mesh.component_count > 1 then
-    return ("The file has %d separate bodies, and not all of them are constrained: choose a face of each and press "
-      .. "Fix, or join them in the program that made the file."):format(part.mesh.component_count)
+    return ("The file has %d separate bodies, and not all of them are constrained: choose a face of each and "
+      .. "press Fix, or join them in the program that made the file."):format(part.mesh.component_count)
   end
   if fixed and free and #free > 0 then
     return ("The supports leave the part free to move: %s. Choose one more face and press Fix."):format(
@@ -90,8 +90,8 @@ local function in_words(self, conditions, message, details)
     if load_names[condition.kind] then number = number - 1 end
     if number == 0 then
       return ("The %s on %s goes straight into the fixed faces beside it, and nothing deforms: press Change "
-        .. "beside it and choose another face, or press Remove beside the support."):format(load_names[condition.kind],
-        self.faces[condition.faces[1]].name), details
+        .. "beside it and choose another face, or press Remove beside the support."):format(
+        load_names[condition.kind], self.faces[condition.faces[1]].name), details
     end
   end
   return lengths(tostring(message)), details
