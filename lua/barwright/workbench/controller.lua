@@ -289,7 +289,8 @@ end
 
 --- A controller without a part, or that of a file. about: {save = where scripts go}
 function controller.new(server, about)
-  return setmetatable({server = server, clients = {}, later = {}, part = 0, save = about and about.save}, controller)
+  return setmetatable({server = server, clients = {}, later = {}, part = 0, save = about and about.save},
+    controller)
 end
 
 --- Opens a file; nil, message, details where it cannot be read.

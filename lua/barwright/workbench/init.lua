@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The workbench: a part from a file, what constrains and loads it, an answer, edits of its surface. Every action is
--- a method, a line of a script, and can be undone. docs/workbench.md.
+-- The workbench: a part from a file, what constrains and loads it, an answer, edits of its surface. Every action
+-- is a method, a line of a script, and can be undone. docs/workbench.md.
 -- The actions are in conditions.lua, shapes.lua and answers.lua; session.lua has what they share.
 local arguments = require "barwright.arguments"
 local body = require "barwright.workbench.body"
