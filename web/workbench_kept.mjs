@@ -20,7 +20,7 @@ export function keepOnLeaving(more) {
     try {
       sessionStorage.setItem(key, JSON.stringify(kept));
     } catch {
-      // A browser that keeps nothing: the page begins anew.
+      // A browser without storage: the page begins as if it were new.
     }
   });
 }
