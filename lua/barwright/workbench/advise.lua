@@ -252,7 +252,12 @@ end
 
 --- The body that carries what is asked for, or the best that was found, and a sentence.
 function advise.optimise(entry, opts, has_loads)
-  return (has_loads and optimise_loads or optimise_worst)(entry, opts)
+  local made, report, details = (has_loads and optimise_loads or optimise_worst)(entry, opts)
+  if not made then return nil, report, details end
+  local moved, message, about = entry.body.surface:distance(made.surface.points)
+  if not moved then return nil, message, about end
+  report = report:gsub("%.$", "")
+  return made, ("%s; the surface was moved by up to %s."):format(report, core.quantity(moved:max(), "m"))
 end
 
 return advise
