@@ -1,8 +1,10 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Bumps: smooth outward displacements of a surface around places, for advice and strengthening. A place is
--- {at = {x, y, z}, radius =, offset =}, m. A shape is {points = {{x, y, z}...}, triangles = {{a, b, c}...}}.
+-- {at = {x, y, z}, radius =, offset =}, m. A shape is {points = {{x, y, z}...}, triangles = {{a, b, c}...}}, and of
+-- a surface that has groups also groups = {g...} of triangles and face_names = {name...} of groups.
 -- docs/theory/strengthen.md says why they look like this.
 local core = require "barwright.core"
+local face_names = require "barwright.face_names"
 local distance = require("barwright.points").distance
 
 local bumps = {}
@@ -32,13 +34,16 @@ local sqrt = math.sqrt
 
 --- The shape of a surface.
 function bumps.of_surface(surface)
-  return {points = surface.points:totable(), triangles = surface.triangles:totable()}
+  local groups, names = face_names.of(surface)
+  return {points = surface.points:totable(), triangles = surface.triangles:totable(),
+    groups = groups and groups:totable(), face_names = names}
 end
 
 --- The surface of a shape.
 function bumps.to_surface(shape)
   return core.surface.new {points = core.array.new(shape.points),
-    triangles = core.array.new(shape.triangles, "i32")}
+    triangles = core.array.new(shape.triangles, "i32"),
+    groups = shape.groups and core.array.new(shape.groups, "i32"), face_names = shape.face_names}
 end
 
 --- The surface with coordinates that single precision in a unit (m) holds exactly, as binary STL has them: else a
@@ -48,7 +53,7 @@ function bumps.rounded(surface, unit)
   for _, p in ipairs(rows) do
     for c = 1, 3 do p[c] = string.unpack("<f", string.pack("<f", p[c] / unit)) * unit end
   end
-  return core.surface.new {points = core.array.new(rows), triangles = surface.triangles}
+  return face_names.moved(surface, core.array.new(rows))
 end
 
 --- The shape of a mesh's boundary, mid-edge nodes among its points; `nodes` has the mesh node of each point.
@@ -388,8 +393,9 @@ end
 -- The shape with edges near places cut until they are at most a fraction of the radius long; nil beyond MAX_ADDED.
 local function cut_to(shape, places, fraction)
   local points, triangles = table.move(shape.points, 1, #shape.points, 1, {}), shape.triangles
+  local groups = shape.groups
   for _ = 1, ROUNDS do
-    local centroids, known, cut, changed = {}, {}, {}, false
+    local centroids, known, cut, changed, of_cut = {}, {}, {}, false, groups and {}
     local function mid_edge(a, b)
       if a > b then a, b = b, a end
       local key = a * 4294967296 + b
@@ -403,16 +409,19 @@ local function cut_to(shape, places, fraction)
       end
       return centroids[key] or false
     end
-    for _, t in ipairs(triangles) do
+    for i, t in ipairs(triangles) do
       local m = {mid_edge(t[1], t[2]), mid_edge(t[2], t[3]), mid_edge(t[3], t[1])}
       if m[1] or m[2] or m[3] then changed = true end
-      for _, piece in ipairs(pieces(points, t, m)) do cut[#cut + 1] = piece end
+      for _, piece in ipairs(pieces(points, t, m)) do
+        cut[#cut + 1] = piece
+        if groups then of_cut[#cut] = groups[i] end
+      end
     end
-    triangles = cut
+    triangles, groups = cut, of_cut
     if not changed then break end
     if #points > #shape.points + MAX_ADDED then return nil end
   end
-  return {points = points, triangles = triangles}
+  return {points = points, triangles = triangles, groups = groups, face_names = shape.face_names}
 end
 
 --- Bisects edges near places until they are short enough for bumps: the same surface with more triangles.
@@ -436,7 +445,7 @@ function bumps.displaced(shape, places, units)
       p[1], p[2], p[3] = p[1] + size * d[1], p[2] + size * d[2], p[3] + size * d[3]
     end
   end
-  return {points = moved, triangles = shape.triangles}
+  return {points = moved, triangles = shape.triangles, groups = shape.groups, face_names = shape.face_names}
 end
 
 return bumps

@@ -24,6 +24,98 @@ local function within(bound, expected, got, what)
     what or "area", expected, bound, got or 0))
 end
 
+local mm = 1e-3
+
+-- The bracket of examples/35_a_bracket.lua.
+local function bracket()
+  local arm, wall, thick, width, bolt, radius = 60 * mm, 50 * mm, 6 * mm, 40 * mm, 6 * mm, 6 * mm
+  local corners = {{0, 0}, {arm, 0}, {arm, thick}, {thick, thick}, {thick, wall}, {0, wall}}
+  local profile = assert(bw.outline {points = corners, tags = {tip = 2, back = 6}}:fillet(radius, {vertices = 4}))
+  local angle = assert(bw.surface.extrude(profile, {height = width}))
+  local drill = bw.surface.cylinder({base = {-thick, 0.7 * wall, width / 4}, axis = {3 * thick, 0, 0},
+    radius = bolt / 2}):named "bolt hole"
+  return assert(angle:difference(assert(drill:linear_array {count = 2, step = {0, 0, width / 2}})))
+end
+
+-- The names are the same, and so are the areas, but for those of `changed`: a set, or nil.
+local function same_faces(before, after, changed)
+  for name, area in pairs(before) do
+    local moved = math.abs((after[name] or 0) / area - 1)
+    if changed and changed[name] then
+      assert.is_true(after[name] > 0 and moved > 1e-6, name .. " did not change")
+    else
+      assert.is_true(moved < 1e-9, ("%s: %.9g became %.9g"):format(name, area, after[name] or 0))
+    end
+  end
+  for name in pairs(after) do assert.is_not_nil(before[name]) end
+end
+
+describe("names of faces of a bracket", function()
+  local folder = os.tmpname()
+  os.remove(folder)
+  os.execute("mkdir " .. folder)
+  local path = folder .. "/bracket.obj"
+  assert(bracket():write(path, {unit = "mm"}))
+
+  it("stay in a workbench where a face is pushed and the fillet thickened, and in its export", function()
+    local bench = assert(bw.workbench.open(path, {unit = "mm"}))
+    local before = areas(bench:current().body.surface)
+    local top
+    for i, face in ipairs(bench:current().body.faces) do
+      if face.kind == "plane" and face.normal[1] > 0.99 and face.area > 1e-3 then top = i end
+    end
+    assert(bench:push {faces = {top}, distance = 1 * mm}) -- the front of the wall, which the bolts go through
+    local pushed = areas(bench:current().body.surface)
+    same_faces(before, pushed, {boundary = true, ["bolt hole"] = true, fillet = true, start = true,
+      ["end"] = true})
+    assert(bench:thicken {at = {7 * mm, 7 * mm, 20 * mm}, radius = 8 * mm, offset = 0.5 * mm})
+    local thick = areas(bench:current().body.surface)
+    for _, name in ipairs {"tip", "back", "start", "end", "bolt hole"} do
+      assert.is_true(abs(thick[name] / pushed[name] - 1) < 1e-9, name)
+    end
+    assert.is_true(thick.fillet ~= pushed.fillet)
+    local out = folder .. "/out.obj"
+    assert(bench:export {path = out})
+    for name, area in pairs(areas(assert(bw.surface.read(out, {unit = "mm"})))) do
+      assert.is_true(abs(area / thick[name] - 1) < 1e-6)
+    end
+  end)
+
+  it("stay where parts of the mesh are refilled, and in what is made from such a mesh", function()
+    local mesh = assert(bw.mesh.fill(bracket(), {elements = 2500, order = 2}))
+    local before = areas((mesh:surface()))
+    local mask = {}
+    for e, nodes in ipairs(mesh.elements:totable()) do mask[e] = mesh.nodes(nodes[1], 1) < 20 * mm and 1 or 0 end
+    local refilled = assert(mesh:refill(mesh.nodes, bw.array.new(mask)))
+    assert.is_true(refilled.element_count ~= mesh.element_count)
+    same_faces(before, areas((refilled:surface())))
+    -- a wall twice as far from its middle: only what lies in the moved part changes
+    local nodes = refilled.nodes:totable()
+    for _, p in ipairs(nodes) do
+      if p[1] > 50 * mm then p[1] = p[1] + 0.2 * (p[1] - 50 * mm) end
+    end
+    local moved = areas((assert(refilled:moved(bw.array.new(nodes))):surface()))
+    for _, name in ipairs {"back", "bolt hole", "fillet", "tip"} do
+      assert.is_true(abs(moved[name] / before[name] - 1) < 1e-9, name)
+    end
+    assert.is_true(moved.start > before.start * 1.01)
+  end)
+
+  it("that do not exist are refused by commands with those that do, the nearest first", function()
+    local places = require "barwright.command.places"
+    local mesh = assert(bw.mesh.fill(bracket(), {elements = 800}))
+    local _, message = places.select(mesh, "face:bolthole")
+    assert.truthy(message:find("has the name 'bolthole': there are 'bolt hole', 'back', ", 1, true), message)
+    assert.is_nil(message:find("print(", 1, true))
+    _, message = places.select(mesh, "face:xyzzy")
+    assert.truthy(message:find("there are 'back', 'bolt hole', 'boundary', ", 1, true), message)
+    local bare = bw.mesh.new {nodes = mesh.nodes, elements = mesh.elements}
+    _, message = places.select(bare, "face:tip")
+    assert.truthy(message:find("the file names no faces", 1, true), message)
+    assert.error_matches(function() mesh.boundary:face "bolthole" end, "print(mesh:surface())", 1, true)
+  end)
+end)
+
 describe("names of faces of bodies by distance", function()
   it("have the areas of a plate with a hole, into the mesh", function()
     local side, thick, radius = 0.06, 0.005, 0.008

@@ -3,6 +3,7 @@
 -- One unit behind the last number of a vector or point holds for the numbers before it that have none. A length of
 -- a place has a unit, so that nobody is understood in metres who meant millimetres; 0 needs none.
 local bw = require "barwright"
+local core = require "barwright.core"
 local model = require "barwright.command.model"
 local quantity = require "barwright.command.quantity"
 
@@ -218,10 +219,27 @@ function places.test(texts, surface)
   end
 end
 
--- What the engine says to scripts, as people take it.
-local function for_people(message)
-  return (message:gsub("the nearest is node %d+ at", "the nearest one is at")
-    :gsub("print%(mesh:surface%(%)%) lists them", "`barwright check --faces yes` lists them"))
+-- So many names of faces are listed.
+local MAX_NAMES = 12
+
+-- What follows a name that no face has: the names that there are, the one that resembles it first.
+local function other_faces(mesh, name)
+  local names, seen = {}, {}
+  for _, known in ipairs(mesh:face_names()) do
+    if known ~= "" and not seen[known] then names[#names + 1] = known end
+    seen[known] = true
+  end
+  local how = "`barwright check FILE --faces yes` lists faces by shape, such as 'plane 1', which are names too"
+  if #names == 0 then return "the file names no faces; " .. how end
+  table.sort(names)
+  local near = core.suggestion(name, names):match "^did you mean '(.*)'%?$"
+  local list = near and {("'%s'"):format(near)} or {}
+  for _, known in ipairs(names) do
+    if known ~= near and #list < MAX_NAMES then list[#list + 1] = ("'%s'"):format(known) end
+  end
+  local rest = #names - #list
+  local more = rest > 0 and (" and %d more"):format(rest) or ""
+  return ("there are %s%s; %s"):format(table.concat(list, ", "), more, how)
 end
 
 --- The selection on a mesh, or nil and a sentence.
@@ -230,7 +248,12 @@ function places.select(mesh, text)
   if not kind then return nil, values, {status = "misuse"} end
   local selection, message = model.try(kind.select, mesh.boundary, mesh.box, values[1], values[2])
   if not selection then
-    return nil, ("%s: %s"):format(text, for_people(message)), {status = "empty"}
+    if kind == kinds.face then
+      message = ("no face has the name '%s': %s"):format(values[1], other_faces(mesh, tostring(values[1])))
+    end
+    -- Scripts read numbers of nodes.
+    message = message:gsub("the nearest is node %d+ at", "the nearest one is at")
+    return nil, ("%s: %s"):format(text, message), {status = "empty"}
   end
   return selection
 end

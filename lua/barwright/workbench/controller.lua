@@ -252,7 +252,7 @@ local function open(self, path, unit, name)
   ready, why, details = long(self, "checking the surface", bench.prepare, bench)
   if not ready then return nil, why, details end
   bench.name = name
-  self.bench, self.shown, self.prepared, self.part = bench, nil, nil, self.part + 1
+  self.bench, self.shown, self.likely, self.prepared, self.part = bench, nil, nil, nil, self.part + 1
   function bench.on_answer() publish(self) end
   return true
 end

@@ -7,6 +7,7 @@
 -- {[face] = radius} of those whose radius changes, what = words for a refusal}
 local core = require "barwright.core"
 local body = require "barwright.workbench.body"
+local face_names = require "barwright.face_names"
 
 local edits = {}
 
@@ -80,8 +81,7 @@ end
 
 --- The body that an edit makes where its surface stays sound; else nil and a sentence.
 function edits.made(self, edit)
-  local surface, message, details = core.surface.new {points = core.array.new(edit.after),
-    triangles = self.surface.triangles}
+  local surface, message, details = face_names.moved(self.surface, core.array.new(edit.after))
   if not surface then return nil, message, details end
   local report
   report, message, details = surface:check {limit = 1}
