@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Bumps: smooth outward displacements of a surface around places, for advice and strengthening. A place is
--- {at = {x, y, z}, radius =, offset =}, m. A shape is {points = {{x, y, z}...}, triangles = {{a, b, c}...}}, and of
--- a surface that has groups also groups = {g...} of triangles and face_names = {name...} of groups.
+-- Bumps: smooth outward displacements of a surface around places, for advice and strengthening. A place is {at =
+-- {x, y, z}, radius =, offset =}, m. A shape is {points = {{x, y, z}...}, triangles = {{a, b, c}...}}, and of a
+-- surface that has groups also groups = {g...} of triangles and face_names = {name...} of groups.
 -- docs/theory/strengthen.md says why they look like this.
 local core = require "barwright.core"
 local face_names = require "barwright.face_names"

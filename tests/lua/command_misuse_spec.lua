@@ -162,7 +162,7 @@ local wrong = {
   {"worst part.stl --material", 2, "--material: a value is missing (NAME)"},
   {"worst part.stl --out part.stl", 2, "--out: part.stl is the MODEL: give another file"},
   {"modes bar.msh --unit m --fix near:9,9,9m:1mm", 2, "selects no boundary node: the nearest one is at ("},
-  {"modes bar.msh --unit m --fix face:lid", 2, "`barwright check --faces yes` lists them"},
+  {"modes bar.msh --unit m --fix face:lid", 2, "no face has the name 'lid': "},
   {"respond part.stl" .. SHAKEN .. "--base 0,0,1g --to 9 --first-passage 0.1", 2, "--first-passage is for --psd"},
   {"respond part.stl" .. SHAKEN .. "--base 0,0,1g --to 9 --band-limited maybe", 2, "--band-limited: "},
   {"worst plate.svg", 2, "a drawing is flat"},
