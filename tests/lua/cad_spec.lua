@@ -232,7 +232,7 @@ describe("a STEP file that barwright writes", function()
     assert.equal(2, #back("own_core", assert(hollow:union(core))).bodies)
   end)
 
-  -- What programs that mend files would not show.
+  -- OpenCASCADE repairs such files as it reads them.
   it("has edges that follow each other around faces, in either direction once, the outer loop first", function()
     local plate = assert(box:difference(bw.surface.cylinder {base = {0.015, 0.01, -0.01}, axis = {0, 0, 0.05},
       radius = 0.004, segments = 24}))
