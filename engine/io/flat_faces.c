@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "barwright/base.h"
-#include "io/round_faces.h"
 
 bw_status bwi_fail_repair(bw_context *context, const char *what) {
   return bw_fail(context, BW_GEOMETRY, "STEP holds closed solids, but %s: repair it first", what);
@@ -131,6 +130,25 @@ int64_t bwi_flat_next(const bwi_flat_faces *s, int64_t side) {
   return side;
 }
 
+bool bwi_flat_is_across(const bwi_round *round, const double a[3], const double b[3],
+                        double tolerance) {
+  const double between[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  return fabs(bw_dot(between, round->axis)) <= tolerance;
+}
+
+const bwi_round *bwi_flat_round_of(const bwi_flat_faces *s, int64_t side) {
+  const bwi_topology *t = s->topology;
+  const double tolerance = ROUND / FLAT * s->tolerance;
+  const double *a = t->point + 3 * (size_t)bwi_side_from(t, side),
+               *b = t->point + 3 * (size_t)bwi_side_to(t, side);
+  for (int k = 0; s->round_of && k < 2; k++) {
+    int32_t face = s->face_of[(k ? bwi_flat_opposite(t, side) : side) / 3];
+    if (s->round_of[face] >= 0 && bwi_flat_is_across(&s->round[s->round_of[face]], a, b, tolerance))
+      return &s->round[s->round_of[face]];
+  }
+  return NULL;
+}
+
 /* Whether the middle of three points lies on the line between the others. */
 static bool is_straight(const bwi_flat_faces *s, int32_t from, int32_t middle, int32_t to) {
   const double *a = s->topology->point + 3 * (size_t)from,
@@ -158,7 +176,7 @@ static bw_status find_kept(bwi_flat_faces *s) {
     if (!bwi_flat_is_border(s, side))
       continue;
     int32_t end[2] = {bwi_side_from(t, side), bwi_side_to(t, side)};
-    bool arc = bwi_round_of_side(s, side);
+    bool arc = bwi_flat_round_of(s, side);
     for (int k = 0; k < 2; k++) {
       uint8_t *count = &edges[end[k]];
       if (*count < 2) {
@@ -191,7 +209,7 @@ static void keep_enough(bwi_flat_faces *s, int64_t loop) {
   do {
     const int32_t from = bwi_side_from(t, at);
     kept += s->kept[from];
-    arcs = arcs || bwi_round_of_side(s, at);
+    arcs = arcs || bwi_flat_round_of(s, at);
     first = from < first ? from : first;
     at = bwi_flat_next(s, at);
   } while (at != loop);
@@ -236,16 +254,7 @@ static double diagonal(const bwi_topology *t) {
   return sqrt(sum);
 }
 
-/* Whether the surface has names of curved faces. */
-static bool has_curved(const bw_surface *surface) {
-  for (int32_t i = 0; surface->names && i < surface->names->count; i++)
-    if (surface->names->curved[i])
-      return true;
-  return false;
-}
-
-bw_status bwi_flat_faces_find(bw_context *context, const bw_surface *surface, bool flat,
-                              bwi_flat_faces *s) {
+bw_status bwi_flat_faces_find(bw_context *context, const bw_surface *surface, bwi_flat_faces *s) {
   bw_status status = BW_OK;
   *s = (bwi_flat_faces){.context = context, .surface = surface};
   BW_TRY(bwi_topology_create(context, surface, &s->topology));
@@ -259,13 +268,13 @@ bw_status bwi_flat_faces_find(bw_context *context, const bw_surface *surface, bo
   BW_TRY_MEMORY(s->face_of && s->seed && s->kept && s->loop);
   BW_TRY(find_faces(s));
   BW_TRY(find_kept(s));
-  if (!flat && has_curved(surface)) {
-    BW_TRY(bwi_round_faces_find(s));
-    BW_TRY(find_kept(s));
-  }
-  BW_TRY(find_loops(s));
 done:
   return status;
+}
+
+bw_status bwi_flat_loops_find(bwi_flat_faces *s) {
+  bw_status status = find_kept(s);
+  return status == BW_OK ? find_loops(s) : status;
 }
 
 void bwi_flat_faces_clear(bwi_flat_faces *s) {

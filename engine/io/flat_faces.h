@@ -13,6 +13,8 @@
 /* Points this near to a plane or line lie in it, over the diagonal of the box: numbers of 32 bits
  * have such errors. */
 #define FLAT 1e-7
+/* The same for points of a cylinder or cone. */
+#define ROUND 1e-9
 
 /* A cylinder or a cone. */
 typedef struct bwi_round {
@@ -38,10 +40,12 @@ typedef struct bwi_flat_faces {
   int64_t loop_count;
 } bwi_flat_faces;
 
-/* All faces flat, or some round. BW_GEOMETRY where the surface is not closed or not oriented. To be
- * cleared in any case. */
-bw_status bwi_flat_faces_find(bw_context *context, const bw_surface *surface, bool flat,
+/* The flat faces and their kept points; then round_faces.h may replace some. BW_GEOMETRY where the
+ * surface is not closed or not oriented. To be cleared in any case. */
+bw_status bwi_flat_faces_find(bw_context *context, const bw_surface *surface,
                               bwi_flat_faces *faces);
+/* The kept points and loops of the faces that there are. */
+bw_status bwi_flat_loops_find(bwi_flat_faces *faces);
 void bwi_flat_faces_clear(bwi_flat_faces *faces);
 bw_status bwi_fail_repair(bw_context *context, const char *what);
 
@@ -49,6 +53,11 @@ bw_status bwi_fail_repair(bw_context *context, const char *what);
 int64_t bwi_flat_opposite(const bwi_topology *t, int64_t side);
 /* Whether the facets at a side belong to different faces. */
 bool bwi_flat_is_border(const bwi_flat_faces *faces, int64_t side);
+/* Whether two points lie at one place along the axis. */
+bool bwi_flat_is_across(const bwi_round *round, const double a[3], const double b[3],
+                        double tolerance);
+/* The round face of which a border side is a chord, or NULL. */
+const bwi_round *bwi_flat_round_of(const bwi_flat_faces *faces, int64_t side);
 /* The side that follows on the border of the face. */
 int64_t bwi_flat_next(const bwi_flat_faces *faces, int64_t side);
 /* The normal of a facet, twice its area long. */

@@ -11,8 +11,6 @@
 
 #include "barwright/base.h"
 
-/* Points this near to a cylinder or cone lie on it, over the diagonal of the box. */
-#define ROUND 1e-9
 /* The cosine of the largest turn from strip to strip: a circle has at least nine chords. */
 #define TURN 0.766 /* 40 degrees */
 
@@ -65,29 +63,6 @@ double bwi_round_circle(const bwi_round *round, const double at[3], double centr
   for (int k = 0; k < 3; k++)
     centre[k] = round->origin[k] + along * round->axis[k];
   return round->radius + round->slope * along;
-}
-
-/* Whether two points lie at one place along the axis. */
-static bool is_across(const bwi_round *round, const double a[3], const double b[3],
-                      double tolerance) {
-  double between[3];
-  minus(b, a, between);
-  return fabs(bw_dot(between, round->axis)) <= tolerance;
-}
-
-const bwi_round *bwi_round_of_side(const bwi_flat_faces *s, int64_t side) {
-  const bwi_topology *t = s->topology;
-  const double tolerance = ROUND / FLAT * s->tolerance;
-  for (int k = 0; s->round_of && k < 2; k++) {
-    int32_t face = s->face_of[(k ? bwi_flat_opposite(t, side) : side) / 3];
-    if (s->round_of[face] < 0)
-      continue;
-    const bwi_round *round = &s->round[s->round_of[face]];
-    if (is_across(round, point_of(s, bwi_side_from(t, side)), point_of(s, bwi_side_to(t, side)),
-                  tolerance))
-      return round;
-  }
-  return NULL;
 }
 
 /* ---- chains of a face ------------------------------------------------------------------------ */
@@ -339,7 +314,7 @@ static bool may_bend(const finder *f, const bwi_round *round, const chain *chord
   bwi_round_circle(next, p, theirs);
   minus(own, theirs, apart);
   return next == round ||
-         (bw_norm(apart) <= 10 * f->tolerance && is_across(next, p, q, f->tolerance));
+         (bw_norm(apart) <= 10 * f->tolerance && bwi_flat_is_across(next, p, q, f->tolerance));
 }
 
 /* Strips of which a chord cannot become an arc stay flat, and so on. */
@@ -351,7 +326,7 @@ static void drop_strips(const finder *f) {
       chain side;
       for (int64_t at = 0; s->round_of[face] >= 0 && next_chain(f, face, &at, &side);) {
         const bwi_round *round = &s->round[s->round_of[face]];
-        if (is_across(round, point_of(s, side.from), point_of(s, side.to), f->tolerance) &&
+        if (bwi_flat_is_across(round, point_of(s, side.from), point_of(s, side.to), f->tolerance) &&
             !may_bend(f, round, &side)) {
           s->round_of[face] = -1;
           changed = true;
@@ -462,9 +437,19 @@ static bw_status list_facets(finder *f) {
   return BW_OK;
 }
 
+/* Whether the surface has names of curved faces. */
+static bool has_curved(const bw_surface *surface) {
+  for (int32_t i = 0; surface->names && i < surface->names->count; i++)
+    if (surface->names->curved[i])
+      return true;
+  return false;
+}
+
 bw_status bwi_round_faces_find(bwi_flat_faces *s) {
   bw_status status = BW_OK;
   finder f = {.s = s, .tolerance = ROUND / FLAT * s->tolerance};
+  if (!has_curved(s->surface))
+    return BW_OK;
   BW_TRY(list_facets(&f));
   for (int32_t face = 0; face < s->face_count; face++) {
     if (face % 4096 == 0)

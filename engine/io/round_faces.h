@@ -11,12 +11,10 @@
 
 #include "io/flat_faces.h"
 
-/* Replaces strips by round faces; the kept points must be found, and are stale then. */
+/* Replaces strips by round faces; bwi_flat_loops_find is to follow. */
 bw_status bwi_round_faces_find(bwi_flat_faces *faces);
 
 /* The centre (m) and the radius of the circle of a round face through a point. */
 double bwi_round_circle(const bwi_round *round, const double at[3], double centre[3]);
-/* The round face of which a border side is a chord, or NULL. */
-const bwi_round *bwi_round_of_side(const bwi_flat_faces *faces, int64_t side);
 
 #endif

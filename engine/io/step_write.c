@@ -128,7 +128,7 @@ static int64_t chain_of(step *s, int64_t side, bool *same, int64_t *behind) {
   }
   if (s->chain[name] == 0) {
     const double *a = t->point + 3 * (size_t)from;
-    const bwi_round *round = bwi_round_of_side(&s->faces, side);
+    const bwi_round *round = bwi_flat_round_of(&s->faces, side);
     int64_t first = vertex_of(s, from), last = vertex_of(s, to);
     int64_t curve = round ? put_circle(s, round, a, t->point + 3 * (size_t)second)
                           : put_line(s, a, t->point + 3 * (size_t)to, first);
@@ -562,7 +562,10 @@ bw_status bwi_step_write(bw_writer *writer, const bw_surface *surface,
   bw_context *context = bwi_writer_context(writer);
   step s = {.context = context, .writer = writer, .unit = options->unit > 0 ? options->unit : 1};
   int64_t *face_entity = NULL;
-  BW_TRY(bwi_flat_faces_find(context, surface, options->flat, &s.faces));
+  BW_TRY(bwi_flat_faces_find(context, surface, &s.faces));
+  if (!options->flat)
+    BW_TRY(bwi_round_faces_find(&s.faces));
+  BW_TRY(bwi_flat_loops_find(&s.faces));
   const bwi_topology *t = s.faces.topology;
   s.chain = BW_NEW0(context, int64_t, t->edges + 1);
   s.chain_from = BW_NEW(context, int32_t, t->edges + 1);

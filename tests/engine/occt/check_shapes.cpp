@@ -35,8 +35,8 @@ static void check(const char *path) {
                                      : 3]++;
   }
   std::printf("%s %.17g %.17g %d %d %d %d %d\n",
-              BRepCheck_Analyzer(shape).IsValid() ? "valid" : "invalid", volume.Mass(),
-              area.Mass(), solids, kinds[0], kinds[1], kinds[2], kinds[3]);
+              BRepCheck_Analyzer(shape).IsValid() ? "valid" : "invalid", volume.Mass(), area.Mass(),
+              solids, kinds[0], kinds[1], kinds[2], kinds[3]);
 }
 
 int main(int count, char **argument) {
