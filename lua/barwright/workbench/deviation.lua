@@ -6,11 +6,9 @@ local model = require "barwright.command.model"
 local report = {__name = "barwright.workbench_deviation"}
 report.__index = report
 
-local function count(number) return tostring(number):reverse():gsub("(%d%d%d)%f[%d]", "%1,"):reverse() end
-
 function report:__tostring()
-  local unmoved = ("%s of %s points of the original are where they were, bit for bit"):format(count(self.unmoved),
-    count(self.points))
+  local unmoved = ("%d of %d points of the original are where they were, bit for bit"):format(self.unmoved,
+    self.points)
   if self.largest == 0 then return "The shape is the original: " .. unmoved .. "." end
   return ("At most %s from the original, at %s; %s."):format(core.quantity(self.largest, "m"), core.point(self.at),
     unmoved)
