@@ -98,7 +98,8 @@ const heard = {
     }
     if (message.message) say(message.message.text, true, message.message.details);
     render();
-    if (former && view.scene && state.faces) restore();
+    if (former && !state.file) former = putBack(former); // no part: only what was typed
+    else if (former && view.scene && state.faces) restore();
   },
 
   scene(message) {

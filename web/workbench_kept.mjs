@@ -36,11 +36,12 @@ export function kept() {
   }
 }
 
-// Puts values, panels and switches back.
+// Puts values, panels and switches back; nothing is left to be put back.
 export function putBack(found) {
   const at = (id) => document.getElementById(id);
   for (const [id, value] of found.fields) if (at(id)) at(id).value = value;
   for (const [id, open] of found.panels) if (at(id)) at(id).open = open;
   for (const [id, on] of found.switches) at(id)?.setAttribute("aria-pressed", on);
   document.querySelector("aside").scrollTop = found.scrolled;
+  return null;
 }
