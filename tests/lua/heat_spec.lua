@@ -450,7 +450,7 @@ describe("barwright heat", function()
 
   it("refuses what cannot be", function()
     for words, expected in pairs {
-      ["--power min:x=2"] = "nothing holds a temperature",
+      ["--power min:x=2"] = "no temperature is given",
       ["--temperature min:x=warm"] = "a temperature such as 293K or 20C expected, got 'warm'",
       ["--temperature min:x=-300C"] = "'-300C' is below absolute zero",
       ["--convection min:x=10,-1K"] = "'-1K' is below absolute zero",

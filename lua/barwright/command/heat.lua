@@ -78,7 +78,7 @@ local function read_conditions(opts)
     end
   end
   if not list.bound then
-    return nil, "nothing holds a temperature: --temperature, --convection or --radiation is missing"
+    return nil, "no temperature is given: --temperature, --convection or --radiation is missing"
   end
   if opts.limit then
     local message
