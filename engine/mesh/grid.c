@@ -121,7 +121,7 @@ static bw_status name_sides(bw_context *context, const box *of, bw_mesh *mesh) {
   bw_face_names *names = NULL;
   int32_t *group = BW_NEW0(context, int32_t, mesh->facet_count);
   BW_TRY_MEMORY(group);
-  BW_TRY(bw_face_names_create(context, 6, name, &names));
+  BW_TRY(bw_face_names_create(context, 6, name, NULL, &names));
   for (int32_t t = 0; t < mesh->facet_count; t++) {
     const int32_t *corner = mesh->facet + (size_t)mesh->nodes_per_facet * (size_t)t;
     for (int i = 0; i < 6; i++) { /* points of a side have its coordinate to the last bit */

@@ -159,7 +159,7 @@ void lbw_name_facets(lua_State *L, int function, lbw_box *box) {
     for (int32_t t = 0; t < facets; t++) /* behind the names: facets without one */
       group[t] = group[t] < 0 ? count : group[t];
     bw_context *context = lbw_enter(L);
-    BW_TRY(bw_face_names_create(context, count, list, &names));
+    BW_TRY(bw_face_names_create(context, count, list, NULL, &names));
     BW_TRY(bw_surface_with_names(context, surface, group, names, &named));
   done:
     bw_release(names);
