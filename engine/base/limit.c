@@ -6,8 +6,6 @@
 #include <string.h>
 #include <time.h>
 
-#include "base/job.h"
-
 static double thread_seconds(void) {
   struct timespec now;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -32,7 +30,6 @@ bool bwi_time_ran_out(const bw_context *context, bw_status status) {
 }
 
 bw_status bwi_time_limit_check(bw_context *context, const bwi_time_limit *limit) {
-  bwi_progress_again(context);
   bw_status status = bw_check_cancel(context);
   if (status != BW_OK || bwi_time_limit_left(limit) >= 0)
     return status;

@@ -19,8 +19,7 @@ typedef struct bwi_time_limit {
 } bwi_time_limit;
 bwi_time_limit bwi_time_limit_begin(const char *what, double seconds);
 
-/* BW_CANCELLED; BW_LIMIT with the details limit = "time" and seconds. The last progress is reported
- * again, so that who receives it can cancel. Cheap enough for every
+/* BW_CANCELLED; BW_LIMIT with the details limit = "time" and seconds. Cheap enough for every
  * thousandth step of a loop. On the thread that began. */
 bw_status bwi_time_limit_check(bw_context *context, const bwi_time_limit *limit);
 

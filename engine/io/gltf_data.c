@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "barwright/job.h"
+
 #define MOST ((int64_t)1 << 32)
 
 const bwi_json_value *bwi_gltf_value(const bwi_gltf *g, int32_t value) {
@@ -211,7 +213,24 @@ static bw_status object_of(const bwi_gltf *g, int32_t of, const char *key, int32
   return BW_OK;
 }
 
-/* A copy of the elements of an accessor in which those are replaced that "sparse" lists. */
+/* Room for the elements of an accessor: zeros. BW_LIMIT where all copies take more than the memory
+ * that is free. */
+static bw_status make_copy(bwi_gltf *g, int64_t number, int64_t count, size_t size) {
+  const double memory = bw_available_memory();
+  g->copied += (double)count * (double)size;
+  if (memory > 0 && g->copied > memory) {
+    bwi_gltf_fail(g, g->accessor.value[number],
+                  "\"sparse\" of this accessor and of those before it takes %.0f bytes, more than "
+                  "the memory that is free",
+                  g->copied);
+    return BW_LIMIT;
+  }
+  g->copy[number] = BW_NEW0(g->context, unsigned char, (size_t)count *size + 1);
+  return g->copy[number] ? BW_OK : BW_MEMORY;
+}
+
+/* A copy of the elements of an accessor in which those are replaced that "sparse" lists; elements
+ * without data (`at` NULL) are zeros. */
 static bw_status replace_elements(bwi_gltf *g, int64_t number, size_t size,
                                   bwi_gltf_accessor *out) {
   bw_status status = BW_OK;
@@ -220,6 +239,11 @@ static bw_status replace_elements(bwi_gltf *g, int64_t number, size_t size,
   int64_t count, type;
   const unsigned char *index, *value;
   size_t index_step, value_step;
+  if (g->copy[number]) { /* from another place of its mesh */
+    out->at = g->copy[number];
+    out->stride = size;
+    return BW_OK;
+  }
   BW_TRY(bwi_gltf_integer(g, sparse, "count", out->count + 1, -1, &count));
   BW_TRY(object_of(g, sparse, "indices", &indices));
   BW_TRY(object_of(g, sparse, "values", &values));
@@ -228,12 +252,9 @@ static bw_status replace_elements(bwi_gltf *g, int64_t number, size_t size,
     return bwi_gltf_fail(g, indices, "the indices of \"sparse\" have no such \"componentType\"");
   BW_TRY(open_view(g, indices, count, bwi_gltf_component_size(type), &index, &index_step));
   BW_TRY(open_view(g, values, count, size, &value, &value_step));
-  if (!g->copy[number]) {
-    g->copy[number] = BW_NEW(g->context, unsigned char, (size_t)out->count *size + 1);
-    BW_TRY_MEMORY(g->copy[number]);
-  }
+  BW_TRY(make_copy(g, number, out->count, size));
   unsigned char *copy = g->copy[number];
-  for (int64_t i = 0; i < out->count; i++)
+  for (int64_t i = 0; out->at && i < out->count; i++)
     memcpy(copy + (size_t)i * size, out->at + (size_t)i * out->stride, size);
   const bwi_gltf_accessor list = {.type = type};
   for (int64_t i = 0; i < count; i++) {
@@ -265,14 +286,17 @@ bw_status bwi_gltf_accessor_open(bwi_gltf *g, int64_t index, const char *type, s
   if (size == 0)
     return bwi_gltf_fail(g, object, "the \"componentType\" %lld is none of glTF's",
                          (long long)out->type);
-  if (!bwi_json_member(&g->json, object, "bufferView")) {
+  const bool dense = bwi_json_member(&g->json, object, "bufferView") != 0;
+  const bool sparse = bwi_json_member(&g->json, object, "sparse") != 0;
+  if (!dense && !sparse) {
     bwi_gltf_fail(g, object,
                   "this accessor has no data, as those that the extension "
                   "KHR_draco_mesh_compression packs: export without compression");
     return BW_UNSUPPORTED;
   }
-  BW_TRY(open_view(g, object, out->count, size, &out->at, &out->stride));
-  if (bwi_json_member(&g->json, object, "sparse"))
+  if (dense)
+    BW_TRY(open_view(g, object, out->count, size, &out->at, &out->stride));
+  if (sparse)
     BW_TRY(replace_elements(g, index, size, out));
   out->normalised = normalised && bwi_gltf_value(g, normalised)->kind == BWI_JSON_TRUE;
 done:

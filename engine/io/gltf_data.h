@@ -34,6 +34,7 @@ typedef struct bwi_gltf {
   size_t chunk_count;
   bwi_gltf_block *block; /* (buffer.count) */
   unsigned char **copy;  /* (accessor.count) its elements, some of them replaced; or NULL */
+  double copied;         /* bytes of the copies */
   double bytes;          /* of the file and of those beside it */
 } bwi_gltf;
 

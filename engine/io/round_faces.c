@@ -144,19 +144,23 @@ static bool fit_cylinder(const finder *f, const chain *ab, const chain *bc, int3
   return true;
 }
 
-/* The cone through three planes, whose apex they have in common. */
-static bool fit_cone(const finder *f, const chain *ab, const double *na, const double *nb,
-                     const double *nc, const double c[3], bwi_round *round) {
-  const double *p = point_of(f->s, ab->from), *q = point_of(f->s, ab->to);
-  double cross[3], bottom, step, apex[3], from[3], to[3];
-  bw_cross(na, nb, cross);
-  bottom = bw_dot(cross, nc);
-  minus(c, p, from);
-  step = bw_dot(from, nc) / bottom; /* planes a and b meet in a line through p */
-  if (!isfinite(step))
-    return false;
-  for (int k = 0; k < 3; k++)
-    apex[k] = p[k] + step * cross[k];
+/* The cone of three planes (normal, point), whose apex they have in common, and of the points p and
+ * q. Its axis is known. */
+static bool fit_cone(const double *normal[3], const double *at[3], const double *p, const double *q,
+                     bwi_round *round) {
+  double cross[3][3], apex[3], from[3], to[3];
+  for (int i = 0; i < 3; i++)
+    bw_cross(normal[(i + 1) % 3], normal[(i + 2) % 3], cross[i]);
+  const double bottom = bw_dot(cross[0], normal[0]);
+  memcpy(apex, p, sizeof apex);
+  for (int i = 0; i < 3; i++) {
+    minus(at[i], p, from);
+    const double step = bw_dot(from, normal[i]) / bottom;
+    if (!isfinite(step))
+      return false;
+    for (int k = 0; k < 3; k++)
+      apex[k] += step * cross[i][k];
+  }
   minus(p, apex, from);
   minus(q, apex, to);
   const double *far = bw_norm(from) > bw_norm(to) ? from : to;
@@ -193,7 +197,10 @@ static bool fit(const finder *f, int32_t a, int32_t b, const chain *ab, const ch
     return false;
   if (!(fabs(bw_dot(nb, round->axis)) < 1e-6
             ? fit_cylinder(f, ab, bc, a, round)
-            : fit_cone(f, ab, na, nb, nc, point_of(f->s, bc->from), round)))
+            : fit_cone((const double *[]){na, nb, nc},
+                       (const double *[]){point_of(f->s, ab->from), point_of(f->s, ab->from),
+                                          point_of(f->s, bc->from)},
+                       point_of(f->s, ab->from), point_of(f->s, ab->to), round)))
     return false;
   place_of(round, point_of(f->s, ab->from), &along, &away, direction);
   round->outward = bw_dot(direction, nb) > 0;
@@ -253,6 +260,70 @@ static int32_t grow(const finder *f, int32_t number, int32_t seed) {
   return count;
 }
 
+static void ungrow(const finder *f, int32_t count) {
+  for (int32_t i = 0; i < count; i++)
+    f->s->round_of[f->list[i]] = -1;
+}
+
+/* The cone of three of its `count` strips that lie far apart: the axis of three neighbours is wrong
+ * by rounding over the cube of their turn. Fits until no more strips lie on it. */
+static int32_t grow_cone(const finder *f, int32_t number, int32_t seed, int32_t count) {
+  bwi_flat_faces *s = f->s;
+  for (int32_t more = count + 1; count >= 6 && more > count;) {
+    const bwi_round former = s->round[number];
+    bwi_round *round = &s->round[number];
+    const int32_t far[3] = {f->list[0], f->list[count / 3], f->list[2 * count / 3]};
+    const double *normal[3], *at[3];
+    chain side[3];
+    double u[3], v[3];
+    for (int i = 0; i < 3; i++) {
+      int64_t first = 0;
+      next_chain(f, far[i], &first, &side[i]);
+      normal[i] = f->normal + 3 * (size_t)far[i];
+      at[i] = point_of(s, side[i].from);
+    }
+    minus(normal[1], normal[0], u);
+    minus(normal[2], normal[0], v);
+    bw_cross(u, v, round->axis);
+    bool fits =
+        make_unit(round->axis) > 0 && fit_cone(normal, at, at[0], point_of(s, side[0].to), round);
+    ungrow(f, count);
+    more = fits ? grow(f, number, seed) : 0;
+    if (more < count) {
+      ungrow(f, more);
+      *round = former;
+      return grow(f, number, seed);
+    }
+    if (more == count)
+      return count;
+    count = more;
+    more = count + 1;
+  }
+  return count;
+}
+
+/* The cosine of the angle that a strip spans about the axis. */
+static double span(const finder *f, const bwi_round *round, int32_t face) {
+  double along[2], away[2], direction[2][3], least = 1;
+  chain side;
+  for (int64_t at = 0; next_chain(f, face, &at, &side);) {
+    place_of(round, point_of(f->s, side.from), &along[0], &away[0], direction[0]);
+    place_of(round, point_of(f->s, side.to), &along[1], &away[1], direction[1]);
+    least = fmin(least, bw_dot(direction[0], direction[1]));
+  }
+  return least;
+}
+
+/* Whether the strips are as wide as each other. Three in a symmetric place of any curve lie on a
+ * circle. */
+static bool are_alike(const finder *f, const bwi_round *round, int32_t count) {
+  for (int32_t i = 1; i < count; i++)
+    if (fabs(acos(fmin(1, span(f, round, f->list[i]))) -
+             acos(fmin(1, span(f, round, f->list[0])))) > 1e-6)
+      return false;
+  return true;
+}
+
 static bw_status add_round(finder *f, const bwi_round *round) {
   bwi_flat_faces *s = f->s;
   if (s->round_count == f->capacity) {
@@ -286,10 +357,11 @@ static bw_status try_face(finder *f, int32_t a) {
         continue;
       BW_TRY(add_round(f, &round));
       int32_t count = grow(f, s->round_count - 1, a);
-      if (count >= 3)
+      if (round.slope > 0)
+        count = grow_cone(f, s->round_count - 1, a, count);
+      if (count > 3 || (count == 3 && are_alike(f, &round, count)))
         continue;
-      for (int32_t j = 0; j < count; j++)
-        s->round_of[f->list[j]] = -1;
+      ungrow(f, count);
       s->round_count--;
     }
   }
@@ -318,10 +390,12 @@ static bool may_bend(const finder *f, const bwi_round *round, const chain *chord
 }
 
 /* Strips of which a chord cannot become an arc stay flat, and so on. */
-static void drop_strips(const finder *f) {
+static bw_status drop_strips(const finder *f) {
   bwi_flat_faces *s = f->s;
+  bw_status status = BW_OK;
   for (bool changed = true; changed;) {
     changed = false;
+    BW_TRY(bw_check_cancel(s->context));
     for (int32_t face = 0; face < s->face_count; face++) {
       chain side;
       for (int64_t at = 0; s->round_of[face] >= 0 && next_chain(f, face, &at, &side);) {
@@ -334,6 +408,8 @@ static void drop_strips(const finder *f) {
       }
     }
   }
+done:
+  return status;
 }
 
 /* ---- one face for joined strips -------------------------------------------------------------- */
@@ -457,7 +533,7 @@ bw_status bwi_round_faces_find(bwi_flat_faces *s) {
     if (s->round_of[face] < 0 && is_curved(&f, face))
       BW_TRY(try_face(&f, face));
   }
-  drop_strips(&f);
+  BW_TRY(drop_strips(&f));
   BW_TRY(join_strips(&f));
 done:
   bw_free(f.start);

@@ -3,6 +3,8 @@
  * well shaped and meet nothing. */
 #include "mesh/coarsen.h"
 
+#include "base/job.h"
+
 /* The living corners of a point; false when there are too many to bother. Dead ones are taken out
  * of the list on the way. */
 bool bwi_coarsen_ring(bwi_coarsening *c, int32_t point, int32_t *ring, int *count) {
@@ -273,6 +275,7 @@ static bw_status move(bwi_coarsening *c, int32_t point) {
 bw_status bwi_coarsen_check(bwi_coarsening *c, size_t step) {
   if (step % 1024 != 0)
     return BW_OK;
+  bwi_progress_again(c->context); /* who is shown it may cancel */
   return bwi_time_limit_check(c->context, &c->time);
 }
 

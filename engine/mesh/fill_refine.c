@@ -7,6 +7,7 @@
  * its longest edge first and through the other marked ones after that: its angles are at least half
  * of what they were, however many passes follow. Of equally long edges the one with the lower
  * number is the longest, so both triangles at an edge agree. */
+#include "base/job.h"
 #include "base/limit.h"
 #include "mesh/fill_internal.h"
 #include "mesh/mesh_internal.h"
@@ -131,6 +132,7 @@ static bw_status mark(bw_context *context, pass *p, const bw_size_field *field, 
         changed = true;
       }
     }
+    bwi_progress_again(context); /* who is shown it may cancel */
     bw_status status = bwi_time_limit_check(context, &p->time);
     if (status != BW_OK)
       return status;

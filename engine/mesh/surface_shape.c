@@ -93,7 +93,7 @@ bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], d
   BW_TRY(
       bw_surface_copy(context, (int64_t)(3 * all), corner, (int64_t)all, triangle, group, &loose));
   BW_TRY(bw_surface_weld(context, loose, 0, surface));
-  status = name_faces(context, 1, &(bw_name){"sphere"}, NULL, surface);
+  status = name_faces(context, 1, &(bw_name){"sphere"}, (const uint8_t[]){1}, surface);
 done:
   bw_release(loose);
   bw_free(corner);

@@ -195,7 +195,8 @@ function StudyModule:__call(options) end
 ---@field seed? integer (seed) Default: that of the study
 
 ---The probability that a constraint is violated, with its error, by sampling around the points that "form" finds and, a
----tenth, around the medians. The estimate is unbiased. The summary has `probability`, `low`, `high`, `deviation`,
+---tenth, around the medians. The estimate is unbiased; its error does not show an unlikely region of failure apart from these
+---points. The summary has `probability`, `low`, `high`, `deviation`,
 ---`count`, `failures` and `form`.
 ---
 ---Source: R. E. Melchers, Structural Safety 6 (1989).
@@ -595,7 +596,7 @@ local Trials = {}
 ---@field population? integer (count) of "pareto"
 ---@field hypervolume? number[] (any, one for each generation) of "pareto": of the front so far, for at most three objectives
 ---@field failure? bw.StudyFailure of "random", "latin_hypercube" and "sobol" where variables have distributions and there are constraints
----@field probability? number (-) of "form", "importance" and "subset": that a constraint is violated
+---@field probability? number (-) of "form", "importance" and "subset": that a constraint is violated; nil where no failure was found, and of "form" where there are several points or a bound without one
 ---@field low? number (-) of the same: the least, with 95 % confidence; of "form" the largest of its points
 ---@field high? number (-) of the same: the most, with 95 % confidence; of "form" the sum of its points
 ---@field deviation? number (-) of "importance" and "subset": standard deviation of `probability`
@@ -605,7 +606,6 @@ local Trials = {}
 ---@field lost? bw.DesignPoint[] (list) of "form": where searches ended that found none
 ---@field form? bw.StudySummary of "importance": `points` and `lost` of its search
 ---@field levels? bw.SubsetLevel[] (list) of "subset"
----@field above? number (-) of "subset": the product of the shares where no failure was found
 ---@field value? any of a function that returned a number or a string
 
 ---The share of trials that violate a constraint, of trials drawn from the distributions.

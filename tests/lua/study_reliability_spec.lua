@@ -120,6 +120,8 @@ describe("distributions", function()
     local function read(v) return function() problem_of.read("test", {variables = {v}, measures = {"g"}}) end end
     check.raises("a distribution is of a real", read {name = "x", min = 0, distribution = kinds[1]})
     check.raises("a distribution is of a real", read {name = "x", kind = "integer", distribution = kinds[1]})
+    check.raises("give skip = 1", run, {"sobol", count = 4, scramble = false}, {variables = standard(1)},
+      function() return 1 end)
     check.raises("design grid works between min and max; 'x1' has a distribution", run, {"grid", levels = 2},
       {variables = standard(1)}, function() return 1 end)
   end)
@@ -172,6 +174,7 @@ describe("correlated variables", function()
     check.raises("occur twice", read {{"a", "c", 0.1}, {"c", "a", 0.2}})
     check.raises("not positive definite", read {{"a", "c", 0.9}, {"a", "d", 0.9}, {"c", "d", -0.9}})
     check.raises("is possible", read {{"a", "c", 0.999}})
+    check.raises("got the key string 'a_c'", read {a_c = 0.5})
     check.raises("independent variables expected", run, {"sobol_indices", base = 8}, {variables = standard(2),
       correlations = {{"x1", "x2", 0.5}}}, function() return 1 end)
   end)
@@ -238,6 +241,11 @@ describe("the first-order reliability method", function()
   end)
 
   it("says where there is no design point", function()
+    local part = run({"form"}, {variables = standard(2), measures = {"a", "b"},
+      constraints = {{name = "a", max = 3}, {name = "b", max = 0.5}}},
+      function(p) return {a = p.x1, b = p.x2 > 0.4 and 1 or 0} end)
+    assert.is_true(part.probability == nil and part.high == nil)
+    contains("at least 0.00135 by planes; 1 of 2 limits have no design point", part.text)
     local found = run({"form"}, {variables = standard(2)}, function() return 1 end)
     assert.equal(0, #found.points)
     assert.equal("flat", found.lost[1].why)
@@ -304,13 +312,17 @@ describe("sampling for failures", function()
     inside(missed.subset, 0, 16, "subset: deviation estimated from one run")
   end)
 
-  it("does not rely on the design points", function()
-    -- The search from the origin finds one of two equal failures: the weights stay bounded and the interval says
-    -- so.
-    local function two(p) return 2 - math.abs(p.x1 + 1e-3) end
-    local sampled = run({"importance", error = 0.03, count = 20000}, {variables = standard(1)}, two)
-    local both = normal.probability(-2 + 1e-3) + normal.probability(-2 - 1e-3)
-    inside(both, sampled.low, sampled.high, sampled.text)
+  -- The search from the medians finds one of two failures. The other is seen around the origin where it is likely,
+  -- and by further starts where it is not.
+  it("counts failures apart from the design points where they are likely, or starts find them", function()
+    local function two(beta) return function(p) return beta - math.abs(p.x1 + 1e-3) end end
+    local function both(beta) return normal.probability(-beta + 1e-3) + normal.probability(-beta - 1e-3) end
+    local sampled = run({"importance", error = 0.03, count = 20000}, {variables = standard(1)}, two(2))
+    inside(both(2), sampled.low, sampled.high, sampled.text)
+    contains("assumed: no region of failure lies apart", sampled.text)
+    sampled = run({"importance", starts = 8, error = 0.05}, {variables = standard(1)}, two(3.5))
+    assert.equal(2, #sampled.form.points)
+    inside(both(3.5), sampled.low, sampled.high, sampled.text)
   end)
 
   it("reaches small probabilities in 20 dimensions", function()
@@ -333,9 +345,21 @@ describe("sampling for failures", function()
       function(p) return 8 - p.x1 end)
     assert.is_nil(levels.probability)
     inside(normal.probability(-8), levels.low, levels.high, levels.text)
-    contains("no failure within 3 levels", levels.text)
+    contains("no failure in 3 levels: probability of failure below", levels.text)
     contains("all trials have the same margin", run({"subset", count = 100}, {variables = standard(1)},
       function() return 1 end).text)
+    -- A margin that is never negative, and levels that end where failures are known.
+    levels = run({"subset", count = 200}, {variables = standard(1)}, function(p) return math.max(0, 1 - p.x1) end)
+    assert.is_nil(levels.probability)
+    assert.is_true(levels.low == 0 and levels.high > 0)
+    levels = run({"subset", levels = 1}, {variables = standard(1)}, function(p) return 1.8 - p.x1 end)
+    inside(normal.probability(-1.8), levels.low, levels.high, levels.text)
+    local sampled = run({"importance", count = 500}, {variables = standard(1)}, function(p)
+      return p.x1 < 6 and 1 or -1
+    end)
+    assert.is_nil(sampled.probability)
+    inside(normal.probability(-6), sampled.low, sampled.high, sampled.text)
+    contains("no failure in 500 trials", sampled.text)
     contains("without results count as failures", run({"subset", count = 100}, {variables = standard(1)},
       function(p) return p.x1 < 1 and 1 - p.x1 or nil end).text)
   end)

@@ -15,11 +15,11 @@ local STEP, REACH = 0.25, 8
 
 local function moments(distribution)
   local mean, square = 0.0, 0.0
+  for z = -REACH, REACH, STEP do mean = mean + STEP * normal.density(z) * distribution:value(z) end
   for z = -REACH, REACH, STEP do
-    local x, weight = distribution:value(z), STEP * normal.density(z)
-    mean, square = mean + weight * x, square + weight * x * x
+    square = square + STEP * normal.density(z) * (distribution:value(z) - mean) ^ 2
   end
-  return mean, math.sqrt(square - mean * mean)
+  return mean, math.sqrt(square)
 end
 
 --- The correlation of two values whose normal coordinates have the correlation r.
@@ -42,7 +42,7 @@ local function of_normals(where, a, b, wanted)
   if a.name == "normal" and b.name == "normal" then return wanted end
   local low, high = -0.9999, 0.9999
   local least, most = correlations.of_values(a, b, low), correlations.of_values(a, b, high)
-  if wanted < least or wanted > most then
+  if not (least <= wanted and wanted <= most) then
     raise(("%s: with these distributions from %.4f to %.4f is possible, got %.6g"):format(where, least, most,
       wanted))
   end
@@ -80,6 +80,12 @@ class.__index = class
 function correlations.read(where, list, variables)
   if type(list) ~= "table" then
     raise(("%s: correlations = {{NAME, NAME, number}, ...} expected, got %s"):format(where, core.got(list)))
+  end
+  for key in pairs(list) do
+    if math.type(key) ~= "integer" then
+      raise(("%s: correlations: a list {{NAME, NAME, number}, ...} expected, got the key %s"):format(where,
+        core.got(key)))
+    end
   end
   if #list == 0 then return nil end
   local number, matrix, text = {}, {}, {}

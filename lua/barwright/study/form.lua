@@ -265,11 +265,12 @@ end
 
 --- points = {{limit, point, reliability_index, probability, importance, evaluations}, ...}; lost: searches without
 --- a design point; probability, from `low` to `high`, of any failure: the bounds of events whose joint probability
---- is unknown, exact only where limits are planes.
+--- is unknown, exact only where limits are planes. `high` and `probability` are nil where a limit has no point.
 function design.run(evaluate, problem, opts)
   local found, lost = form.search(evaluate, problem, opts)
-  local out, lines, sum, most = {points = found, lost = lost}, {}, 0.0, 0.0
+  local out, lines, sum, most, seen = {points = found, lost = lost}, {}, 0.0, 0.0, {}
   for i, one in ipairs(found) do
+    seen[one.limit] = true
     sum, most = sum + one.probability, math.max(most, one.probability)
     lines[i] = form.describe(problem, one)
   end
@@ -277,7 +278,15 @@ function design.run(evaluate, problem, opts)
     lines[#lines + 1] = ("%s: no design point: ended by %s after %d trials"):format(
       reliability.failure_of(one.limit), one.why, one.evaluations)
   end
-  if #found > 0 then
+  local open = 0 -- limits without a point
+  for _, one in ipairs(lost) do
+    if not seen[one.limit] then open, seen[one.limit] = open + 1, true end
+  end
+  if #found > 0 and open > 0 then
+    out.low = most
+    lines[#lines + 1] = ("probability of failure at least %.3g by planes; %d of %d limits have no design point")
+      :format(most, open, #problem:limits())
+  elseif #found > 0 then
     out.low, out.high = most, math.min(1, sum)
     out.probability = #found == 1 and most or nil
     lines[#lines + 1] = (#found == 1 and ("probability of failure %.3g"):format(most)

@@ -2,7 +2,8 @@
 -- The probability of failure by importance sampling around design points. Points are drawn from a mixture of
 -- normal distributions: most around the design points of the first-order method, by their probabilities, and a
 -- tenth around the origin, which bounds the weights by ten where no design point was found. The weight of a failed
--- trial is the ratio of the densities. The estimate is unbiased, whatever the design points are.
+-- trial is the ratio of the densities. The estimate is unbiased, whatever the design points are. Its error is that
+-- of the trials, which hardly ever see an unlikely region of failure apart from the design points.
 local form = require "barwright.study.form"
 local random = require "barwright.study.random"
 local reliability = require "barwright.study.reliability"
@@ -53,7 +54,7 @@ local function draw(parts, source)
     u = u - part.weight
   end
   for k = 1, #chosen.centre do y[k] = chosen.centre[k] + source:normal() end
-  return y
+  return y, chosen == parts[1]
 end
 
 -- Density of the distribution over that of the mixture.
@@ -67,16 +68,18 @@ local function weight_of(parts, y)
   return 1 / below
 end
 
---- probability with low, high (95 %) and deviation; count: trials drawn; form: what the search found.
+--- probability with low, high (95 %) and deviation, where a trial failed; else low and high alone, by the trials
+--- that were drawn from the distribution itself. count: trials drawn; form: what the search found.
 function design.run(evaluate, problem, opts)
   local found, lost = form.search(evaluate, problem, opts)
   local parts, limits = mixture(found, #problem.variables), problem:limits()
   local source = random.new(opts.seed + 1)
-  local count, sum, square, failures, missing = 0, 0.0, 0.0, 0, 0
+  local count, sum, square, failures, missing, plain = 0, 0.0, 0.0, 0, 0, 0
   while count < opts.count do
     local points, weights = {}, {}
     for i = 1, math.min(opts.batch, opts.count - count) do
-      local y = draw(parts, source)
+      local y, at_origin = draw(parts, source)
+      plain = plain + (at_origin and 1 or 0)
       points[i], weights[i] = problem:normal_point(y), weight_of(parts, y)
     end
     local results = evaluate(points)
@@ -91,18 +94,27 @@ function design.run(evaluate, problem, opts)
     local deviation = math.sqrt(math.max(0, square / count - mean * mean) / count)
     if count >= LEAST and mean > 0 and deviation <= opts.error * mean then break end
   end
-  local p = sum / count
-  local deviation = math.sqrt(math.max(0, square / count - p * p) / count)
-  local half = 1.959963984540054 * deviation
-  local out = {probability = p, deviation = deviation, low = math.max(0, p - half), high = math.min(1, p + half),
-    count = count, failures = failures, form = {points = found, lost = lost}}
-  local lines = {reliability.text(p, out.low, out.high)
-    .. (" from %d trials around %s, %d of them failures"):format(count,
-      #found == 1 and "1 design point" or #found .. " design points", failures)}
-  if failures < 10 then lines[#lines + 1] = "the interval is uncertain: fewer than 10 failures were found" end
-  if deviation > opts.error * p then
-    lines[#lines + 1] = ("the error %.2g of the estimate is above %g: raise count"):format(
-      p > 0 and deviation / p or 1, opts.error)
+  local out = {count = count, failures = failures, form = {points = found, lost = lost}}
+  local lines = {}
+  if failures == 0 then
+    out.low, out.high = 0.0, select(2, reliability.wilson(0, plain, 1.959963984540054))
+    lines[1] = ("no failure in %d trials: probability of failure below %.2g, by %d of them around the medians")
+      :format(count, out.high, plain)
+  else
+    local p = sum / count
+    local deviation = math.sqrt(math.max(0, square / count - p * p) / count)
+    local half = 1.959963984540054 * deviation
+    out.probability, out.deviation = p, deviation
+    out.low, out.high = math.max(0, p - half), math.min(1, p + half)
+    lines[1] = reliability.text(p, out.low, out.high) .. (" from %d trials around %s, %d of them failures"):format(
+      count, #found == 1 and "1 design point" or #found .. " design points", failures)
+    if failures < 10 then lines[2] = "the interval is uncertain: fewer than 10 failures were found" end
+    if deviation > opts.error * p then
+      lines[#lines + 1] = ("the error %.2g of the estimate is above %g: raise count"):format(deviation / p,
+        opts.error)
+    end
+    lines[#lines + 1] = "assumed: no region of failure lies apart from these points; starts and subset look for "
+      .. "others"
   end
   if missing > 0 then
     lines[#lines + 1] = ("%d of %d trials without results count as failures"):format(missing, count)

@@ -113,7 +113,11 @@ end
 --- A point from places in the unit cube, one for each variable in order; places of independent coordinates where
 --- variables are correlated.
 function problem:point(place)
-  if self.correlations then return self:normal_point(each(place, normal.quantile)) end
+  if self.correlations then
+    return self:normal_point(each(place, function(u)
+      return math.max(-variables.reach, math.min(variables.reach, normal.quantile(u)))
+    end))
+  end
   local point = {}
   for k, v in ipairs(self.variables) do point[v.name] = v:value(place[k]) end
   return point

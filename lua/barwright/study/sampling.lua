@@ -160,6 +160,14 @@ sampling.sobol = {
     scramble = {type = "boolean", default = true}},
   scatter = true, summarise = failure,
 }
+function sampling.sobol.check(problem, opts)
+  for _, v in ipairs(problem.variables) do
+    if v.distribution and not opts.scramble and opts.skip == 0 then
+      core.raise(("design sobol: '%s' has a distribution, and the first point without scrambling is its lower "
+        .. "end: give skip = 1"):format(v.name))
+    end
+  end
+end
 function sampling.sobol.points(problem, opts)
   local places = sampling.sobol_places(opts.count, #problem.variables, opts.skip,
     opts.scramble and opts.seed or nil)

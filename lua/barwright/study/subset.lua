@@ -120,6 +120,18 @@ local function summary_of(run, p, variance, levels)
   return out, lines
 end
 
+-- What is known where no failure was found: p, the probability of the level before, times a share of which `count`
+-- trials saw nothing.
+local function unseen(run, p, variance, levels, count)
+  local last = levels[#levels]
+  local share = select(2, reliability.wilson(math.floor(last.share * count + 0.5), count, 1.959963984540054))
+  local high = math.min(1, p * share * math.exp(1.959963984540054 * math.sqrt(variance)))
+  local out = {low = 0.0, high = high, count = run.trials, levels = levels}
+  out.text = last.share == 1 and "all trials have the same margin: no smaller one was found"
+    or ("no failure in %d levels: probability of failure below %.3g"):format(#levels, high)
+  return out
+end
+
 --- probability with low, high (95 %, estimated from the chains) and deviation; levels = {{margin, share}, ...}:
 --- the margin of each level in parts of the bound, and the share of trials below; count: all trials.
 function design.run(evaluate, problem, opts)
@@ -137,26 +149,20 @@ function design.run(evaluate, problem, opts)
   while true do
     local list = of_chains(chains)
     local level = math.max(0, list[wanted].margin)
+    if #levels + 1 == opts.levels and list[1].margin < 0 then level = 0 end
     local below = 0
     for _, sample in ipairs(list) do
       if level > 0 and sample.margin <= level or level == 0 and sample.margin < 0 then below = below + 1 end
     end
     local share = below / #list
     levels[#levels + 1] = {margin = level, share = share}
-    p = p * share
-    local last = level == 0 or #levels == opts.levels or share == 1
-    if share > 0 then
-      local at = level > 0 and level or -0x1p-1074
-      variance = variance + (1 - share) / (share * #list) * excess(chains, at, share)
+    if level == 0 and share == 0 or level > 0 and (#levels == opts.levels or share == 1) then
+      return unseen(run, p, variance, levels, #list)
     end
-    if last then
+    p = p * share
+    variance = variance + (1 - share) / (share * #list) * excess(chains, level > 0 and level or -0x1p-1074, share)
+    if level == 0 then
       local out, lines = summary_of(run, p, variance, levels)
-      if level > 0 then
-        out.low, out.probability, out.above = 0.0, nil, p
-        out.high = p * math.exp(1.959963984540054 * math.sqrt(variance))
-        lines = {share == 1 and "all trials have the same margin: no smaller one was found"
-          or ("probability of failure below %.3g: no failure within %d levels"):format(out.high, #levels)}
-      end
       out.text = table.concat(lines, "\n")
       return out
     end

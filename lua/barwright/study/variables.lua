@@ -73,8 +73,9 @@ local function check_bounds(where, v)
   end
 end
 
--- Values beyond have a probability of 1e-19 on either side.
+-- The normal coordinate of the last value on either side: a probability of 1e-19 lies beyond.
 local REACH = 9
+variables.reach = REACH
 
 -- given: the options before defaults.
 local function check_distribution(where, v, given)

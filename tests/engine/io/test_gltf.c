@@ -285,6 +285,22 @@ static void sparse_elements(void **state) {
   check_ok(context, parse(context, SPARSE("2", "0"), &surface));
   assert_true(fabs(6 * bw_surface_volume(surface) - 1) < 1e-6);
   bw_release(surface);
+  /* Without data of its own: zeros, but for the four points that are replaced. */
+  static const char zeros[] =
+      "{\"asset\":{\"version\":\"2.0\"},"
+      "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],"
+      "\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[9,0,0]}],"
+      "\"accessors\":[{\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"sparse\":{"
+      "\"count\":1,\"indices\":{\"bufferView\":0,\"byteOffset\":2,\"componentType\":5121},"
+      "\"values\":{\"bufferView\":1}}},"
+      "{\"bufferView\":0,\"componentType\":5121,\"count\":12,\"type\":\"SCALAR\"}],"
+      "\"bufferViews\":[{\"buffer\":0,\"byteOffset\":48,\"byteLength\":12},"
+      "{\"buffer\":1,\"byteLength\":12}],"
+      "\"buffers\":[{\"byteLength\":60,\"uri\":\"" DATA "\"},"
+      "{\"byteLength\":12,\"uri\":\"data:;base64,AABAQAAAAAAAAAAA\"}]}";
+  check_ok(context, parse(context, zeros, &surface));
+  assert_true(bw_surface_volume(surface) == 0);
+  bw_release(surface);
   refuse(state, SPARSE("2", "2"), "2 elements do not fit into the 12 bytes");
   refuse(state, SPARSE("2", "5"), "an integer from 0 to 4");
   refuse(state, SPARSE("12", "1"), "1 elements do not fit");
