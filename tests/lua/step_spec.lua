@@ -53,8 +53,8 @@ describe("a STEP file of the modeller", function()
     local r, q = 10 * mm, 9.8 * mm
     for _, segments in ipairs {100, 500, 2000, 5000} do
       holds(bw.surface.cone {axis = {0.01, 0.02, 0.02}, radius = r, top_radius = q, segments = segments},
-        pi * 0.03 / 3 * (r * r + r * q + q * q), pi * (r * r + q * q + (r + q) * math.sqrt((r - q) ^ 2 + 0.03 ^ 2)),
-        2, 0, 1)
+        pi * 0.03 / 3 * (r * r + r * q + q * q),
+        pi * (r * r + q * q + (r + q) * math.sqrt((r - q) ^ 2 + 0.03 ^ 2)), 2, 0, 1)
     end
   end)
 
