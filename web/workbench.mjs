@@ -161,8 +161,8 @@ const heard = {
 
 // ---- a reload -----------------------------------------------------------------------------------------------
 
-keepOnLeaving(() => ({ part: state?.part, camera: view.scene && view.camera(), chosen: state?.faces ? numbers() : [], clicked, bending,
-  trueScale, draft: draft.kept() }));
+keepOnLeaving(() => former, () => ({ part: state?.part, camera: view.scene && view.camera(),
+  chosen: state?.faces ? numbers() : [], clicked, bending, trueScale, draft: draft.kept() }));
 
 // This window goes on as it was left; of another part only what is no face and no place.
 function restore() {
@@ -599,7 +599,7 @@ window.barwright = {
     }
     return null;
   },
-  corners: () => [0, 1, 2, 3, 4, 5, 6, 7].map((k) => view.toWindow([0, 1, 2].map((i) => view.box()[k & (1 << i) ? "max" : "min"].getComponent(i)))),
+  corners: () => view.corners(),
   young: () => state.material.young,
   view,
   send,

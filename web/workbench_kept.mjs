@@ -11,10 +11,10 @@ const fields = () => [...document.querySelectorAll("input, select")].filter((one
 const panels = () => [...document.querySelectorAll("details")].filter((one) => one.id);
 const switches = () => [...document.querySelectorAll("button[aria-pressed]")];
 
-// more(): what else is kept, a plain object.
-export function keepOnLeaving(more) {
+// waiting(): what was kept and is not put back yet, which stays kept; more(): what else is kept, a plain object.
+export function keepOnLeaving(waiting, more) {
   window.addEventListener("pagehide", () => {
-    const kept = { ...more(), scrolled: document.querySelector("aside").scrollTop,
+    const kept = waiting() || { ...more(), scrolled: document.querySelector("aside").scrollTop,
       fields: fields().map((one) => [one.id, one.value]), panels: panels().map((one) => [one.id, one.open]),
       switches: switches().map((one) => [one.id, one.getAttribute("aria-pressed")]) };
     try {

@@ -74,15 +74,23 @@ export function listAdvice(element, advice, does) {
       on: { click: () => does.apply(i + 1) } }))));
 }
 
+// A value with its interval, as the sentences of the engine have it (shown.lua).
+function interval(value, low, high, words) {
+  const bounds = Number.isFinite(high) ? `${words(low)} to ${words(high)}`
+    : low > 0 ? `at least ${words(low)}` : "error unknown";
+  return `${words(value)} (${bounds})`;
+}
+
 const pairs = (rows) => rows.filter(Boolean).flatMap(([name, value]) => [make("dt", { textContent: name }),
   make("dd", { textContent: value })]);
 
 export function listNumbers(element, answer) {
-  const range = (low, high, words) => (low !== undefined && high !== undefined ? ` (${words(low)} to ${words(high)})` : "");
   const percent = (x) => `${digits(100 * x)} %`;
   fill(element, answer, () => pairs([
-    answer.utilisation !== undefined && ["share of the strength", percent(answer.utilisation) + range(answer.low, answer.high, percent)],
-    answer.force !== undefined && ["breaks at", newtons(answer.force) + range(answer.force_low, answer.force_high, newtons)],
+    answer.utilisation !== undefined && ["share of the strength",
+      interval(answer.utilisation, answer.low, answer.high, percent)],
+    answer.force !== undefined && ["breaks at",
+      interval(answer.force, answer.force_low, answer.force_high, newtons)],
     answer.max_displacement !== undefined && ["moves by", millimetres(answer.max_displacement)],
     answer.frequency !== undefined && ["first natural frequency", hertz(answer.frequency)],
     answer.mass !== undefined && ["mass", grams(answer.mass)],
@@ -98,9 +106,8 @@ export function listMaterial(element, material) {
 
 // One line under the verdict: what a maker asks next.
 export function answerLine(answer) {
-  return [answer.force !== undefined && !/breaks at/.test(answer.sentence) && `breaks at ${newtons(answer.force)}` +
-      (answer.force_low !== undefined && answer.force_high !== undefined
-        ? ` (${newtons(answer.force_low)} to ${newtons(answer.force_high)})` : ""),
+  return [answer.force !== undefined && !/breaks at/.test(answer.sentence) &&
+      `breaks at ${interval(answer.force, answer.force_low, answer.force_high, newtons)}`,
     answer.max_displacement !== undefined && `moves ${millimetres(answer.max_displacement)}`,
     answer.mass !== undefined && grams(answer.mass),
     answer.frequency !== undefined && `hums at ${hertz(answer.frequency)}`].filter(Boolean).join(" · ");

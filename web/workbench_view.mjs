@@ -198,6 +198,13 @@ export class View {
     return new THREE.Box3().setFromArray(this.places);
   }
 
+  // Of the box, in the window.
+  corners() {
+    const { min, max } = this.box();
+    return [0, 1, 2, 3, 4, 5, 6, 7].map((k) =>
+      this.toWindow([0, 1, 2].map((i) => (k & (1 << i) ? max : min).getComponent(i))));
+  }
+
   // Shows all, from where the camera is or from a direction.
   fit(from) {
     if (!this.scene) return;
@@ -205,6 +212,11 @@ export class View {
     const away = from || (this.aimed ? camera.position.clone().sub(controls.target).toArray() : [1, -1.4, 0.8]);
     this.aimed = true;
     this.stage.aim(this.box(), away);
+    // What the toolbar would cover is seen from farther away; in a low window no more than that.
+    const { top, height } = this.canvas.getBoundingClientRect();
+    const { bottom } = document.getElementById("tools").getBoundingClientRect();
+    if (Math.min(...this.corners().map(([, y]) => y)) < bottom)
+      this.stage.aim(this.box(), away, 1.06 / Math.max(0.7, 1 - (2 * (bottom - top)) / height));
     this.stage.touch();
   }
 

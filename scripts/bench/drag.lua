@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Drags a face of files in the workbench as a person would: the largest face is held, the face farthest from it is
--- loaded and then pushed, step by step. Prints processor and elapsed times of the preparation, of the first step
--- and of the later ones, and the coarse stress beside that of the answer after the drag.
+-- Drags a face of files in the workbench as a person would: the largest face is constrained, the face farthest
+-- from it is loaded and then pushed, step by step. Prints processor and elapsed times of the preparation, of the
+-- first step and of the later ones, and the coarse stress beside that of the answer after the drag.
 local bw = require "barwright"
 local frame = require "barwright.workbench.frame"
 local model = require "barwright.command.model"
@@ -47,7 +47,7 @@ local function farthest(faces)
   return best
 end
 
--- A workbench with a held and a loaded face, and the loaded one.
+-- A workbench with a constrained and a loaded face, and the loaded one.
 local function opened(path)
   local bench = assert(workbench.open(path))
   if bench.doubt then assert(bench:unit {unit = bench.likely[1] or "mm"}) end

@@ -4,6 +4,8 @@ local bw = require "barwright"
 local check = require "check"
 local commands = require "barwright.command"
 local holes = require "barwright.command.holes"
+local on_triangles = require "barwright.on_triangles"
+local places = require "barwright.command.places"
 
 -- A plate with a hole along z at x = 12 mm, a pin that stands on it at 45 mm, and a notch at its end.
 local function plate(turned)
@@ -146,5 +148,62 @@ describe("barwright strengthen --keep", function()
     assert.is_true(apart(before, made.points:totable()) < 1e-9)
     assert.is_true(strengthened().box.max[3] > 0.003 + 1e-6)
     strengthened("face:lid", 2)
+    local words = "strengthen %s/strip.stl --force 1N --out %s/o.stl --keep face:lid"
+    local status, _, fault = check.run(words:format(folder, folder))
+    assert.equal(2, status)
+    assert.truthy(fault:find("option --keep: face:lid: no face has the name 'lid': the file names no faces; "
+      .. "`barwright check FILE --faces yes` lists faces by shape, such as 'plane 1'", 1, true), fault)
+    local named = assert(bw.surface.box {max = {0.06, 0.012, 0.003}}:named("lid", "top"))
+    local _, message = places.test({"face:lidd"}, named)
+    assert.truthy(message:find("face:lidd: no face has the name 'lidd': there are 'lid', '", 1, true), message)
+  end)
+end)
+
+describe("points on triangles", function()
+  -- A wavy sheet of 2 n^2 triangles, and its points.
+  local function sheet(n)
+    local points, triangles = {}, {}
+    for i = 0, n do
+      for j = 0, n do points[#points + 1] = {i / n, j / n, 0.1 * math.sin(5 * i / n) * math.cos(3 * j / n)} end
+    end
+    for i = 0, n - 1 do
+      for j = 1, n do
+        local a = i * (n + 1) + j
+        table.move({{a, a + n + 1, a + 1}, {a + 1, a + n + 1, a + n + 2}}, 1, 2, #triangles + 1, triangles)
+      end
+    end
+    return points, triangles
+  end
+
+  it("are those within a length of them", function()
+    local points, triangles = sheet(20)
+    local near, surface = 0.01, bw.surface.new {points = points, triangles = triangles}
+    local on, wrong, inside, asked = on_triangles(points, triangles, near), 0, 0, {}
+    math.randomseed(3)
+    for i = 1, 3000 do
+      local p = points[i % #points + 1]
+      asked[i] = {}
+      for k = 1, 3 do asked[i][k] = p[k] + 0.04 * (math.random() - 0.5) end
+    end
+    for i, away in ipairs(surface:distance(asked):totable()) do
+      local found = on(table.unpack(asked[i]))
+      inside = inside + (found and 1 or 0)
+      if found ~= (away <= near) and math.abs(away - near) > 1e-12 then wrong = wrong + 1 end
+    end
+    assert.equal(0, wrong)
+    assert.is_true(inside > 500 and inside < 2500, inside)
+    assert.is_true(on_triangles({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{1, 2, 3}}, 0.1)(1.5, 0.05, 0)) -- no area
+    local many = {}
+    for i = 1, 20 do many[i] = {1, 2, 3} end -- all in one place
+    assert.is_false(on_triangles({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, many, 0.1)(0.6, 0.6, 0.05))
+    assert.is_true(on_triangles({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, many, 0.1)(0.5, 0.5, 0.05))
+  end)
+
+  it("are found among many triangles without looking at all of them", function()
+    local points, triangles = sheet(100)
+    local start = os.clock()
+    local on = on_triangles(points, triangles, 1e-6)
+    for _, p in ipairs(points) do assert(on(p[1], p[2], p[3])) end
+    assert.is_true(os.clock() - start < 10, os.clock() - start) -- a search tree per point took 100 s
   end)
 end)

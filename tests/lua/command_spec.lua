@@ -119,7 +119,7 @@ describe("a place on the command line", function()
       ["above:y:0.05m"] = {{0, 0.05, 0}},
       ["min:z"] = {{9, 9, 0.0019}},
     } do
-      local inside = assert(places.test({text}, box))
+      local inside = assert(places.test({text}, {box = box}))
       for _, p in ipairs(points) do assert.is_true(inside(table.unpack(p)), text) end
       assert.is_false(inside(0.03, 0.03, 0.03), text)
     end

@@ -82,6 +82,61 @@ describe("the unit of a file that has none", function()
     end
   end)
 
+  it("is metres in files of meshes, whatever the environment says", function()
+    local surface, mesh = bw.surface.box {max = {0.1, 0.02, 0.01}}, bw.mesh.box {max = {0.1, 0.02, 0.01}}
+    for name, body in pairs {["s.vtu"] = surface, ["s.msh"] = surface, ["m.vtu"] = mesh, ["m.msh"] = mesh,
+      ["m.mesh"] = mesh, ["m.inp"] = mesh, ["m.node"] = mesh} do
+      local from, to = path(name), path(name .. ".stl")
+      assert(body:write(from))
+      local words = "BARWRIGHT_UNIT=mm BARWRIGHT_QUIET=1 %s convert %s %s >/dev/null"
+      assert.is_true(os.execute(words:format(check.program, from, to)))
+      local size = assert(bw.surface.read(to)).box.max
+      for k, length in ipairs {0.1, 0.02, 0.01} do assert.is_true(math.abs(size[k] - length) < 1e-8, name) end
+    end
+    local text = on_terminal("check " .. path "m.vtu", "", "BARWRIGHT_UNIT=mm")
+    if not text then return pending "there is no program `script`" end
+    assert.truthy(text:find("100 x 20 x 10 mm", 1, true), text)
+    assert.truthy(text:find("its numbers are taken as m (--unit gives another)", 1, true), text)
+    assert.falsy(text:find("Unit", 1, true), text)
+    text = on_terminal("check " .. path "m.vtu", "mm\\n")
+    assert.truthy(text:find("Without a question: --unit mm.", 1, true), text)
+  end)
+
+  it("of the environment is an option in the manifest of `barwright worst`", function()
+    local words = "BARWRIGHT_UNIT=cm BARWRIGHT_QUIET=1 %s worst %s --elements 200 --modes 1 --regions 1 --out %s"
+    local _, _, status = os.execute((words .. " >/dev/null"):format(check.program, path "bar.stl", path "worst"))
+    assert.is_true(status < 2)
+    assert.equal("cm", bw.json.decode(check.read(path "worst/manifest.json")).options.unit)
+  end)
+
+  it("is that of the environment in `barwright open`", function()
+    -- Prints the length, the unit, whether it is plausible and whether the saved script opens it in that unit.
+    local script = check.script [[
+      local controller = require "barwright.workbench.controller"
+      local state = require "barwright.workbench.state"
+      local server = setmetatable({}, {__index = function() return function() return {} end end})
+      local self = controller.new(server)
+      local ok, message = self:open(arg[1], arg[2])
+      if not ok then print(message) return end
+      local source = self.bench:current().source
+      print(("%.4g %s %s %s"):format(source.read.surface.box.max[1], tostring(source.unit),
+        tostring(source.doubt == nil), tostring(self.bench:script():find('unit = "cm"', 1, true) ~= nil)))]]
+    local function opened(unit, words)
+      local pipe = assert(io.popen(("BARWRIGHT_UNIT=%s %s %s %s 2>&1"):format(unit, check.program, script, words)))
+      local text = pipe:read "a"
+      pipe:close()
+      return text
+    end
+    assert.equal("1 cm true true\n", opened("cm", path "bar.stl"))
+    assert.equal("0.1 nil true false\n", opened("", path "bar.stl"))
+    assert.equal("0.1 mm true false\n", opened("cm", path "bar.stl" .. " mm"))
+    assert.equal("0.1 nil true false\n", opened("cm", path "bar.3mf"))
+    assert(bw.mesh.box {max = {0.1, 0.02, 0.01}}:write(path "open.vtu"))
+    assert.equal("0.1 nil true false\n", opened("cm", path "open.vtu"))
+    assert.equal("1e+05 km false false\n", opened("km", path "bar.stl"))
+    assert.truthy(opened("furlong", path "bar.stl"):find("BARWRIGHT_UNIT: one of mm, cm", 1, true))
+  end)
+
   it("counts in conversions that write it", function()
     assert.equal(0, (check.run(("convert %s %s"):format(path "tiny.stl", path "same.off"))))
     for _, name in ipairs {"tiny.3mf", "tiny.step", "tiny.glb", "tiny.vtu"} do
@@ -97,7 +152,7 @@ describe("the unit of a file that has none", function()
     assert.truthy(text:find("12 triangles, 100 x 10 x 10 mm", 1, true), text)
     text = on_terminal("check " .. path "bar.stl", "cm\\n")
     assert.truthy(text:find("12 triangles, 1000 x 100 x 100 mm", 1, true), text)
-    assert.truthy(text:find("Without a question: --unit cm, or BARWRIGHT_UNIT=cm for all files", 1, true), text)
+    assert.truthy(text:find("Without a question: --unit cm, or BARWRIGHT_UNIT=cm for all surfaces", 1, true), text)
     text = on_terminal("check " .. path "bar.stl", "", "BARWRIGHT_UNIT=cm")
     assert.truthy(text:find("taken as cm (BARWRIGHT_UNIT; --unit gives another)", 1, true), text)
     assert.truthy(text:find("12 triangles, 1000 x 100 x 100 mm", 1, true), text)

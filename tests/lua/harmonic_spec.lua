@@ -2,6 +2,7 @@
 -- Harmonic responses in Lua: options, results, curves, files, pictures, animations.
 local bw = require "barwright"
 local check = require "check"
+local respond_page = require "barwright.command.respond_page"
 local core = require "barwright.core"
 local prism = require "prism"
 
@@ -492,6 +493,20 @@ describe("barwright respond", function()
     assert.equal(0, status, out)
     local right = out:find("it stays below the strength", 1, true) and not out:find("end of the range", 1, true)
     assert.truthy(right, out)
+  end)
+
+  it("advises what leaves the answer open: the end of the range, the error, or both", function()
+    local found = {stress = {value = 1e6, at = {0, 0, 0}, frequency = 100}, displacement = {value = 1e-6}}
+    local function advice(used, estimated, at_end)
+      local head = respond_page.head(found, {verdict = "unsure", used = used, estimated = estimated,
+        at_end = at_end, damping = 0.02, facts = {}})
+      local text = table.concat(head.advice, " ")
+      return text:find("More --elements", 1, true) ~= nil, text:find("end of the range: larger", 1, true) ~= nil
+    end
+    assert.same({true, true}, {advice(0.95, 0.1, "larger")})
+    assert.same({false, true}, {advice(0.5, 0.1, "larger")})
+    assert.same({true, false}, {advice(0.95, 0.1)})
+    assert.same({false, true}, {advice(nil, nil, "larger")})
   end)
 
   it("says the same of the upper end", function()

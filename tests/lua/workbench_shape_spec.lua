@@ -49,7 +49,7 @@ local function largest_change(before, after, chosen)
 end
 
 describe("a bump of the workbench", function()
-  it("leaves faces that are locked or held where they are", function()
+  it("leaves faces that are locked or constrained where they are", function()
     local plate = bw.surface.box {max = {0.06, 0.03, 0.005}}
     -- A hole of many sides is a cylinder, one of few sides has no primitive.
     for kind, sides in pairs {cylinder = 48, ["free form"] = 24} do
@@ -120,7 +120,10 @@ describe("a symmetric part", function()
     assert.is_nil(mirror.face(self, "x", 3)) -- of another area
     assert.is_nil(mirror.face(self, "x", 5)) -- of another kind
     assert.equal(7, mirror.face(self, "x", 7))
-    assert.equal(1, mirror.face(self, "y", 1) or 1)
+    assert.is_nil(mirror.face(self, "y", 1)) -- nothing lies opposite
+    self.faces[8] = {kind = "plane", centre = {0, 1, 0}, area = 1}
+    assert.equal(8, mirror.face(self, "y", 1))
+    assert.equal(1, mirror.face(self, "y", 8))
   end)
 end)
 

@@ -183,7 +183,15 @@ describe("the workbench", function()
     does("the material steel", bench:material {name = "steel"})
     does("the material of own values", bench:material {young = 1e9, poisson = 0.3})
     does("the lock of " .. name(left), bench:lock {faces = {left}})
-    does("the unlocking of all faces", bench:lock {faces = {}})
+    -- Of the faces that were not locked before, or are no longer.
+    does("the lock of " .. name(right), bench:lock {faces = {left, right}})
+    does("the unlocking of " .. name(right), bench:lock {faces = {left}})
+    does("the lock of " .. name(top) .. " and the unlocking of " .. name(left), bench:lock {faces = {top}})
+    local all = {}
+    for i = 1, #bench:state().faces do all[i] = i end
+    does(("the lock of %d faces"):format(#all - 1), bench:lock {faces = all})
+    does("the unchanged locks", bench:lock {faces = all})
+    does(("the unlocking of %d faces"):format(#all), bench:lock {faces = {}})
     does("symmetry", bench:symmetry {across = "y"})
     does("the push of " .. name(top) .. " by 1 mm", bench:push {faces = {top}, distance = 0.001})
     does("the offset by 0.5 mm", bench:offset {distance = 0.0005})

@@ -232,7 +232,7 @@ async function withoutEngine({ browser, root, test, assert, pictures }) {
     });
 
   await test("fit never clips, neither tall nor wide windows", async () => {
-    const { context, page } = await begin();
+    const { context, mock, page } = await begin();
     for (const [width, height] of [[1280, 860], [390, 844], [1600, 500], [700, 1200]]) {
       await page.setViewportSize({ width, height });
       await page.waitForTimeout(100);
@@ -244,6 +244,19 @@ async function withoutEngine({ browser, root, test, assert, pictures }) {
         }, from);
         assert(out.length === 0, `${width} × ${height} from ${from}: ${JSON.stringify(out)}`);
       }
+    }
+    // The toolbar covers no tip of a tall part.
+    await page.setViewportSize({ width: 1280, height: 860 });
+    mock.now.height = 0.2;
+    mock.tell(undefined, true);
+    await until(page, () => window.barwright.state().size[2] === 0.2);
+    for (const from of [[1, -1.4, 0.8], [1, 0, 0]]) {
+      const [tip, bar] = await page.evaluate((d) => {
+        window.barwright.view.fit(d);
+        return [Math.min(...window.barwright.corners().map(([, y]) => y)),
+          document.getElementById("tools").getBoundingClientRect().bottom];
+      }, from);
+      assert(tip >= bar && tip < bar + 60, `from ${from} the tip is at ${tip}, the toolbar ends at ${bar}`);
     }
     await context.close();
   });
@@ -315,6 +328,44 @@ async function withoutEngine({ browser, root, test, assert, pictures }) {
     await other.evaluate(() => window.barwright.send("gravity", { acceleration: [0, 0, -9.81] }));
     await until(page, () => window.barwright.state().conditions.length === 2);
     assert((await page.inputValue("#radius")) === "9", `the radius that was typed became ${await page.inputValue("#radius")}`);
+    await context.close();
+  });
+
+  await test("a second reload, before the session has answered the first, keeps what was typed", async () => {
+    const { context, mock, page } = await begin();
+    await page.click("#faces input[value='2']");
+    await page.click("[data-act=force]");
+    await page.fill("#value", "33");
+    await page.click("#edges");
+    mock.picture = () => JSON.stringify(mock.state()); // a session that says nothing
+    mock.state = () => ({ type: "later" });
+    await page.reload();
+    await until(page, () => window.barwright?.state().connected);
+    assert((await page.inputValue("#value")) !== "33", "the page was restored without a state");
+    delete mock.picture;
+    delete mock.state;
+    await page.reload();
+    await until(page, () => window.barwright?.state().draft === "force");
+    assert((await page.inputValue("#value")) === "33", `33 became ${await page.inputValue("#value")}`);
+    assert((await state(page)).chosen.join() === "3", `chosen: ${(await state(page)).chosen}`);
+    assert((await page.getAttribute("#edges", "aria-pressed")) === "false", "the edges are drawn again");
+    await context.close();
+  });
+
+  await test("the interval of an answer is printed, and which of its bounds is not known", async () => {
+    const { context, mock, page } = await begin();
+    const base = { verdict: "none", colour: "amber", sentence: "See below.", force: 25.8, utilisation: 0.4 };
+    for (const [bounds, force, share] of [
+      [{ force_low: 21.3, force_high: 30.9, low: 0.3, high: 0.5 }, "25.8 N (21.3 N to 30.9 N)", "40 % (30 % to 50 %)"],
+      [{ force_low: 21.3, low: 0.3 }, "25.8 N (at least 21.3 N)", "40 % (at least 30 %)"],
+      [{ force_low: 0, force_high: null, low: 0.3, high: null }, "25.8 N (error unknown)", "40 % (at least 30 %)"],
+      [{}, "25.8 N (error unknown)", "40 % (error unknown)"]]) {
+      mock.now.answer = { ...base, ...bounds };
+      mock.tell();
+      await until(page, (text) => document.getElementById("verdict-more").textContent === text, `breaks at ${force}`);
+      const shown = await page.$$eval("#numbers dd", (all) => all.map((one) => one.textContent));
+      assert(shown.join("; ") === `${share}; ${force}`, shown.join("; "));
+    }
     await context.close();
   });
 

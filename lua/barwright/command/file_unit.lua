@@ -66,6 +66,11 @@ local function has_unit(read)
   return false
 end
 
+-- Formats whose numbers are metres by definition: those of meshes, of surfaces too. The readers say so.
+local function in_metres(read)
+  return file_unit.taken(read) == 1 and not has_unit(read) and not read.by_environment
+end
+
 --- The lengths of a box along the axes.
 function file_unit.size_of(box)
   local size = {}
@@ -102,11 +107,17 @@ local function can_ask(opts)
   return not opts.json and not opts.quiet and core.terminal() and core.terminal(true)
 end
 
---- The unit that the environment gives to a file that was read and has none, or nil; false and a sentence where it
---- is no unit.
-function file_unit.of_environment(read)
+-- The environment's unit; nil where there is none.
+local function environment()
   local name = os.getenv "BARWRIGHT_UNIT"
-  if not name or name == "" or read.kind == "outline" or has_unit(read) then return nil end
+  return name ~= "" and name or nil
+end
+
+--- The unit that the environment gives to a file that was read and has none, or nil; false and a sentence where it
+--- is no unit. Meshes are in metres whatever it says.
+function file_unit.of_environment(read)
+  local name = environment()
+  if not name or read.kind == "outline" or has_unit(read) or in_metres(read) then return nil end
   if lengths[name] then return name end
   return false, ("BARWRIGHT_UNIT: one of %s expected, got '%s'"):format(table.concat(file_unit.names, ", "), name)
 end
@@ -119,12 +130,13 @@ function file_unit.settle(read, path, opts, out)
   local doubt, likely = file_unit.guess(size, metres)
   local name, known = file_unit.name_of(metres), read.by_environment or has_unit(read)
   out:json {unit_assumed = not known, unit_suggestions = likely and json.list(likely)}
-  if (doubt or not known) and can_ask(opts) then
+  if (doubt or not known and not environment()) and can_ask(opts) then
     local unit = ask(doubt and ("%s: %s"):format(path, doubt)
       or ("%s: the file has no unit; in %s it is %s."):format(path, name, shown.size(size)), not doubt and name)
     if unit then
       out:json {unit_assumed = false}
-      out:say("Without a question: --unit %s, or BARWRIGHT_UNIT=%s for all files that have no unit.", unit, unit)
+      out:say("Without a question: --unit %s%s.", unit, in_metres(read) and ""
+        or (", or BARWRIGHT_UNIT=%s for all surfaces that have no unit"):format(unit))
       return unit
     end
   end

@@ -87,7 +87,7 @@ function commands.help()
     "Without a script or a command: a prompt. A script sees its arguments in the table arg;",
     "one whose file is named like a command is run as ./NAME.",
     "Environment: BARWRIGHT_THREADS (number of threads), BARWRIGHT_QUIET=1 (no progress), BARWRIGHT_UNIT (the",
-    "unit of files that have none, as --unit).",
+    "unit of surfaces that have none, as --unit).",
     "Exit status of a command: 0 yes, it holds, or done; 1 the answer is no, it breaks, or the error",
     "leaves it open; 2 misuse or refused; 3 it could not be computed, or a file could not be read or",
     "written; 130 after Ctrl-C. Of a script: what it gives os.exit, 1 after an error, 3 where it cannot",

@@ -112,7 +112,7 @@ local function page(commands)
   lines[#lines + 1] = ".SH ENVIRONMENT"
   entry("\\fBBARWRIGHT_THREADS\\fR", "number of threads; results do not depend on it", lines)
   entry("\\fBBARWRIGHT_QUIET\\fR", "1: show no progress", lines)
-  entry("\\fBBARWRIGHT_UNIT\\fR", "the unit of files that have none, as \\-\\-unit", lines)
+  entry("\\fBBARWRIGHT_UNIT\\fR", "the unit of surfaces that have none, as \\-\\-unit", lines)
   return table.concat(lines, "\n")
 end
 

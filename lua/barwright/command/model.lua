@@ -269,20 +269,25 @@ function model.settle_unit(read, opts, out, path)
   return read
 end
 
+--- What was read without a unit, in that of the environment where the file has none.
+function model.in_environment(read, path)
+  local unit, message = file_unit.of_environment(read)
+  if unit == false then return nil, message, {status = "misuse"} end
+  if not unit then return read end
+  local details
+  read, message, details = in_unit(read, path, unit)
+  if not read then return nil, message, details end
+  read.unit, read.by_environment = nil, unit -- a doubt about it stays one
+  return read
+end
+
 --- What was read, in the unit of the environment where neither the file nor the command line has one; and what
 --- people want to hear of it.
 function model.open(path, unit, out)
   local read, message, details = model.read(path, unit)
   out:warnings()
+  if read and not unit then read, message, details = model.in_environment(read, path) end
   if not read then return nil, message, details end
-  local by_environment
-  if not unit then by_environment, message = file_unit.of_environment(read) end
-  if by_environment == false then return nil, message, {status = "misuse"} end
-  if by_environment then
-    read, message, details = in_unit(read, path, by_environment)
-    if not read then return nil, message, details end
-    read.unit, read.by_environment = nil, true -- a doubt about it stays one
-  end
   out:json {file = path, format = read.format, kind = read.kind}
   return read
 end

@@ -5,6 +5,7 @@
 local bw = require "barwright"
 local core = require "barwright.core"
 local model = require "barwright.command.model"
+local on_triangles = require "barwright.on_triangles"
 local quantity = require "barwright.command.quantity"
 
 local places = {}
@@ -88,6 +89,34 @@ local function face_of(text)
   return math.tointeger(tonumber(text)) or text
 end
 
+-- So many names of faces are listed.
+local MAX_NAMES = 12
+
+-- What follows a name that no face has: the names that there are, the one that resembles it first.
+local function other_faces(mesh, name)
+  local names, seen = {}, {}
+  for _, known in ipairs(mesh:face_names()) do
+    if known ~= "" and not seen[known] then names[#names + 1] = known end
+    seen[known] = true
+  end
+  local how = "`barwright check FILE --faces yes` lists faces by shape, such as 'plane 1', which are names too"
+  if #names == 0 then return "the file names no faces; " .. how end
+  table.sort(names)
+  local near = core.suggestion(name, names):match "^did you mean '(.*)'%?$"
+  local list = near and {("'%s'"):format(near)} or {}
+  for _, known in ipairs(names) do
+    if known ~= near and #list < MAX_NAMES then list[#list + 1] = ("'%s'"):format(known) end
+  end
+  local rest = #names - #list
+  local more = rest > 0 and (" and %d more"):format(rest) or ""
+  return ("there are %s%s; %s"):format(table.concat(list, ", "), more, how)
+end
+
+-- What is said where a mesh or a surface has no face of a name.
+local function no_face(mesh, name)
+  return ("no face has the name '%s': %s"):format(name, other_faces(mesh, tostring(name)))
+end
+
 -- The triangles of a face of a surface by its name in the file, or its name or number among those that are found.
 local function triangles_of(surface, name)
   local wanted, labels, list = {}, surface.groups, {}
@@ -108,26 +137,10 @@ local ON_FACE = 1e-6 -- of the diagonal: how far a point of a face may lie from 
 
 -- Whether a point lies on a face of a surface: a function; or nil and a sentence.
 local function on_face(surface, name)
-  local triangles, min, max = triangles_of(surface, name), {}, {}
-  if #triangles == 0 then
-    return nil, ("face:%s: the part has no such face; `barwright check --faces yes` lists its faces"):format(name)
-  end
-  local points, near = surface.points:totable(), ON_FACE * model.diagonal(surface.box)
-  for k = 1, 3 do
-    min[k], max[k] = math.huge, -math.huge
-    for _, corners in ipairs(triangles) do
-      for _, i in ipairs(corners) do
-        min[k], max[k] = math.min(min[k], points[i][k] - near), math.max(max[k], points[i][k] + near)
-      end
-    end
-  end
-  local face = bw.surface.new {points = surface.points, triangles = triangles}
-  return function(p)
-    for k = 1, 3 do
-      if p[k] < min[k] or p[k] > max[k] then return false end
-    end
-    return face:distance {p}[1] <= near
-  end
+  local triangles = triangles_of(surface, name)
+  if #triangles == 0 then return nil, no_face(surface, name) end
+  local on = on_triangles(surface.points:totable(), triangles, ON_FACE * model.diagonal(surface.box))
+  return function(p) return on(p[1], p[2], p[3]) end
 end
 
 -- Of each kind: how it is written, how its parts are read (with `whole` one part is all the text), what it selects
@@ -208,7 +221,7 @@ function places.test(texts, surface)
     if not kind then return nil, values end
     local test, message = kind.test
     if not test then test, message = on_face(surface, values[1]) end
-    if not test then return nil, message end
+    if not test then return nil, ("%s: %s"):format(text, message) end
     list[i] = function(p) return test(p, box, values[1], values[2]) end
   end
   return function(x, y, z)
@@ -219,38 +232,13 @@ function places.test(texts, surface)
   end
 end
 
--- So many names of faces are listed.
-local MAX_NAMES = 12
-
--- What follows a name that no face has: the names that there are, the one that resembles it first.
-local function other_faces(mesh, name)
-  local names, seen = {}, {}
-  for _, known in ipairs(mesh:face_names()) do
-    if known ~= "" and not seen[known] then names[#names + 1] = known end
-    seen[known] = true
-  end
-  local how = "`barwright check FILE --faces yes` lists faces by shape, such as 'plane 1', which are names too"
-  if #names == 0 then return "the file names no faces; " .. how end
-  table.sort(names)
-  local near = core.suggestion(name, names):match "^did you mean '(.*)'%?$"
-  local list = near and {("'%s'"):format(near)} or {}
-  for _, known in ipairs(names) do
-    if known ~= near and #list < MAX_NAMES then list[#list + 1] = ("'%s'"):format(known) end
-  end
-  local rest = #names - #list
-  local more = rest > 0 and (" and %d more"):format(rest) or ""
-  return ("there are %s%s; %s"):format(table.concat(list, ", "), more, how)
-end
-
 --- The selection on a mesh, or nil and a sentence.
 function places.select(mesh, text)
   local kind, values = read(text)
   if not kind then return nil, values, {status = "misuse"} end
   local selection, message = model.try(kind.select, mesh.boundary, mesh.box, values[1], values[2])
   if not selection then
-    if kind == kinds.face then
-      message = ("no face has the name '%s': %s"):format(values[1], other_faces(mesh, tostring(values[1])))
-    end
+    if kind == kinds.face then message = no_face(mesh, values[1]) end
     -- Scripts read numbers of nodes.
     message = message:gsub("the nearest is node %d+ at", "the nearest one is at")
     return nil, ("%s: %s"):format(text, message), {status = "empty"}

@@ -6,6 +6,7 @@ local body_page = require "barwright.body_page"
 local core = require "barwright.core"
 local deflection = require "barwright.deflection"
 local html = require "barwright.html"
+local model = require "barwright.command.model"
 local modes_table = require "barwright.command.modes_table"
 local page_head = require "barwright.command.page_head"
 local places = require "barwright.command.places"
@@ -18,6 +19,9 @@ local respond_page = {}
 local function likely(probability)
   return probability < 1e-5 and "below 0.001 %" or "at most " .. shown.percent(probability)
 end
+
+local more_elements = "More --elements make the error smaller; less vibration or a thicker part leaves more "
+  .. "margin."
 
 --- The head of a page (report_verdict.lua). about: {verdict =, used = stress over strength or nil, estimated = its
 --- relative error or nil, margins = of a random vibration or nil, allowed = the probability that is taken as safe,
@@ -42,10 +46,13 @@ function respond_page.head(found, about)
   local advice = {}
   if about.verdict == "exceeds" then
     advice[1] = "Move the natural frequencies away from the vibration (stiffer or lighter), or add damping."
-  elseif about.verdict == "unsure" and about.at_end then
-    advice[1] = ("The stress is largest at an end of the range: %s."):format(about.at_end)
-  elseif about.verdict == "unsure" and about.estimated then
-    advice[1] = "More --elements make the error smaller; less vibration or a thicker part leaves more margin."
+  elseif about.verdict == "unsure" then
+    if about.at_end then
+      advice[1] = ("The stress is largest at an end of the range: %s."):format(about.at_end)
+    end
+    if about.estimated and (not about.at_end or model.verdict(about.used, about.estimated) == "unsure") then
+      advice[#advice + 1] = more_elements
+    end
   end
   return {verdict = about.verdict, headline = headline, facts = facts, advice = advice}
 end

@@ -269,6 +269,7 @@ local function analyse(opts, out)
     local options = model.pick({"force", "contact", "fix", "forbid", "friction", "hands", "error", "length",
       "modes", "regions", "solver", "elements", "material", "unit", "young", "poisson", "strength", "density",
       "toughness"}, opts)
+    options.unit = options.unit or read.by_environment
     folder, message, details = bw.results.open(opts.out, {script = "barwright worst", inputs = {opts.model},
       options = options, seed = 1})
     if not folder then return nil, message, details end

@@ -120,8 +120,8 @@ local function summary_of(run, p, variance, levels)
   return out, lines
 end
 
--- What is known where no failure was found: p, the probability of the level before, times a share of which `count`
--- trials saw nothing.
+-- What is known where no failure was found: p, the probability of the level before, times an upper bound of the
+-- fraction of `count` trials that lies below the last level.
 local function unseen(run, p, variance, levels, count)
   local last = levels[#levels]
   local share = select(2, reliability.wilson(math.floor(last.share * count + 0.5), count, 1.959963984540054))

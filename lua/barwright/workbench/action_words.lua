@@ -28,6 +28,26 @@ local function condition(entry, number)
   return ("the %s on %s"):format(kinds[one.kind], of_faces(entry.body, one.faces))
 end
 
+-- The faces of one set that are not in another, in order.
+local function without(set, other)
+  local list = {}
+  for face in pairs(set) do
+    if not other[face] then list[#list + 1] = face end
+  end
+  table.sort(list)
+  return list
+end
+
+-- Locks replace all those before: the words are of the faces that differ.
+local function locks(given, before)
+  local set, out = {}, {}
+  for _, face in ipairs(given.faces) do set[face] = true end
+  local added, removed = without(set, before.locked), without(before.locked, set)
+  if #added > 0 then out[1] = "the lock of " .. of_faces(before.body, added) end
+  if #removed > 0 then out[#out + 1] = "the unlocking of " .. of_faces(before.body, removed) end
+  return #out > 0 and table.concat(out, " and ") or "the unchanged locks"
+end
+
 -- By action: its options, and the entry before it.
 local words = {
   fix = function(given, before)
@@ -47,10 +67,7 @@ local words = {
   change = function(given, before) return "the change of " .. condition(before, given.condition) end,
   remove = function(given, before) return "the removal of " .. condition(before, given.condition) end,
   material = function(given) return "the material " .. (given.name or "of own values") end,
-  lock = function(given, before)
-    if #given.faces == 0 then return "the unlocking of all faces" end
-    return "the lock of " .. of_faces(before.body, given.faces)
-  end,
+  lock = locks,
   grow = function() return "the patch" end,
   patch = function() return "the faces in the rectangle" end,
   symmetry = function(given) return given.across == "none" and "the end of symmetry" or "symmetry" end,

@@ -6,10 +6,10 @@ local body = require "barwright.workbench.body"
 local bumps = require "barwright.bumps"
 local core = require "barwright.core"
 local distance = require("barwright.points").distance
-local dot = require("barwright.modeller.vectors").dot
 local judge = require "barwright.workbench.judge"
 local mirror = require "barwright.workbench.mirror"
 local model = require "barwright.command.model"
+local on_triangles = require "barwright.on_triangles"
 local shown = require "barwright.shown"
 local strengthen = require "barwright.strengthen"
 
@@ -23,40 +23,13 @@ local ON_FACE = 1e-6
 -- A thickening that gains less is no advice.
 local MIN_GAIN = 0.01
 
--- The triangles of a face, with boxes that are larger by a length.
-local function triangles_of(self, number, near)
-  local points, list = self.surface.points:totable(), {}
+-- Whether a point lies on the triangles of a face, within a length: a function.
+local function on_face(self, number, near)
+  local labels, list = self.labels:totable(), {}
   for t, corners in ipairs(self.surface.triangles:totable()) do
-    if self.labels[t] == number then
-      local a, b, c = points[corners[1]], points[corners[2]], points[corners[3]]
-      local u, v, low, high = {}, {}, {}, {}
-      for k = 1, 3 do
-        u[k], v[k] = b[k] - a[k], c[k] - a[k]
-        low[k], high[k] = math.min(a[k], b[k], c[k]) - near, math.max(a[k], b[k], c[k]) + near
-      end
-      list[#list + 1] = {a = a, u = u, v = v, low = low, high = high}
-    end
+    if labels[t] == number then list[#list + 1] = corners end
   end
-  return list
-end
-
--- Whether a point lies on one of some triangles, within a length.
-local function on_triangles(list, near, x, y, z)
-  for _, t in ipairs(list) do
-    local low, high = t.low, t.high
-    if low[1] <= x and x <= high[1] and low[2] <= y and y <= high[2] and low[3] <= z and z <= high[3] then
-      local d, u, v = {x - t.a[1], y - t.a[2], z - t.a[3]}, t.u, t.v
-      local uu, uv, vv, du, dv = dot(u, u), dot(u, v), dot(v, v), dot(d, u), dot(d, v)
-      local area = uu * vv - uv * uv -- twice the area, squared
-      local p, q = (vv * du - uv * dv) / area, (uu * dv - uv * du) / area
-      local margin = near / math.sqrt(math.min(uu, vv))
-      local square = dot(d, d) - p * du - q * dv -- of what leaves the plane
-      if area > 0 and p >= -margin and q >= -margin and p + q <= 1 + margin and square <= near * near then
-        return true
-      end
-    end
-  end
-  return false
+  return on_triangles(self.surface.points:totable(), list, near)
 end
 
 -- Whether a point lies on a face that no edit moves: locked ones and those with supports; nil where there is none.
@@ -71,17 +44,17 @@ local function kept(entry)
   local list = {}
   for face in pairs(faces) do list[#list + 1] = face end
   table.sort(list)
-  local triangles = {}
+  local on = {}
   for i, number in ipairs(list) do
     local face = entry.body.faces[number]
     list[i], some = face, true
     -- The facets of a cylinder lie within it, by more than its residual, and other faces have no primitive.
-    if face.kind ~= "plane" then triangles[face] = triangles_of(entry.body, number, near) end
+    if face.kind ~= "plane" then on[face] = on_face(entry.body, number, near) end
   end
   if not some then return nil end
   return function(x, y, z)
     for _, face in ipairs(list) do
-      if triangles[face] and on_triangles(triangles[face], near, x, y, z) then return true end
+      if on[face] and on[face](x, y, z) then return true end
       local p, n = face.point or face.centre, face.axis or face.normal
       local d = {x - p[1], y - p[2], z - p[3]}
       local along = d[1] * n[1] + d[2] * n[2] + d[3] * n[3]

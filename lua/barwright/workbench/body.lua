@@ -42,9 +42,10 @@ local function from_drawing(path, unit, thickness)
   return {surface = surface, format = read.format, metres_per_unit = 1, exact_unit = true, thickness = thickness}
 end
 
---- What a file holds: {surface = as it is in the file, format =, metres_per_unit =, thickness = of the body of a
---- drawing}, or nil, message, details.
-function body.read(path, unit, thickness)
+--- What a file holds: {surface = as it is in the file, format =, metres_per_unit =, by_environment = its unit
+--- where the environment gave it, thickness = of the body of a drawing}, or nil, message, details.
+--- `environment`: whether its unit counts where there is none else.
+function body.read(path, unit, thickness, environment)
   local ending = model.ending(path)
   if ending == "lua" then
     local surface, message, details = from_script(path)
@@ -53,6 +54,7 @@ function body.read(path, unit, thickness)
   end
   if flat[ending] then return from_drawing(path, unit, thickness) end
   local read, message, details = model.read(path, unit)
+  if read and environment and not unit then read, message, details = model.in_environment(read, path) end
   if not read then return nil, message, details end
   local surface = read.surface
   if not surface then
@@ -62,7 +64,8 @@ function body.read(path, unit, thickness)
   if surface.triangle_count == 0 then
     return nil, path .. ": the file has no triangles", {status = "empty"}
   end
-  return {surface = surface, format = read.format, metres_per_unit = read.metres_per_unit or 1}
+  return {surface = surface, format = read.format, metres_per_unit = read.metres_per_unit or 1,
+    by_environment = read.by_environment}
 end
 
 --- The lengths of the sides of a box.

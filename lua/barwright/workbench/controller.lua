@@ -245,7 +245,7 @@ end
 -- Opens a file in place of the part before: its surface is sent at once, then it is repaired.
 local function open(self, path, unit, name)
   if type(path) ~= "string" then return nil, "open: 'path': the name of a file expected", {status = "misuse"} end
-  local bench, why, details = model.try(workbench.read, path, {unit = unit})
+  local bench, why, details = model.try(workbench.read, path, {unit = unit}, true)
   if not bench then return nil, why, details end
   send_scene(self, frame.raw(bench.source.read.surface, 0))
   local ready

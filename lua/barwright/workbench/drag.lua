@@ -66,9 +66,9 @@ function drag.rest(entry, former)
     mesh, labels, details = body.mesh(entry.body, judge.elements.drag, 1)
   end
   if not mesh then return nil, labels, details end
-  local part, held, about = judge.part(entry.body, entry.material, entry.conditions, mesh:with_order(2), labels)
-  if not part then return nil, held, about end
-  return {entry = entry, body = entry.body, mesh = mesh, labels = labels, part = part, held = held}
+  local part, fixed, about = judge.part(entry.body, entry.material, entry.conditions, mesh:with_order(2), labels)
+  if not part then return nil, fixed, about end
+  return {entry = entry, body = entry.body, mesh = mesh, labels = labels, part = part, fixed = fixed}
 end
 
 --- The answer at a length of the edit that a trial follows, {rest =, motion =, from = the length of `rest`,
@@ -84,7 +84,7 @@ function drag.step(trial, length)
     if not part then return nil, message, details end
   end
   local static
-  static, message, details = model.try(part.solve, part, {inertia_relief = not rest.held or nil})
+  static, message, details = model.try(part.solve, part, {inertia_relief = not rest.fixed or nil})
   if not static then return nil, message, details end
   return judge.quick(static, trial.entry.material, core.seconds() - start), static, {labels = rest.labels}
 end

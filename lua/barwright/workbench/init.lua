@@ -29,16 +29,16 @@ local open_rules = {unit = {type = "string", one_of = unit_names}, thickness = {
 -- How the file was read: {read = what it holds, unit =, thickness = those that were given, doubt =, likely =,
 -- body = the repaired body, once it is known}.
 local function source_of(read, unit, thickness)
-  local source = {read = read, unit = unit, thickness = thickness}
+  local source = {read = read, unit = unit or read.by_environment, thickness = thickness}
   source.doubt, source.likely = body.doubt(read, unit)
   return source
 end
 
 --- Reads a file, without repair: the shape can be shown already. `prepare` goes on. A `name` of the result takes
---- the place of the path in scripts.
-function workbench.read(path, given)
+--- the place of the path in scripts. `environment`: whether BARWRIGHT_UNIT counts where no unit is given.
+function workbench.read(path, given, environment)
   local opts = options.read("open", given, open_rules)
-  local read, message, details = body.read(path, opts.unit, opts.thickness)
+  local read, message, details = body.read(path, opts.unit, opts.thickness, environment)
   if not read then return nil, message, details end
   return setmetatable({path = path, source = source_of(read, opts.unit, opts.thickness), history = {},
     position = 0, revision = 0}, workbench)
