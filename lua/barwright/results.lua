@@ -6,6 +6,7 @@ local core = require "barwright.core"
 local input_files = require "barwright.input_files"
 local json = require "barwright.json"
 local options = require "barwright.options"
+local required_files = require "barwright.required_files"
 local writable = require "barwright.writable"
 
 local results = {}
@@ -63,6 +64,7 @@ function results.surroundings()
     version = core.version,
     commit = core.commit ~= "" and core.commit or json.null,
     libraries = library_versions(),
+    required = json.list(required_files.list()),
     threads = core.threads(),
     machine = machine(),
   }
@@ -115,6 +117,7 @@ end
 
 --- Writes result.json and manifest.json.
 function results:write(result)
+  self.manifest.required = json.list(required_files.list()) -- some are loaded after the folder was opened
   local ok, message, details =
     core.write_file(self:path "result.json", json.encode(result, "  ") .. "\n")
   if not ok then return nil, message, details end

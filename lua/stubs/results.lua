@@ -55,8 +55,15 @@ function results_module.surroundings() end
 ---@field version string of barwright
 ---@field commit string|bw.JsonNull of barwright; null where it is not known
 ---@field libraries string[] names and versions
+---@field required bw.RequiredFile[] (list) modules that `require` has loaded from files, but for those of barwright
 ---@field threads integer (count) in use
 ---@field machine bw.Machine the computer
+
+---A module that a script has loaded. Files of `dofile` are not among them: name them in `inputs`.
+---@class bw.RequiredFile
+---@field module string its name
+---@field file string where `package.path` or `package.cpath` finds it
+---@field sha256? string of the file; nil where it cannot be read
 
 ---A computer.
 ---@class bw.Machine

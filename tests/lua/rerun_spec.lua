@@ -54,6 +54,26 @@ describe("a run", function()
     end
   end)
 
+  it("names the modules that it has loaded, also after the folder was opened, and those that changed", function()
+    local folder = check.folder()
+    check.write(folder .. "/helper.lua", "return {x = 2}\n")
+    check.write(folder .. "/run.lua", [[
+local bw = require "barwright"
+package.path = arg[0]:match "^(.*)/" .. "/?.lua;" .. package.path
+local results = assert(bw.results.open(arg[1], {seed = 1}))
+assert(results:write {x = require("helper").x})
+]])
+    assert.equal(0, (check.run(("%s/run.lua %s/result"):format(folder, folder))))
+    local required = json.decode(check.read(folder .. "/result/manifest.json")).required
+    assert.equal(1, #required)
+    assert.same({module = "helper", file = folder .. "/helper.lua",
+      sha256 = require("barwright.core").sha256(folder .. "/helper.lua")}, required[1])
+    check.write(folder .. "/helper.lua", "return {x = 2} -- the same\n")
+    local status, out = check.run(("rerun %s/result/manifest.json"):format(folder))
+    assert.equal(0, status)
+    has(out, "module helper: ")
+  end)
+
   it("says which numbers are others, and by how much", function()
     local folder, script = experiment "--out FOLDER/result"
     script(1)

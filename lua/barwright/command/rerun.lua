@@ -100,6 +100,9 @@ local function surroundings(manifest)
   compare("version", manifest.version, now.version)
   compare("commit", manifest.commit, now.commit)
   compare("script", manifest.script_sha256, manifest.started_by[1] and core.sha256(manifest.started_by[1]))
+  for _, one in ipairs(manifest.required or {}) do
+    compare("module " .. one.module, one.sha256, core.sha256(one.file) or "not there")
+  end
   local seen = {}
   for _, line in ipairs(now.libraries) do seen[line:match "^%S+" or line] = line end
   for _, line in ipairs(manifest.libraries or {}) do
