@@ -2,17 +2,18 @@
 -- Drags a face of files in the workbench as a person would: the largest face is constrained, the face farthest
 -- from it is loaded and then pushed, step by step. Prints processor and elapsed times of the preparation, of the
 -- first step and of the later ones, and the coarse stress beside that of the answer after the drag.
+package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
 local bw = require "barwright"
 local frame = require "barwright.workbench.frame"
 local model = require "barwright.command.model"
+local prepare = require "workbench_case"
 local script = require "barwright.command.script"
 local workbench = require "barwright.workbench"
 
 local opts = script.read {
   summary = "drags a face in the workbench, with times",
-  about = "Holds the largest face of each file, loads the face farthest from it with 10 N along -z, and pushes "
-    .. "that face in steps. A file without units is confirmed in millimetres, or the first "
-    .. "likely unit.",
+  about = "Constrains the largest face of each file, loads the face farthest from it with 10 N along -z, and "
+    .. "pushes that face in steps. A file without units is confirmed in millimetres, or the first likely unit.",
   arguments = {{name = "files", type = "file", many = true, what = "models"}},
   options = {
     {name = "steps", value = "N", type = "integer", default = 10, min = 2, max = 1000, what = "of each drag"},
@@ -37,27 +38,10 @@ local function median(list, key)
   return values[(#values + 1) // 2]
 end
 
-local function farthest(faces)
-  local from, best, max = faces[1].centre, 2, -1
-  for i = 2, #faces do
-    local c = faces[i].centre
-    local away = (c[1] - from[1]) ^ 2 + (c[2] - from[2]) ^ 2 + (c[3] - from[3]) ^ 2
-    if faces[i].area > 0.01 * faces[1].area and away > max then best, max = i, away end
-  end
-  return best
-end
-
 -- A workbench with a constrained and a loaded face, and the loaded one.
 local function opened(path)
   local bench = assert(workbench.open(path))
-  if bench.doubt then assert(bench:unit {unit = bench.likely[1] or "mm"}) end
-  if #bench:current().body.faces < 2 then assert(bench:grow {triangle = 1, angle = 0.5}) end
-  local faces = bench:current().body.faces
-  assert(#faces > 1, "one face")
-  local far = farthest(faces)
-  assert(bench:fix {faces = {1}})
-  assert(bench:load {faces = {far}, force = {0, 0, -10}})
-  return bench, far
+  return bench, assert(prepare(bench))
 end
 
 local function push(face, distance)

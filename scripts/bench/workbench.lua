@@ -1,29 +1,21 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Opens files in the workbench as a person would: the largest face is held, the face farthest from it is loaded
--- with a force, and the answer is asked for. Prints processor times to the first scene and to the answer.
+-- Opens files in the workbench as a person would: the largest face is constrained, the face farthest from it is
+-- loaded with a force, and the answer is asked for. Prints processor times to the first scene and to the answer.
+package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
 local bw = require "barwright"
 local script = require "barwright.command.script"
 local workbench = require "barwright.workbench"
 local frame = require "barwright.workbench.frame"
+local prepare = require "workbench_case"
 
 local opts = script.read {
   summary = "opens files in the workbench, with times",
-  about = "Holds the largest face of each file, loads the face farthest from it with 10 N along -z, and answers. "
-    .. "A file without units is confirmed in millimetres, or the first likely unit.",
+  about = "Constrains the largest face of each file, loads the face farthest from it with 10 N along -z, and "
+    .. "answers. A file without units is confirmed in millimetres, or the first likely unit.",
   arguments = {{name = "files", type = "file", many = true, what = "models"}},
   options = {{name = "accuracy", value = "WORD", default = "default", one_of = {"coarse", "default", "fine"},
     what = "of the answer"}},
 }
-
-local function farthest(faces)
-  local from, best, max = faces[1].centre, 2, -1
-  for i = 2, #faces do
-    local c = faces[i].centre
-    local away = (c[1] - from[1]) ^ 2 + (c[2] - from[2]) ^ 2 + (c[3] - from[3]) ^ 2
-    if faces[i].area > 0.01 * faces[1].area and away > max then best, max = i, away end
-  end
-  return best
-end
 
 local function run(path)
   local start, row = os.clock(), {file = path:match "[^/]+$"}
@@ -35,22 +27,11 @@ local function run(path)
   ok, message = bench:prepare()
   row.seconds_faces = os.clock() - start
   if not ok then row.refused = message return row end
-  local state = bench:state()
-  if not state.units_plausible then
-    ok, message = bench:unit {unit = state.units_likely[1] or "mm"}
-    if not ok then row.refused = message return row end
-  end
-  local faces = bench:current().body.faces
-  row.faces = #faces
-  if #faces < 2 then
-    bench:grow {triangle = 1, angle = 0.5}
-    faces = bench:current().body.faces
-  end
-  if #faces < 2 then row.refused = "one face" return row end
+  local far, why, count = prepare(bench)
+  row.faces = far and why or count
+  if not far then row.refused = why return row end
   local answer
-  ok, message = bench:fix {faces = {1}}
-  if ok then ok, message = bench:load {faces = {farthest(faces)}, force = {0, 0, -10}} end
-  if ok then answer, message = bench:answer {accuracy = opts.accuracy} end
+  answer, message = bench:answer {accuracy = opts.accuracy}
   row.seconds_answer = os.clock() - start
   if answer then row.answer, row.verdict = answer.sentence, answer.verdict else row.refused = message end
   return row
