@@ -100,7 +100,7 @@ function StudyModule:__call(options) end
 ---Which points a study asks for: a table that begins with the name of a design, or a function that asks for lists of points
 ---until it has what it looks for. `evaluate` returns the results in the order of the points, false where a trial has none,
 ---and the trials; what the function returns becomes the summary.
----@alias bw.StudyDesign bw.GridDesign|bw.PointsDesign|bw.OneAtATimeDesign|bw.SamplingDesign|bw.MorrisDesign|bw.SobolIndicesDesign|bw.MinimiseDesign|bw.ParetoDesign|bw.FormDesign|bw.ImportanceDesign|bw.SubsetDesign|fun(evaluate: bw.StudyEvaluate, problem: bw.StudyProblem): table<string, any>?
+---@alias bw.StudyDesign bw.GridDesign|bw.PointsDesign|bw.OneAtATimeDesign|bw.SamplingDesign|bw.MorrisDesign|bw.SobolIndicesDesign|bw.MinimiseDesign|bw.ParetoDesign|bw.BayesianDesign|bw.FormDesign|bw.ImportanceDesign|bw.SubsetDesign|fun(evaluate: bw.StudyEvaluate, problem: bw.StudyProblem): table<string, any>?
 
 ---Runs the trials of points that the file does not have.
 ---@alias bw.StudyEvaluate fun(points: table<string, any>[]): (table<string, number>|false)[], bw.TrialRecord[]
@@ -177,6 +177,19 @@ function StudyModule:__call(options) end
 ---@field crossover_index? number (-) distribution index of the crossover. Range: at least 0. Default: 15
 ---@field mutation? number (-) its probability for each variable. Range: above 0 to 1. Default: one over the number of variables
 ---@field mutation_index? number (-) distribution index of the mutation. Range: at least 0. Default: 20
+---@field seed? integer (seed) Default: that of the study
+
+---Optimisation of one objective whose trials are expensive: each next trial is where a Gaussian process through all others
+---expects the most improvement, times the probability that the constraints are kept. Choices count as ordered. A failed trial
+---counts as the worst one. The summary has `why`, `expected`, `error` and `count`.
+---
+---Source: D. R. Jones, M. Schonlau, W. J. Welch, Journal of Global Optimization 13 (1998).
+---@class bw.BayesianDesign
+---@field [1] "bayesian" the name
+---@field count integer (count) the most trials. Range: 3 to 500
+---@field initial? integer (count) of them in a spread Latin hypercube first. Range: 2 to 500. Default: 3 for each variable and 2
+---@field batch? integer (count) trials at a time. Range: 1 to 100. Default: 1
+---@field tolerance? number (-) expected improvement, over the range of the objective so far, at which it ends. Range: at least 0. Default: 1e-5
 ---@field seed? integer (seed) Default: that of the study
 
 ---The probability that a constraint is violated, by the first-order reliability method: the likeliest point of failure of
@@ -600,7 +613,10 @@ local Trials = {}
 ---@field low? number (-) of the same: the least, with 95 % confidence; of "form" the largest of its points
 ---@field high? number (-) of the same: the most, with 95 % confidence; of "form" the sum of its points
 ---@field deviation? number (-) of "importance" and "subset": standard deviation of `probability`
----@field count? integer (count) of "importance" and "subset": trials
+---@field count? integer (count) of "bayesian", "importance" and "subset": trials
+---@field why? "tolerance"|"count"|"exhausted" of "bayesian": why it ended; "exhausted": all points were tried
+---@field expected? number (any) of "bayesian": the improvement that one more trial promises; nil where none is feasible
+---@field error? number (-) of "bayesian": root mean square of what the process misses by at trials that it does not know, over the range of the objective
 ---@field failures? integer (count) of "importance": trials that violate a constraint
 ---@field points? bw.DesignPoint[] (list) of "form": the likeliest points of failure
 ---@field lost? bw.DesignPoint[] (list) of "form": where searches ended that found none

@@ -52,7 +52,7 @@ describe("the definition of a study", function()
       {{measures = {"height"}}, "measure 'height' has the name of a variable"},
       {{objectives = {{name = "mas"}}}, "did you mean 'mass'"},
       {{constraints = {{name = "sag"}}}, "min or max expected, got neither"},
-      {{design = {"latin", count = 3}}, "one of form, grid, importance, latin_hypercube, "},
+      {{design = {"latin", count = 3}}, "one of bayesian, form, grid, importance, "},
       {{variables = {{name = "a", low = 0, max = 1}}}, "unknown option 'low': known are default, "},
       {{design = {"random", cuont = 3}}, "did you mean 'count'"},
       {{design = {"random"}}, "option 'count' is missing"},

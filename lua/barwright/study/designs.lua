@@ -21,7 +21,7 @@ local home = {
   random = "sampling", latin_hypercube = "sampling", sobol = "sampling",
   morris = "morris", sobol_indices = "sobol_indices",
   minimise = "minimise", pareto = "pareto",
-  form = "form", importance = "importance", subset = "subset",
+  bayesian = "bayesian", form = "form", importance = "importance", subset = "subset",
 }
 
 --- All names, in alphabetical order.
