@@ -732,6 +732,40 @@ function Trials:counts() end
 ---@return bw.Details? details
 function Trials:csv(path) end
 
+---A measure between the trials, with its standard deviation: a Gaussian process through the trials that have the measure.
+---Choices count as ordered. A name that is no measure raises.
+---
+---Errors: empty (fewer than 3 trials have the measure), limit (more than 1000 do), convergence (no process goes through them).
+---@param name string of a measure
+---@return bw.Surrogate? surrogate of the measure
+---@return string? message
+---@return bw.Details? details
+function Trials:surrogate(name) end
+
+---A measure between trials. `print` gives its error.
+---```lua
+---local study = bw.study {name = "arc", design = {"sobol", count = 16}, measures = {"y"},
+---  variables = {{name = "x", min = 0, max = 3}}, run = function(point) return {y = math.sin(point.x)} end}
+---local arc = assert(assert(study:run()):surrogate "y")
+---local value, deviation = arc:predict {x = 1}
+---print(value, deviation)
+---```
+---
+---Source: C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning (2006).
+---@class bw.Surrogate
+---@field measure string its name
+---@field unit string? of its values
+---@field count integer (count) of trials
+---@field error number (any) root mean square of what it misses trials by that are left out one by one
+---@field lengths table<string, number> (-) by variables: lengths over which the measure changes, in parts of the range; a large one means little influence
+local Surrogate = {}
+
+---The value expected at a point. Far from the trials it goes to their mean, and the deviation to that of all.
+---@param point table<string, any> values by the names of variables
+---@return number value (any) in the unit of the measure
+---@return number deviation (any) standard deviation of the value
+function Surrogate:predict(point) end
+
 ---A figure with the study's names, units, goals and constraints. Kinds:
 ---
 ---- "history": a measure over the trials;

@@ -150,6 +150,8 @@ describe("the stubs", function()
       folder = 1}), "bw.Trial")
     same(keys(require("barwright.study.trials").class, {problem = 1, study = 1, summary = 1, stopped = 1}),
       "bw.Trials")
+    same(keys(require("barwright.study.surrogate").class, {measure = 1, unit = 1, count = 1, error = 1,
+      lengths = 1}), "bw.Surrogate")
     local results = assert(bw.results.open(check.folder()))
     local bound = keys(results, getmetatable(results))
     bound.open, bound.peak_memory, bound.surroundings = nil, nil, nil

@@ -122,6 +122,32 @@ print(json.dumps({'l': g.log_marginal_likelihood_value_, 'm': list(m + 0.3), 's'
   end)
 end)
 
+describe("a surrogate", function()
+  local function trials_of(count)
+    local study = bw.study {name = "arc", file = check.folder() .. "/arc.study", design = {"sobol", count = count},
+      measures = {{name = "f", unit = "m"}, {name = "flat", optional = true}},
+      variables = {{name = "x", min = 0, max = 3}, {name = "idle", min = 0, max = 1}},
+      run = function(point) return {f = math.sin(point.x), flat = point.x < 0.2 and 1 or nil} end}
+    return assert(study:run())
+  end
+
+  it("gives a measure between trials, its deviation and its error", function()
+    local trials = trials_of(24)
+    local arc = assert(trials:surrogate "f")
+    for x = 0.1, 2.9, 0.2 do
+      local value, deviation = arc:predict {x = x, idle = 0.4}
+      assert.is_true(math.abs(value - math.sin(x)) < 5 * deviation + 1e-3)
+      assert.is_true(math.abs(value - math.sin(x)) < 0.02)
+    end
+    assert.is_true(arc.error < 0.05 and arc.count == 24)
+    assert.is_true(arc.lengths.idle > 4 * arc.lengths.x)
+    assert.truthy(tostring(arc):find("between 24 trials", 1, true))
+    check.raises("'g' is no measure", trials.surrogate, trials, "g")
+    check.raises("'idle' is missing", arc.predict, arc, {x = 1})
+    check.fails("empty", "3 to 1000 trials with 'flat' expected", trials:surrogate "flat")
+  end)
+end)
+
 describe("the search by expected improvement", function()
   it("finds Branin's minimum", function()
     local found, best, count = run({"bayesian", count = 60}, {variables = PLANE}, branin)

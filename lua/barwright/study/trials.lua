@@ -182,6 +182,11 @@ function methods:plot(kind, options)
   return require("barwright.study.plots").plot(self, kind, options)
 end
 
+--- A measure between the trials; see surrogate.lua.
+function methods:surrogate(name)
+  return require("barwright.study.surrogate").of(self, name)
+end
+
 --- One HTML file; see barwright.study.report.
 function methods:report(path, options)
   return require("barwright.study.report").write(self, path, options)
@@ -190,7 +195,7 @@ end
 arguments.methods("trials", methods, meta, {column = "name: string, options?: options",
   where = "which: string|function",
   best = "name?: string", front = "", counts = "", csv = "path: string", plot = "kind: string, options?: options",
-  report = "path: string, options?: options"})
+  report = "path: string, options?: options", surrogate = "name: string"})
 
 local bad_words = {failed = "failed", time = "out of time", memory = "out of memory", crashed = "crashed"}
 

@@ -308,6 +308,7 @@ makers.Figure = {
 }
 makers.Study = {function() return files.study "good.study" end, function()
   return files.study "another.study" end}
+makers.Surrogate = {function(p) return assert(p.Trials:surrogate(p.Trials.problem.measures[1].name)) end}
 makers.Trials = {function(p) return assert(p.Study:trials()) end, function()
   local list = require "study_trials" ({{name = "mass", goal = "min"}, {name = "stiffness", goal = "max"}},
     20, "trials")
