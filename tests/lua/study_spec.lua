@@ -402,6 +402,38 @@ describe("one trial again", function()
   end)
 end)
 
+describe("trials that edit one session", function()
+  it("do not see each other: the same bits in any order, on any number of workers and alone", function()
+    local folder = check.folder()
+    local mesh = assert(bw.mesh.box {max = {0.06, 0.01, 0.01}, cells = {12, 2, 2}})
+    local part = bw.model {mesh = mesh, material = bw.material.pla}
+    part:fix(mesh.boundary:below(1, 0))
+    part:load {on = mesh.boundary:above(1, 0.06), force = {0, 0, -1}}
+    local session = assert(bw.edit(part, {skeleton = bw.skeleton.create {root = "wall", joints = {
+      wall = {0, 0.005, 0.005}, middle = {0.03, 0.005, 0.005}, tip = {0.06, 0.005, 0.005}},
+      bones = {{"wall", "middle", name = "arm"}, {"middle", "tip", name = "hand"}}}}))
+    assert(session:solve())
+    local function made(file, widths)
+      local points = {}
+      for i, width in ipairs(widths) do points[i] = {width = width} end
+      return bw.study {name = "session", file = folder .. file, measures = {"sag"},
+        variables = {{name = "width", min = 0.8, max = 1.2}}, design = {"points", points = points},
+        run = function(point)
+          assert(session:bone("arm"):scale {1, point.width, point.width})
+          return {sag = -assert(session:solve()).displacement:column(3):min()}
+        end}
+    end
+    local sag = {}
+    local first = made("/one.study", {0.9, 1, 1.1, 0.95})
+    for _, trial in ipairs(assert(first:run {workers = 1})) do sag[trial.point.width] = trial.results.sag end
+    assert.is_true(sag[0.9] > sag[0.95] and sag[0.95] > sag[1] and sag[1] > sag[1.1])
+    for _, trial in ipairs(assert(made("/two.study", {0.95, 1.1, 1, 0.9}):run {workers = 2})) do
+      assert.equal(sag[trial.point.width], trial.results.sag)
+    end
+    assert.is_true(assert(first:trial(3)).same)
+  end)
+end)
+
 describe("tables and merging", function()
   it("follow RFC 4180, with units in the head", function()
     local folder = check.folder()
