@@ -63,7 +63,7 @@ local function range_of(values)
   return min, max
 end
 
--- Processes of the objective and of each limit (positive where it is missed), fitted anew when the trials have
+-- Processes of the objective and of each limit (positive where it is missed), fitted again when the trials have
 -- grown by a tenth.
 local function fit(search)
   local n = #search.places
