@@ -331,7 +331,8 @@ function solids.loft(outlines, given)
     raise(("surface.loft: option 'heights': a number for each of the %d outlines expected, got %d")
       :format(#outlines, #opts.heights))
   end
-  for i, outline in ipairs(outlines) do
+  for i = 1, #outlines do
+    local outline = outlines[i]
     if core.class_name(outline) ~= "outline" then
       raise(("surface.loft: outline %d: an outline expected, got %s"):format(i, core.got(outline)))
     end

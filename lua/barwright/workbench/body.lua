@@ -17,6 +17,9 @@ local flat = {svg = true, dxf = true}
 
 -- What a script returns: a surface, or nil and why not.
 local function from_script(path)
+  local file, why = io.open(path)
+  if not file then return nil, why, {status = "io", file = path} end
+  file:close()
   local made, message, details = model.try(dofile, path)
   if made == nil then return nil, message or path .. ": the script returns nothing", details end
   local kind = core.class_name(made)

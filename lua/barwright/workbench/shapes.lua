@@ -105,7 +105,8 @@ end
 -- The length of an edit, in proportion to which it moves points: of a radius what it changes.
 local function length_of(self, name, given)
   if name ~= "radius" then return given.distance end
-  return given.radius - now(self).body.faces[given.face].radius
+  local former = now(self).body.faces[given.face].radius
+  return former and given.radius - former or 0 -- without a radius the edit is refused
 end
 
 -- Which edit it is, whatever its length.
