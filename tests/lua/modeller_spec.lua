@@ -187,6 +187,7 @@ describe("an outline", function()
     local adapter = sound(bw.surface.loft({square(4), bw.outline.circle {radius = 2}}, {heights = {0, 1}}))
     assert.is_true(adapter.volume > pi * 4 * 0.97 and adapter.volume < 16)
     assert.error_matches(function() bw.surface.loft({square(1), ring}, {heights = {0, 1}}) end, "loops")
+    assert.error_matches(function() bw.surface.loft({nil, ring}, {heights = {0, 1}}) end, "outline 1: an outline")
     assert.error_matches(function() bw.surface.loft({square(1), square(2)}, {heights = {1, 0}}) end, "ascending")
   end)
 
