@@ -384,28 +384,30 @@ bool bwi_tree_is_near(const bwi_tree *tree, const double x[3], double limit, int
   return search_below(tree, x, more, square, place, hint) <= square;
 }
 
+typedef struct within {
+  const bwi_tree *tree;
+  const double *x;
+  double square;
+  int32_t first;
+} within;
+
+static bool visit_within(void *data, int32_t facet) {
+  within *w = (within *)data;
+  double place[3];
+  if (facet < w->first &&
+      bwi_nearest_on_triangle(w->x, corner_of(w->tree, facet, 0), corner_of(w->tree, facet, 1),
+                              corner_of(w->tree, facet, 2), place) <= w->square)
+    w->first = facet;
+  return true;
+}
+
 int32_t bwi_tree_first_within(const bwi_tree *tree, const double x[3], double limit) {
-  int32_t first = INT32_MAX, stack[DEPTH];
-  double square = limit * limit, place[3];
-  int depth = 0;
-  if (tree->facet_count)
-    stack[depth++] = 0;
-  while (depth > 0) {
-    int32_t at = stack[--depth];
-    const node *n = &tree->node[at];
-    if (box_distance(x, n) > square)
-      continue;
-    if (n->second) {
-      stack[depth++] = n->second;
-      stack[depth++] = at + 1;
-      continue;
-    }
-    for (int32_t i = 0; i < n->count; i++) {
-      int32_t t = tree->facet[n->first + i];
-      if (t < first && bwi_nearest_on_triangle(x, corner_of(tree, t, 0), corner_of(tree, t, 1),
-                                               corner_of(tree, t, 2), place) <= square)
-        first = t;
-    }
+  within w = {tree, x, limit * limit, INT32_MAX};
+  double low[3], high[3];
+  for (int k = 0; k < 3; k++) {
+    low[k] = x[k] - limit;
+    high[k] = x[k] + limit;
   }
-  return first < INT32_MAX ? first : -1;
+  bwi_tree_in_box(tree, low, high, visit_within, &w);
+  return w.first < INT32_MAX ? w.first : -1;
 }
